@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Writes a source file with the texts of the page of `nscdd report`, as raw strings.
-#   cmake -DFOLDER=src/formats/page -DPROGRAM=a.js,b.js -DOUTPUT=page_parts.cpp -P EmbedPage.cmake
+#   cmake -DFOLDER=src/formats/report/page -DPROGRAM=a.js,b.js -DOUTPUT=page_parts.cpp -P EmbedPage.cmake
 function(raw_string file result)
   file(READ "${FOLDER}/${file}" text)
   string(LENGTH "${text}" bytes)
@@ -18,7 +18,7 @@ foreach(file IN LISTS files)
   raw_string("${file}" text)
   string(APPEND program "${text},\n")
 endforeach()
-file(WRITE "${OUTPUT}" "#include \"formats/page_parts.hpp\"
+file(WRITE "${OUTPUT}" "#include \"formats/report/page_parts.hpp\"
 namespace nscdd::page::parts {
 constinit const std::string_view page = ${page};
 constinit const std::string_view style = ${style};

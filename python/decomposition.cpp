@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.hpp"
 #include "core/fail.hpp"
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 #include "long_work.hpp"
 #include "module.hpp"
-#include "study/case.hpp"
-#include "study/inspection.hpp"
+#include "study/case/case.hpp"
+#include "study/linear/inspection.hpp"
 #include <nscdd/study/sweep.hpp>
 
 namespace nscdd::python {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/formats/fclib.hpp>
-#include <nscdd/mechanics/friction_solver.hpp>
 
 #include <pybind11/pybind11.h>
 

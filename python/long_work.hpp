@@ -3,7 +3,7 @@
 
 #include "linalg/threads.hpp"
 #include <nscdd/core/fields.hpp>
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <pybind11/pybind11.h>
 

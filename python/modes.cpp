@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "study/modes.hpp"
+#include "study/linear/modes.hpp"
 
 #include "arrays.hpp"
 #include "long_work.hpp"

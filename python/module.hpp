@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/packing/packing.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/model.hpp>
 
 #include <pybind11/pybind11.h>

@@ -4,7 +4,7 @@
 #include "long_work.hpp"
 #include "module.hpp"
 #include "packing/precision.hpp"
-#include "study/case.hpp"
+#include "study/case/case.hpp"
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/packing/generator.hpp>
 

@@ -3,7 +3,7 @@
 
 #include "arrays.hpp"
 #include "core/fail.hpp"
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 #include "long_work.hpp"
 #include "module.hpp"
 

@@ -3,7 +3,7 @@
 #include "core/fail.hpp"
 #include "long_work.hpp"
 #include "module.hpp"
-#include "study/values.hpp"
+#include "study/linear/values.hpp"
 #include <nscdd/study/sweep.hpp>
 
 namespace nscdd::python {

@@ -3,9 +3,9 @@
 #include "core/fail.hpp"
 #include "long_work.hpp"
 #include "module.hpp"
-#include "study/curve.hpp"
-#include "study/optimum.hpp"
-#include "study/values.hpp"
+#include "study/linear/curve.hpp"
+#include "study/linear/optimum.hpp"
+#include "study/linear/values.hpp"
 
 namespace nscdd::python {
 namespace {

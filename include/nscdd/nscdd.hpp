@@ -4,6 +4,7 @@
 /// The public face of the library, every header of it: packings, the contact problem, subdomains, contraction operators
 /// and their spectral radii, sweeps, and the files these are read from. docs/architecture.md says what each layer is
 /// for.
+#include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/components.hpp>
 #include <nscdd/core/fields.hpp>
@@ -14,17 +15,14 @@
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/interface.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
-#include <nscdd/ddm/optimal_eta.hpp>
 #include <nscdd/ddm/partitioner.hpp>
 #include <nscdd/ddm/partitioners/grid.hpp>
 #include <nscdd/ddm/partitioners/metis.hpp>
-#include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/formats/read_model.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
-#include <nscdd/mechanics/friction_solver.hpp>
 #include <nscdd/mechanics/law.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 #include <nscdd/packing/generator.hpp>
@@ -33,5 +31,7 @@
 #include <nscdd/packing/generators/sphere_deposit.hpp>
 #include <nscdd/packing/generators/sphere_lattice.hpp>
 #include <nscdd/packing/packing.hpp>
+#include <nscdd/spectra/optimal_eta.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/model.hpp>
 #include <nscdd/study/sweep.hpp>

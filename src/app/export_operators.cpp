@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/export_operators.hpp"
 
-#include "formats/operators_file.hpp"
+#include "formats/matrices/operators_file.hpp"
 #include "linalg/threads.hpp"
-#include "study/inspection.hpp"
-#include "study/values.hpp"
+#include "study/linear/inspection.hpp"
+#include "study/linear/values.hpp"
 
 namespace nscdd::app {
 namespace {

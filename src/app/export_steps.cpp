@@ -4,10 +4,11 @@
 #include "app/step_range.hpp"
 #include "files/output_file.hpp"
 #include "files/output_folder.hpp"
-#include "formats/datbox_sphere_writer.hpp"
-#include "formats/datbox_writer.hpp"
-#include "formats/export.hpp"
-#include "formats/vtkhdf.hpp"
+#include "formats/lmgc90/datbox_sphere_writer.hpp"
+#include "formats/lmgc90/datbox_writer.hpp"
+#include "formats/trajectory/trajectory.hpp"
+#include "formats/vtk/vtk.hpp"
+#include "formats/vtk/vtkhdf.hpp"
 
 namespace nscdd::app {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
 
-#include "formats/case_file.hpp"
-#include "study/values.hpp"
+#include "formats/case/case_file.hpp"
+#include "study/linear/values.hpp"
 
 #ifdef __GLIBC__
 #include <malloc.h>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "app/verbs.hpp"
-#include "study/case.hpp"
-#include "study/memory_estimate.hpp"
+#include "study/case/case.hpp"
+#include "study/linear/memory_estimate.hpp"
 #include <nscdd/study/sweep.hpp>
 
 #include <filesystem>

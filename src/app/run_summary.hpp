@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "study/lead_in.hpp"
+#include "study/case/lead_in.hpp"
 
 namespace nscdd::app {
 

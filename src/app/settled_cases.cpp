@@ -3,10 +3,10 @@
 #include "app/run_summary.hpp"
 #include "core/text.hpp"
 #include "files/csv.hpp"
-#include "formats/case_file.hpp"
-#include "formats/datbox.hpp"
+#include "formats/case/case_file.hpp"
+#include "formats/lmgc90/datbox.hpp"
 #include "simulation/simulation.hpp"
-#include "study/inspection.hpp"
+#include "study/linear/inspection.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
 #include <cstdlib>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "files/csv.hpp"
-#include "formats/trajectory.hpp"
-#include "study/lead_in.hpp"
+#include "formats/trajectory/trajectory.hpp"
+#include "study/case/lead_in.hpp"
 
 namespace nscdd::app {
 

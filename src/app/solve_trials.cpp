@@ -2,7 +2,7 @@
 #include "app/solve_trials.hpp"
 
 #include "core/text.hpp"
-#include "formats/siconos_dat.hpp"
+#include "formats/contact_problem/siconos_dat.hpp"
 
 namespace nscdd::app {
 namespace {

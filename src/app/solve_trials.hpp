@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/options.hpp"
-#include "study/solver_trial.hpp"
+#include "study/moving/solver_trial.hpp"
 
 namespace nscdd::app {
 

@@ -3,8 +3,8 @@
 
 #include "core/fail.hpp"
 #include "core/text.hpp"
-#include "formats/trajectory.hpp"
-#include "study/values.hpp"
+#include "formats/trajectory/trajectory.hpp"
+#include "study/linear/values.hpp"
 
 namespace nscdd::app {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/options.hpp"
-#include "study/curve.hpp"
+#include "study/linear/curve.hpp"
 
 namespace nscdd::app {
 

@@ -2,7 +2,7 @@
 #include "app/options.hpp"
 #include "core/fail.hpp"
 #include "files/hdf5.hpp"
-#include "study/optimum.hpp"
+#include "study/linear/optimum.hpp"
 
 #include <filesystem>
 

@@ -4,9 +4,10 @@
 #include "app/step_range.hpp"
 #include "core/text.hpp"
 #include "files/output_file.hpp"
-#include "formats/export.hpp"
-#include "formats/siconos_dat.hpp"
-#include <nscdd/mechanics/friction_solver.hpp>
+#include "formats/contact_problem/siconos_dat.hpp"
+#include "formats/contact_problem/step_fclib.hpp"
+#include "formats/trajectory/trajectory.hpp"
+#include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd::app {
 namespace {

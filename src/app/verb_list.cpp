@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
-#include "study/study.hpp"
+#include "study/tables/study.hpp"
 
 namespace nscdd::app {
 namespace {

@@ -2,9 +2,9 @@
 #include "app/options.hpp"
 #include "files/csv.hpp"
 #include "linalg/threads.hpp"
-#include "study/inspection.hpp"
-#include "study/modes.hpp"
-#include "study/values.hpp"
+#include "study/linear/inspection.hpp"
+#include "study/linear/modes.hpp"
+#include "study/linear/values.hpp"
 
 namespace nscdd::app {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
 #include "files/csv.hpp"
-#include "study/inspection.hpp"
+#include "study/linear/inspection.hpp"
 
 namespace nscdd::app {
 namespace {

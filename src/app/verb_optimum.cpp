@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
 #include "linalg/threads.hpp"
-#include "study/inspection.hpp"
-#include "study/optimum.hpp"
-#include "study/values.hpp"
+#include "study/linear/inspection.hpp"
+#include "study/linear/optimum.hpp"
+#include "study/linear/values.hpp"
 
 namespace nscdd::app {
 namespace {

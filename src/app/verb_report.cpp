@@ -2,9 +2,9 @@
 #include "app/options.hpp"
 #include "app/step_range.hpp"
 #include "files/output_file.hpp"
-#include "formats/report_page.hpp"
+#include "formats/report/report_page.hpp"
 #include "linalg/threads.hpp"
-#include "study/values.hpp"
+#include "study/linear/values.hpp"
 
 #include <set>
 

@@ -2,7 +2,7 @@
 #include "app/options.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5.hpp"
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd::app {

@@ -5,7 +5,7 @@
 #include "app/simulate_output.hpp"
 #include "core/text.hpp"
 #include "files/output_file.hpp"
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd::app {

@@ -2,10 +2,10 @@
 #include "app/solve_trials.hpp"
 #include "core/text.hpp"
 #include "files/csv.hpp"
-#include "formats/contact_solution.hpp"
-#include "formats/siconos_dat.hpp"
+#include "formats/contact_problem/contact_solution.hpp"
+#include "formats/contact_problem/siconos_dat.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/mechanics/friction_solver.hpp>
+#include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd::app {
 namespace {

@@ -3,8 +3,8 @@
 #include "app/sweep_curve.hpp"
 #include "files/hdf5.hpp"
 #include "linalg/threads.hpp"
-#include "study/inspection.hpp"
-#include "study/values.hpp"
+#include "study/linear/inspection.hpp"
+#include "study/linear/values.hpp"
 
 namespace nscdd::app {
 namespace {

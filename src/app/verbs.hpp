@@ -3,7 +3,7 @@
 
 #include "core/fail.hpp"
 #include <nscdd/core/processes.hpp>
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <deque>
 #include <variant>

@@ -2,7 +2,7 @@
 #include "mechanics/time_stepping.hpp"
 
 #include "mechanics/connectivity.hpp"
-#include "mechanics/contact_solvers/contact_blocks.hpp"
+#include "mechanics/contact_blocks.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
 #include <numeric>

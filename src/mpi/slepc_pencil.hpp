@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mpi/communicator.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <slepceps.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/divided_contacts.hpp"
 #include "simulation/dynamics.hpp"
+#include "two_stage/divided_contacts.hpp"
 
 namespace nscdd {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/contact_solver_step.hpp"
 
-#include "ddm/divided_contacts.hpp"
-#include "mechanics/contact_solvers/contact_blocks.hpp"
-#include "mechanics/contact_solvers/contact_solver.hpp"
+#include "contact_solvers/contact_solver.hpp"
+#include "mechanics/contact_blocks.hpp"
 #include "simulation/contact_colours.hpp"
 #include "simulation/step_decomposition.hpp"
+#include "two_stage/divided_contacts.hpp"
 
 #include <chrono>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/step_solver.hpp"
 #include "mechanics/granular_system.hpp"
 #include "mechanics/time_stepping.hpp"
+#include "two_stage/step_solver.hpp"
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/processes.hpp>
 #include <nscdd/ddm/partitioner.hpp>

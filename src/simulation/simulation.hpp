@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/granular_two_stage.hpp"
 #include "mechanics/gauss_seidel.hpp"
 #include "simulation/step_share.hpp"
+#include "two_stage/granular_two_stage.hpp"
 #include <nscdd/core/table.hpp>
 
 namespace nscdd {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/step_decomposition.hpp"
 
-#include "ddm/granular_two_stage.hpp"
 #include "simulation/step_share.hpp"
-#include <nscdd/ddm/optimal_eta.hpp>
+#include "two_stage/granular_two_stage.hpp"
+#include <nscdd/spectra/optimal_eta.hpp>
 
 namespace nscdd {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/granular_two_stage.hpp"
-#include "mechanics/contact_solvers/contact_sums.hpp"
+#include "contact_solvers/contact_sums.hpp"
 #include "simulation/step_decomposition.hpp"
+#include "two_stage/granular_two_stage.hpp"
 
 namespace nscdd {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A DATBOX of LMGC90: read as a packing and as a case that moves, equal to the case that it was written from.
-#include "formats/datbox.hpp"
+#include "formats/lmgc90/datbox.hpp"
 
 #include "../support/moving_case.hpp"
-#include "formats/trajectory.hpp"
+#include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 #include <nscdd/formats/packing_file.hpp>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd export: trajectories for ParaView, steps as contact problems that solve to what the run found.
 #include "../support/moving_case.hpp"
-#include "formats/trajectory.hpp"
+#include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
+#include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/formats/fclib.hpp>
-#include <nscdd/mechanics/friction_solver.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,7 +2,7 @@
 // nscdd report: the data of its pages against the tables of other verbs, refusals, and that a page stands alone.
 // What a browser makes of the pages is tested in tests/report/.
 #include "../support/moving_case.hpp"
-#include "formats/run_report.hpp"
+#include "formats/report/run_report.hpp"
 #include "session.hpp"
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Texts of Siconos, and packings as text, wherever their HDF5 and CSV counterparts are read.
 #include "../support/fclib_files.hpp"
-#include "formats/siconos_dat.hpp"
+#include "formats/contact_problem/siconos_dat.hpp"
 #include "session.hpp"
 
 #include <doctest/doctest.h>

@@ -2,7 +2,7 @@
 // nscdd simulate: what it prints and writes, going on, breakdowns, bad input, settled packings.
 #include "../support/moving_case.hpp"
 #include "files/csv.hpp"
-#include "formats/trajectory.hpp"
+#include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 
 #include <doctest/doctest.h>

@@ -3,8 +3,8 @@
 #include "../support/fclib_files.hpp"
 #include "../support/problems.hpp"
 #include "session.hpp"
+#include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/formats/fclib.hpp>
-#include <nscdd/mechanics/friction_solver.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,7 +2,7 @@
 // `nscdd solve FOLDER --csv`: contact problems by contact solvers.
 #include "../support/fclib_files.hpp"
 #include "session.hpp"
-#include <nscdd/mechanics/friction_solver.hpp>
+#include <nscdd/contact_solvers/friction_solver.hpp>
 
 #include <doctest/doctest.h>
 

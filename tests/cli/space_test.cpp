@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The linear study of spheres as users run it: the verbs that take a packing in the plane take one in space.
-#include "formats/trajectory.hpp"
+#include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Steps that are too long, as users meet them: one grain would pass through another between two searches for contacts.
-#include "formats/trajectory.hpp"
+#include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 
 #include <doctest/doctest.h>

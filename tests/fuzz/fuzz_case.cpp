@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any text is a case or an Error; a case survives being written and read back, and builds or is an Error.
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 #include "require.hpp"
-#include "study/case.hpp"
+#include "study/case/case.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any five texts are a DATBOX or an Error, and what is made of it is a packing, a system that moves, or an Error.
-#include "formats/datbox.hpp"
+#include "formats/lmgc90/datbox.hpp"
 #include "require.hpp"
 
 #include <cstddef>

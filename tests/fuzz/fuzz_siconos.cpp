@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any text is a contact problem of Siconos or an Error; a problem is sound, and written it reads back bit for bit.
-#include "formats/siconos_dat.hpp"
+#include "formats/contact_problem/siconos_dat.hpp"
 #include "require.hpp"
 
 #include <cstddef>

@@ -2,7 +2,7 @@
 // Any text is a list of values or an Error; what is returned keeps to the bounds of the quantity.
 // The first character of an input chooses the parser, the rest is the SPEC.
 #include "require.hpp"
-#include "study/values.hpp"
+#include "study/linear/values.hpp"
 #include <nscdd/core/fields.hpp>
 
 #include <algorithm>

@@ -4,9 +4,9 @@
 #include "../support/fclib_files.hpp"
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
-#include "formats/case_file.hpp"
-#include "study/inspection.hpp"
-#include "study/study.hpp"
+#include "formats/case/case_file.hpp"
+#include "study/linear/inspection.hpp"
+#include "study/tables/study.hpp"
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

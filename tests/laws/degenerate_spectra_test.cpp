@@ -3,7 +3,7 @@
 // answer, and what one solver cannot answer another one does.
 #include "../support/small_packings.hpp"
 #include "../support/spectra.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,7 @@
 // and Stage 2 therefore agree, and leave no error.
 #include "../support/problems.hpp"
 #include "mechanics/active_set.hpp"
-#include "study/modes.hpp"
+#include "study/linear/modes.hpp"
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

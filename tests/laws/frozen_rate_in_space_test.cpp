@@ -2,11 +2,11 @@
 // Near a solution the algorithm is in space the linear map that FrozenIteration says it is, to first order: against
 // differences of the run itself, its rate, the limit of many sweeps, and disks.
 #include "../support/spheres.hpp"
-#include "ddm/frozen_iteration.hpp"
 #include "linalg/random.hpp"
 #include "simulation/step_decomposition.hpp"
-#include "study/predicted_observed.hpp"
-#include "study/rate_at_solution.hpp"
+#include "study/moving/predicted_observed.hpp"
+#include "study/moving/rate_at_solution.hpp"
+#include "two_stage/frozen_iteration.hpp"
 #include <nscdd/packing/generator.hpp>
 
 #include <doctest/doctest.h>

@@ -3,10 +3,10 @@
 // frozen_contraction say it is: against the spectral code where nothing slides, against the run itself where
 // contacts do.
 #include "../support/granular.hpp"
-#include "ddm/frozen_iteration.hpp"
 #include "simulation/step_decomposition.hpp"
-#include "study/predicted_observed.hpp"
-#include "study/rate_at_solution.hpp"
+#include "study/moving/predicted_observed.hpp"
+#include "study/moving/rate_at_solution.hpp"
+#include "two_stage/frozen_iteration.hpp"
 #include <nscdd/ddm/contraction.hpp>
 
 #include <doctest/doctest.h>

@@ -3,10 +3,10 @@
 // the same iterates where Stage 1 is inexact, and the rate that the spectrum foretells.
 #include "../support/granular.hpp"
 #include "../support/problems.hpp"
-#include "ddm/two_stage.hpp"
 #include "simulation/step_decomposition.hpp"
+#include "two_stage/two_stage.hpp"
 #include <nscdd/ddm/contraction.hpp>
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Algorithm 1 on the contact problem of a step: one subdomain is Gauss-Seidel to the last bit, any number of
 // subdomains comes to the same velocities, whatever the variant, and no bit depends on threads.
-#include "ddm/granular_two_stage.hpp"
+#include "two_stage/granular_two_stage.hpp"
 
 #include "../support/granular.hpp"
 #include "../support/granular_solution.hpp"

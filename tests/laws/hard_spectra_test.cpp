@@ -5,11 +5,11 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
-#include "ddm/pencil_end.hpp"
 #include "linalg/multifrontal/factor.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include "spectra/pencil_end.hpp"
+#include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

@@ -4,7 +4,7 @@
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

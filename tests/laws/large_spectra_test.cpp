@@ -3,11 +3,11 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
-#include "ddm/continuation.hpp"
 #include "linalg/multifrontal/factor.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include "spectra/continuation.hpp"
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,7 @@
 // same end with them, and that a contact that slides with friction keeps its subdomain as it is.
 #include "../support/dense.hpp"
 #include "../support/spheres.hpp"
-#include "ddm/model_switch.hpp"
+#include "two_stage/model_switch.hpp"
 
 #include <doctest/doctest.h>
 

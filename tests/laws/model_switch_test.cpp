@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Subdomains that become linear while their statuses stand still: what they answer, when they go back, and that a run
 // comes to the same end with them.
-#include "ddm/model_switch.hpp"
+#include "two_stage/model_switch.hpp"
 
 #include "../support/dense.hpp"
 #include "../support/granular.hpp"

@@ -2,8 +2,8 @@
 // Certified curves: the band holds a thousand samples that are computed one by one.
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
-#include "study/curve.hpp"
-#include "study/values.hpp"
+#include "study/linear/curve.hpp"
+#include "study/linear/values.hpp"
 
 #include <doctest/doctest.h>
 using namespace nscdd;

@@ -6,12 +6,12 @@
 #include "../support/mumps.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
-#include "ddm/continuation.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_entries.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include "spectra/continuation.hpp"
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

@@ -4,9 +4,9 @@
 #include "../support/dense.hpp"
 #include "../support/judged_radius.hpp"
 #include "../support/problems.hpp"
-#include "ddm/continuation.hpp"
 #include "ddm/rigid_system.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include "spectra/continuation.hpp"
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

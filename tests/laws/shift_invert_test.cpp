@@ -4,7 +4,7 @@
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Dense against sparse subdomains, dense pencils against ARPACK, matrices against applications.
 #include "../support/problems.hpp"
-#include "ddm/two_stage.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include "two_stage/two_stage.hpp"
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

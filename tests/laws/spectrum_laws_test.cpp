@@ -6,8 +6,8 @@
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
-#include "study/inspection.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include "study/linear/inspection.hpp"
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

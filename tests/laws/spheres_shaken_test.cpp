@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Many spheres: what holds of every step, whichever algorithm solves it.
 #include "../support/spheres.hpp"
-#include "ddm/contact_order.hpp"
-#include "formats/export.hpp"
+#include "formats/contact_problem/step_fclib.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/time_stepping.hpp"
+#include "two_stage/contact_order.hpp"
 
 #include <doctest/doctest.h>
 

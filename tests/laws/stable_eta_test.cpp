@@ -2,9 +2,9 @@
 // The flexibility from which Stage 2 is stable whatever the contacts do, and runs with eta = "optimal" on it.
 #include "../support/granular.hpp"
 #include "../support/problems.hpp"
-#include "ddm/granular_two_stage.hpp"
-#include "study/optimum.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include "study/linear/optimum.hpp"
+#include "two_stage/granular_two_stage.hpp"
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The algorithm itself against what the operators say of it.
-#include "ddm/two_stage.hpp"
+#include "two_stage/two_stage.hpp"
 
 #include "../support/dense.hpp"
 #include "../support/literal_formulas.hpp"
@@ -8,8 +8,8 @@
 #include "linalg/krylov.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
-#include "study/observed_rate.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include "study/linear/observed_rate.hpp"
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

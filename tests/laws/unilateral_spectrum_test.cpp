@@ -3,7 +3,7 @@
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include "mechanics/active_set.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

@@ -5,7 +5,7 @@
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
 #include "mechanics/gauss_seidel.hpp"
-#include "study/inspection.hpp"
+#include "study/linear/inspection.hpp"
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

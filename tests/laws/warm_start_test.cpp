@@ -3,8 +3,8 @@
 // row a table starts from.
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
-#include "ddm/continuation.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include "spectra/continuation.hpp"
+#include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

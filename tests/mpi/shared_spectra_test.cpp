@@ -3,10 +3,10 @@
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
 #include "ddm/shifted_pencil.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/mpi/multifrontal.hpp>
 #include <nscdd/mpi/processes.hpp>
 #include <nscdd/mpi/slepc.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/model.hpp>
 
 #include <doctest/doctest.h>

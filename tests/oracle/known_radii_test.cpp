@@ -5,7 +5,7 @@
 #include "files/csv.hpp"
 #include "mechanics/active_set.hpp"
 #include <nscdd/core/fields.hpp>
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

@@ -330,7 +330,7 @@ def check_colours(page):
     page.by_id("whole").click()
     page.settle()
     check(page.picture() != flat, "colours: hatching is a second sign")
-    with open(os.path.join(os.environ["NSCDD_SOURCE"], "src/formats/page/data.js"), encoding="utf-8") as stream:
+    with open(os.path.join(os.environ["NSCDD_SOURCE"], "src/formats/report/page/data.js"), encoding="utf-8") as stream:
         listed = re.search(r"const palette = \[(.*?)\];", stream.read()).group(1)
     palette = [tuple(int(c[i:i + 2], 16) for i in (0, 2, 4)) for c in re.findall(r"#(\w{6})", listed)]
     for vision, (distance, pair) in colours.closest(palette).items():
@@ -381,7 +381,7 @@ def check_print(page):
 
 def check_camera(page):
     """The camera of the page is that of the figures in space, and leaves the plane as it is."""
-    with open(os.path.join(os.environ["NSCDD_SOURCE"], "src/formats/page/camera.js"), encoding="utf-8") as stream:
+    with open(os.path.join(os.environ["NSCDD_SOURCE"], "src/formats/report/page/camera.js"), encoding="utf-8") as stream:
         code = stream.read()
     low, high = [-1.0, 2.0, 0.5], [4.0, 5.0, 9.0]
     points = np.random.default_rng(1).uniform(low, high, (50, 3))

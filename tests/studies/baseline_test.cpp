@@ -3,7 +3,7 @@
 // again.
 #include "../support/studies.hpp"
 #include "files/csv.hpp"
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 #include "simulation/simulation.hpp"
 
 #include <doctest/doctest.h>

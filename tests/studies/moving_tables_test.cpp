@@ -3,11 +3,11 @@
 #include "../support/moving_case.hpp"
 #include "../support/studies.hpp"
 #include "files/csv.hpp"
-#include "formats/case_file.hpp"
-#include "formats/export.hpp"
+#include "formats/case/case_file.hpp"
+#include "formats/contact_problem/step_fclib.hpp"
 #include "simulation/simulation.hpp"
-#include "study/study.hpp"
-#include <nscdd/mechanics/friction_solver.hpp>
+#include "study/tables/study.hpp"
+#include <nscdd/contact_solvers/friction_solver.hpp>
 
 #include <doctest/doctest.h>
 

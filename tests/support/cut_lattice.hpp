@@ -3,9 +3,9 @@
 #pragma once
 
 #include "../support/granular.hpp"
-#include "ddm/cut_contacts.hpp"
 #include "linalg/random.hpp"
 #include "simulation/step_decomposition.hpp"
+#include "two_stage/cut_contacts.hpp"
 
 namespace nscdd::testing {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 namespace nscdd::testing {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "spatial_problems.hpp"
-#include "study/case.hpp"
+#include "study/case/case.hpp"
 #include <nscdd/ddm/decomposition.hpp>
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "study/case.hpp"
+#include "study/case/case.hpp"
 
 #include <cstdint>
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "dense.hpp"
-#include "study/case.hpp"
-#include "study/optimum.hpp"
+#include "study/case/case.hpp"
+#include "study/linear/optimum.hpp"
 #include <nscdd/ddm/contraction.hpp>
 
 #include <vector>

@@ -2,7 +2,7 @@
 #include "studies.hpp"
 
 #include "files/csv.hpp"
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 
 #include <filesystem>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "run_program.hpp"
-#include "study/study.hpp"
+#include "study/tables/study.hpp"
 #include <nscdd/core/table.hpp>
 
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sections of a case file that make it move.
 #include "../support/moving_case.hpp"
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/contact_solvers/contact_matrix.hpp"
+#include "contact_solvers/contact_matrix.hpp"
 
 #include "../support/dense.hpp"
 #include "../support/fclib_files.hpp"

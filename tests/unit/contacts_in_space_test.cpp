@@ -3,11 +3,11 @@
 #include "../support/dense.hpp"
 #include "../support/fclib_files.hpp"
 #include "../support/sanitized.hpp"
-#include "ddm/cut_contacts.hpp"
+#include "contact_solvers/contact_solver.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/connectivity.hpp"
-#include "mechanics/contact_solvers/contact_solver.hpp"
+#include "two_stage/cut_contacts.hpp"
 
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/cut_contacts.hpp"
+#include "two_stage/cut_contacts.hpp"
 
 #include "../support/cut_lattice.hpp"
 #include "../support/dense.hpp"
-#include "ddm/granular_two_stage.hpp"
+#include "two_stage/granular_two_stage.hpp"
 
 #include <doctest/doctest.h>
 

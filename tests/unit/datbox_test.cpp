@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Input files of LMGC90, by hand: what is read from which columns, and what is refused.
-#include "formats/datbox.hpp"
+#include "formats/lmgc90/datbox.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
-#include "ddm/two_stage.hpp"
 #include "linalg/random.hpp"
 #include "linalg/sparse_entries.hpp"
+#include "two_stage/two_stage.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
-#include <nscdd/ddm/optimal_eta.hpp>
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/optimal_eta.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contact problems of steps cut into subdomains, against the stored W of the whole step.
 #include "../support/spheres.hpp"
+#include "contact_solvers/contact_solver.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
-#include "mechanics/contact_solvers/contact_solver.hpp"
 #include "simulation/contact_colours.hpp"
 #include "simulation/contact_solver_step.hpp"
 

@@ -2,10 +2,10 @@
 // Texts as other programs and systems leave them: their line ends, encodings and numbers, in every reader.
 #include "core/text.hpp"
 #include "files/csv.hpp"
-#include "formats/case_file.hpp"
-#include "formats/datbox.hpp"
-#include "formats/siconos_dat.hpp"
-#include "formats/text_packing.hpp"
+#include "formats/case/case_file.hpp"
+#include "formats/contact_problem/siconos_dat.hpp"
+#include "formats/lmgc90/datbox.hpp"
+#include "formats/packing/text_packing.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
 #include <doctest/doctest.h>

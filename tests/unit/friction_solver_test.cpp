@@ -3,12 +3,12 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "../support/sanitized.hpp"
+#include "contact_solvers/contact_solver.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/active_set.hpp"
 #include "mechanics/contact_law.hpp"
-#include "mechanics/contact_solvers/contact_solver.hpp"
-#include <nscdd/mechanics/friction_solver.hpp>
+#include <nscdd/contact_solvers/friction_solver.hpp>
 
 #include <doctest/doctest.h>
 

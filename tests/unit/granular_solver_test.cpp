@@ -3,9 +3,9 @@
 // every combination of statuses tried, matrices written down from the geometry alone.
 #include "../support/dense.hpp"
 #include "../support/granular.hpp"
-#include "ddm/granular_two_stage.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/grain_contacts.hpp"
+#include "two_stage/granular_two_stage.hpp"
 
 #include <doctest/doctest.h>
 

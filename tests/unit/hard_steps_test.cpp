@@ -3,11 +3,11 @@
 // too easy for that.
 #include "../support/moving_case.hpp"
 #include "../support/sanitized.hpp"
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 #include "simulation/contact_solver_step.hpp"
 #include "simulation/step_decomposition.hpp"
-#include "study/lead_in.hpp"
-#include <nscdd/mechanics/friction_solver.hpp>
+#include "study/case/lead_in.hpp"
+#include <nscdd/contact_solvers/friction_solver.hpp>
 
 #include <doctest/doctest.h>
 

@@ -7,9 +7,9 @@
 #include "../support/sanitized.hpp"
 #include "../support/spheres.hpp"
 #include "simulation/contact_solver_step.hpp"
-#include "study/predicted_observed.hpp"
-#include "study/rate_at_solution.hpp"
-#include <nscdd/mechanics/friction_solver.hpp>
+#include "study/moving/predicted_observed.hpp"
+#include "study/moving/rate_at_solution.hpp"
+#include <nscdd/contact_solvers/friction_solver.hpp>
 
 #include <doctest/doctest.h>
 

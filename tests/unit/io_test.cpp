@@ -2,7 +2,7 @@
 #include "../support/moving_case.hpp"
 #include "../support/problems.hpp"
 #include "files/csv.hpp"
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
 #include <doctest/doctest.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Modes: the identities that tie impulses, velocities and jumps together, normalisation, agreement of
 // solvers.
-#include "study/modes.hpp"
+#include "study/linear/modes.hpp"
 
 #include "../support/problems.hpp"
 #include "../support/sanitized.hpp"
-#include "ddm/two_stage.hpp"
+#include "two_stage/two_stage.hpp"
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

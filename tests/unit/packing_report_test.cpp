@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The report of a packing: modes that a sweep leaves, places where they are kept, interruption.
-#include "study/packing_report.hpp"
+#include "study/linear/packing_report.hpp"
 
 #include "../support/problems.hpp"
 #include "../support/sanitized.hpp"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The search for one end of the spectrum: whatever it is told to start from, and what it says when stopped.
-#include "ddm/pencil_end.hpp"
+#include "spectra/pencil_end.hpp"
 
 #include "../support/problems.hpp"
 #include "../support/sanitized.hpp"
 #include "../support/spectra.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bounds of the radius between two points of a curve: Moebius functions, slopes, chords and tangents.
-#include "ddm/radius_curve.hpp"
+#include "spectra/radius_curve.hpp"
 
 #include "../support/problems.hpp"
 #include "ddm/stiffest.hpp"
 #include "linalg/moebius.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
-#include "study/values.hpp"
+#include "study/linear/values.hpp"
 
 #include <doctest/doctest.h>
 

@@ -5,8 +5,8 @@
 #include "../support/run_program.hpp"
 #include "core/text.hpp"
 #include "files/resumable_table.hpp"
-#include "study/memory_estimate.hpp"
-#include "study/study.hpp"
+#include "study/linear/memory_estimate.hpp"
+#include "study/tables/study.hpp"
 #include <nscdd/core/table.hpp>
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contact problems as text of Siconos: every storage, read from texts that are put together by hand, and what is
 // refused by name.
-#include "formats/siconos_dat.hpp"
+#include "formats/contact_problem/siconos_dat.hpp"
 
 #include "../support/fclib_files.hpp"
 #include "../support/run_program.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is told of a contact solver that is given a problem: how it ended, and what it took until which residual.
-#include "study/solver_trial.hpp"
+#include "study/moving/solver_trial.hpp"
 
 #include "../support/fclib_files.hpp"
 #include "../support/matrices.hpp"

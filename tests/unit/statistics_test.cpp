@@ -4,7 +4,7 @@
 
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
-#include "study/inspection.hpp"
+#include "study/linear/inspection.hpp"
 #include <nscdd/packing/generator.hpp>
 
 #include <doctest/doctest.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "study/study.hpp"
+#include "study/tables/study.hpp"
 
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
-#include "study/inspection.hpp"
-#include "study/values.hpp"
+#include "study/linear/inspection.hpp"
+#include "study/linear/values.hpp"
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orders of the contacts in nonlinear Gauss-Seidel sweeps over W.
-#include "mechanics/contact_solvers/sweep_rows.hpp"
+#include "contact_solvers/sweep_rows.hpp"
 
 #include "../support/fclib_files.hpp"
 #include "linalg/random.hpp"

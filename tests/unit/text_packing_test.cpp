@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Packings of YADE and ESyS-Particle: lines "x y r" and "x y z r".
-#include "formats/text_packing.hpp"
+#include "formats/packing/text_packing.hpp"
 
 #include "../support/run_program.hpp"
 #include <nscdd/formats/packing_file.hpp>

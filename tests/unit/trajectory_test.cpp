@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Trajectories: read back bit for bit, whole at every moment, gone on with exactly.
-#include "formats/trajectory.hpp"
+#include "formats/trajectory/trajectory.hpp"
 
 #include "../support/error_handler.hpp"
 #include "../support/moving_case.hpp"
@@ -8,7 +8,7 @@
 #include "../support/sanitized.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5.hpp"
-#include "formats/case_file.hpp"
+#include "formats/case/case_file.hpp"
 #include "simulation/simulation.hpp"
 #include <nscdd/formats/packing_file.hpp>
 

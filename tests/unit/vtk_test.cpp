@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is written for ParaView, read back by VTK itself (tests/unit/read_vtk.py).
+#include "formats/vtk/vtk.hpp"
+
 #include "../support/granular.hpp"
 #include "../support/run_program.hpp"
-#include "formats/export.hpp"
 
 #include <doctest/doctest.h>
 

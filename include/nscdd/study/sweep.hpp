@@ -3,7 +3,7 @@
 
 #include <nscdd/core/table.hpp>
 #include <nscdd/core/types.hpp>
-#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/model.hpp>
 
 #include <complex>

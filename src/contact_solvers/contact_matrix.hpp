@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "linalg/multifrontal/lu.hpp"
+#include "mechanics/contact_blocks.hpp"
+#include <nscdd/mechanics/friction_problem.hpp>
+
+namespace nscdd {
+
+/// What a linear step of a contact solver asks of a contact:  P r + Q u = b, with u = W r and an invertible P. Rows and
+/// columns: normal, then tangential.
+template <int D>
+struct ContactRelation {
+  using Block = Eigen::Matrix<double, D, D>;
+  Block p = Block::Identity(), q = Block::Zero();
+};
+
+/// b - P r - Q u, D c entries, for a relation of each contact and u = W r.
+template <int D>
+Vector rest_of(const std::vector<ContactRelation<D>>& relations, const Vector& b, const Vector& r, const Vector& u);
+
+/// The linear system  P r + Q W r = b  of all contacts, P and Q with a D x D block per contact, for many P and Q. It is
+/// factorised as it stands or, where M and H are known and leave fewer entries, with the velocities v of the bodies as
+/// unknowns:
+///     (M + H P^-1 Q H^T) v = H P^-1 b,   r = P^-1 (b - Q H^T v).
+/// Steps of iterative refinement on the first form follow either, as long as they halve the rest. W stands for its
+/// symmetric part, see Couplings.
+template <int D>
+class ContactMatrix {
+ public:
+  /// `w`: the symmetric part of problem.w. The problem must outlive this.
+  ContactMatrix(const LocalFrictionProblem& problem, const SparseMatrix& w);
+
+  /// Returns false for a matrix that is singular to rounding; `solve` must not be called then. One relation a contact.
+  bool factorise(std::vector<ContactRelation<D>> relations);
+  /// r, D c entries, for b of the same length and the relations given last.
+  Vector solve(const Vector& b) const;
+  /// Of P + Q W with the relations given last, 1 or -1, for P with positive determinants.
+  int determinant_sign() const { return lu_->determinant_sign(); }
+  /// Floating-point operations of the factorisations and solves since this was asked last.
+  double take_operations();
+
+ private:
+  using Block = Eigen::Matrix<double, D, D>;
+
+  // The k rows of H that a contact has, and where their products lie among the values of the matrix.
+  struct Bodies {
+    std::vector<Index> rows;
+    Eigen::Matrix<double, Eigen::Dynamic, D> h;
+    std::vector<std::ptrdiff_t> places;  // k x k, column by column
+  };
+
+  void assemble_bodies();
+  void assemble_contacts();
+  Vector solve_once(const Vector& b) const;
+
+  const LocalFrictionProblem& problem_;
+  const ContactBlocks<D> w_;
+  std::vector<Bodies> bodies_;  // of each contact; none where the unknowns are those of the contacts
+  SparseMatrix constant_;       // M or W, with a place for every entry of the matrix: W in whole D x D blocks
+  SparseMatrix matrix_;
+  std::vector<ContactRelation<D>> relations_;
+  std::vector<Block> inverse_, stiffness_;  // P^-1 and P^-1 Q of each contact, where bodies are unknowns
+  std::optional<SparseLu> lu_;
+  double taken_ = 0;  // of its operations
+};
+extern template class ContactMatrix<2>;
+extern template class ContactMatrix<3>;
+
+}  // namespace nscdd

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/case/case_file.hpp"
+
+#include "files/csv.hpp"
+#include "formats/case/case_boundary.hpp"
+#include "formats/lmgc90/datbox.hpp"
+#include <nscdd/formats/fclib.hpp>
+#include <nscdd/formats/packing_file.hpp>
+#include <nscdd/formats/read_model.hpp>
+
+#include <filesystem>
+
+namespace nscdd {
+namespace {
+
+constexpr Field finite{.description = ""};
+constexpr Field positive{.description = "", .minimum = 0, .minimum_excluded = true};
+
+Generator read_generator(StrictTable& section) {
+  using Generators = Alternatives<Generator>;
+  std::string name;
+  section.read("generator", name);
+  Generator generator = Generators::at(position_of(name, Generators::names, section.where("generator")));
+  std::visit([&](auto& parameters) { section.read_fields(parameters); }, generator);
+  return generator;
+}
+
+void read_packing_section(StrictTable section, CaseSpec& spec) {
+  const int forms = section.has("generator") + section.has("file") + section.has("settled");
+  if (section.has("settled") && forms > 1)
+    section.fail("settled", "one of generator = ..., file = ... and settled = ...", "more");
+  if (forms != 1) section.fail("generator", "either generator = ... or file = ...", forms > 0 ? "both" : "neither");
+  if (section.has("generator")) {
+    spec.packing = read_generator(section);
+  } else if (section.has("file")) {
+    section.read("file", spec.packing.emplace<PackingFile>().path);
+  } else {
+    section.read("settled", spec.packing.emplace<SettledFrom>().name);
+  }
+  section.finish();
+}
+
+void read_masses_section(StrictTable section, Masses& masses) {
+  const bool dense = section.has("density");
+  Choice<MassModel> model = dense ? MassModel::density : MassModel::given;
+  section.read("model", model);
+  section.read("density", masses.density);
+  if (dense || section.has("model")) masses.model = model;
+  if (dense != (masses.model == MassModel::density))
+    section.fail("density", dense ? "no density" : "a number for model \"density\"",
+                 dense ? fmt::format("one, with model \"{}\"", to_string(model)) : "none");
+  if (dense) check_bounds(masses.density, positive, section.where("density"));
+  section.finish();
+}
+
+void read_partition_section(StrictTable section, Partitioner& partitioner) {
+  int found = 0;
+  std::vector<std::string_view> forms;
+  for_each_partitioner([&](auto one) {
+    found += section.has(one.name);
+    forms.push_back(one.key_form);
+  });
+  if (found != 1)
+    section.fail(GridPartitioner::name, fmt::format("either {}", fmt::join(forms, " or ")),
+                 found == 0 ? "neither" : "both");
+  for_each_partitioner([&](auto one) {
+    if (!section.has(one.name)) return;
+    section.read_fields(one);
+    partitioner = one;
+  });
+  section.finish();
+}
+
+void read_prescribed(StrictTable section, CaseSpec& spec) {
+  PrescribedVelocity velocity;
+  section.require_keys({"grain", "velocity"});
+  section.read("grain", velocity.grain);
+  section.read("velocity", velocity.velocity, finite);
+  section.finish();
+  for (const PrescribedVelocity& other : spec.prescribed)
+    if (other.grain == velocity.grain)
+      section.fail("grain", "each grain once", fmt::format("grain {} again", velocity.grain));
+  spec.prescribed.push_back(velocity);
+}
+
+// A key that is given with another value than its default must have an effect. (A case that the program wrote has
+// every key, those without effect at their defaults.) Where no algorithm is stated all keys of [solver] must: they may
+// have been written for another algorithm than the default.
+template <class Parameters>
+void require_effects(const StrictTable& section, const Dynamics& dynamics, const Parameters& parameters) {
+  const std::vector<FieldDescription> now = describe_fields(parameters), by_default = describe_fields(Parameters{});
+  const bool stated = !std::is_same_v<Parameters, StepSolver> || section.has("algorithm");
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (section.has(now[k].key) && (!stated || now[k].value != by_default[k].value))
+      require_effect(dynamics, section.key_path(now[k].key), section.where(now[k].key), stated);
+}
+
+// The sections [dynamics], [interaction], [solver] and [[boundary]]. The last three need the first.
+std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
+  const bool moves = root.has("dynamics");
+  for (const char* key : {"dynamics", "interaction", "solver", "boundary"}) root.node(key);
+  for (const char* key : {"interaction", "solver", "boundary"})
+    if (!moves && root.has(key)) {
+      root.finish();  // [dynamics] may be spelt otherwise
+      root.fail(key, "a section [dynamics] with it", "none");
+    }
+  if (!moves) return std::nullopt;
+  Dynamics dynamics;
+  const StrictTable interaction = root.read_section("interaction", dynamics.interaction);
+  const StrictTable time = root.read_section("dynamics", dynamics.time);
+  const StrictTable solver = root.read_section("solver", dynamics.solver);
+  if (effects_wanted) {
+    require_effects(interaction, dynamics, dynamics.interaction);
+    require_effects(time, dynamics, dynamics.time);
+    require_effects(solver, dynamics, dynamics.solver);
+  }
+  for (const StrictTable& boundary : root.tables("boundary")) {
+    dynamics.boundaries.push_back(read_boundary(boundary));
+    for (std::size_t k = 0; k + 1 < dynamics.boundaries.size(); ++k)
+      if (dynamics.boundaries[k].name == dynamics.boundaries.back().name)
+        boundary.fail("name", "each name once", fmt::format("{} again", field_text(dynamics.boundaries[k].name)));
+  }
+  return dynamics;
+}
+
+// The lines of everything below a node, by its path.
+void note_lines(const toml::node& node, const std::string& path, CaseSpec& spec) {
+  if (const auto line = node.source().begin.line; line > 0) spec.lines[path] = line;
+  if (const toml::table* table = node.as_table())
+    for (const auto& [key, value] : *table)
+      note_lines(value, (path.empty() ? "" : path + ".") + std::string(key.str()), spec);
+  if (const toml::array* array = node.as_array())
+    for (std::size_t i = 0; i < array->size(); ++i) note_lines((*array)[i], fmt::format("{}[{}]", path, i), spec);
+}
+
+// A contact problem has none of the sections of a packing: they are unknown keys, and named as such.
+void read_sections(StrictTable& root, CaseSpec& spec, bool effects_wanted) {
+  root.read("title", spec.title);
+  if (root.has("problem")) {
+    StrictTable section = root.section("problem", true);
+    if (!section.has("file")) section.fail("file", "the name of a contact problem", "none");
+    section.read("file", spec.packing.emplace<ContactProblemFile>().path);
+    section.finish();
+    read_partition_section(root.section("partition", true), spec.partition);
+    return;
+  }
+  read_packing_section(root.section("packing", true), spec);
+  root.read_section("contacts", spec.contacts);
+  if (root.has("masses")) read_masses_section(root.section("masses", false), spec.masses);
+  root.node("masses");
+  read_partition_section(root.section("partition", true), spec.partition);
+  root.read_section("loads", spec.loads);
+  for (const StrictTable& prescribed : root.tables("prescribed")) read_prescribed(prescribed, spec);
+  spec.dynamics = read_dynamics(root, effects_wanted);
+}
+
+}  // namespace
+
+CaseSpec parse_case(std::string_view text, const std::string& file, bool of_trajectory) {
+  const toml::table document = parse_toml(text, file);
+  StrictTable root(document, file, "");
+  CaseSpec spec;
+  spec.name = std::filesystem::path(file).stem().string();
+  spec.source = file;
+  read_sections(root, spec, !of_trajectory);
+  root.finish();
+  note_lines(document, "", spec);
+  return spec;
+}
+
+CaseSpec read_case(const std::string& path) { return parse_case(read_text(path), path); }
+
+Case resolve(CaseSpec spec) {
+  Case one{std::move(spec)};
+  const auto beside = [folder = std::filesystem::path(one.spec.source).parent_path()](const std::string& name) {
+    return (folder / name).string();
+  };
+  if (const auto* file = std::get_if<PackingFile>(&one.spec.packing))
+    one.packing = at_key(one.spec, "packing.file", [&] {
+      const std::string path = beside(file->path);
+      const bool moves = one.spec.dynamics.has_value() && holds_datbox(path);
+      return moves ? datbox_packing(read_datbox(path), DatboxDisks::all) : read_packing(path);
+    });
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
+    one.problem = at_key(one.spec, "problem.file", [&] { return read_global_problem(beside(file->path)); });
+  if (std::holds_alternative<SettledFrom>(one.spec.packing))
+    throw Error(where(one.spec, "packing.settled") + ": expected a generator or a file: nothing can be settled here");
+  return one;
+}
+
+Model read_model(const std::string& case_file, const std::vector<std::pair<std::string, std::string>>& overrides) {
+  CaseSpec spec = read_case(case_file);
+  for (const auto& [key, value] : overrides) override_case(spec, key, value);
+  return build(resolve(std::move(spec)));
+}
+
+}  // namespace nscdd

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/contact_problem/step_fclib.hpp"
+
+#include "core/fail.hpp"
+#include "mechanics/contact_blocks.hpp"
+#include "two_stage/granular_two_stage.hpp"
+
+#include <fmt/ranges.h>
+
+#include <numeric>
+#include <set>
+
+namespace nscdd {
+namespace {
+
+// The step as it was prepared in the run, without impulses to start from.
+template <int D>
+StepProblem<D> next_problem(const Simulation& before) {
+  const Interaction& interaction = before.dynamics.interaction;
+  if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
+    fail("interaction.law: expected coulomb or frictionless, the laws of FCLIB, met {}", law);
+  return prepare_step<D>(before.system, before.state, interaction, before.dynamics.time, false);
+}
+
+template <int D>
+void require_same_contacts(const StepProblem<D>& problem, const TrajectoryStep& after) {
+  const auto same = [](const StepContact& found, const TrajectoryContact& kept) {
+    return found.a == kept.geometry.a && found.b == kept.geometry.b;
+  };
+  if (!std::equal(problem.geometry.begin(), problem.geometry.end(), after.contacts.begin(), after.contacts.end(), same))
+    fail(
+        "step {}: expected the {} contacts that the run found, met others ({}) from the state before: the trajectory "
+        "is damaged or was written by a program that finds them otherwise",
+        after.state.step, after.contacts.size(), problem.geometry.size());
+}
+
+template <int D>
+Vector impulses_of(const TrajectoryStep& step, const std::vector<Index>& contacts) {
+  Vector r(D * count(contacts));
+  for (Index k = 0; k < count(contacts); ++k)
+    set_component<D>(r, k, step.contacts[at(contacts[at(k)])].template local<D>());
+  return r;
+}
+
+template <int D>
+Vector velocities_of_free(const GranularSystem& system, const GranularState& state) {
+  std::vector<double> v;
+  for (Index i = 0; i < system.disks(); ++i) {
+    if (!system.free(i)) continue;
+    const GrainUnknowns<D> own = unknowns_of<D>(state, at(i), 1);  // spins, as of a radius of 1 m
+    v.insert(v.end(), own.begin(), own.end());
+  }
+  return Vector::Map(v.data(), count(v));
+}
+
+FclibSolution solution_of(const GlobalFrictionProblem& problem, const Vector& v, const Vector& r) {
+  return {v, problem.h.transpose() * v + problem.w, r};
+}
+
+Partition partition_of(const TrajectoryStep& step) {
+  Partition partition{.subdomains = 1, .subdomain_of_contact = {}};
+  for (const TrajectoryContact& contact : step.contacts) {
+    partition.subdomain_of_contact.push_back(contact.subdomain);
+    partition.subdomains = std::max(partition.subdomains, contact.subdomain + 1);
+  }
+  return partition;
+}
+
+// Bodies in the order of their numbers, which readers expect, instead of the order of a sweep.
+template <int D>
+GranularSubdomain<D> with_ascending_bodies(const GranularSubdomain<D>& part) {
+  std::vector<std::size_t> order(part.bodies.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t i) { return part.bodies[i]; });
+  GranularSubdomain<D> result = part;
+  std::vector<std::int32_t> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    result.bodies[k] = part.bodies[order[k]];
+    result.velocities[k] = part.velocities[order[k]];
+    place[order[k]] = static_cast<std::int32_t>(k);
+  }
+  for (ContactRow<D>& row : result.contacts.rows) {
+    row.a = place[at(row.a)];
+    row.b = place[at(row.b)];
+  }
+  return result;
+}
+
+// - A_E^T F, rim impulses as moments: the rim moves by R times the spin.
+template <int D>
+void add_interface_impulses(GlobalFrictionProblem& problem, const GranularSubdomain<D>& part,
+                            const std::vector<double>& radius, const std::vector<RememberedGluing>& gluing,
+                            Index subdomain) {
+  Index row = 0;
+  for (std::size_t i = 0; i < part.bodies.size(); ++i) {
+    if (part.velocities[i].inverse_mass == 0) continue;
+    const Index grain = part.bodies[i];
+    const auto own = [&](const RememberedGluing& one) { return std::pair(one.grain, one.subdomain); };
+    const auto one = std::ranges::lower_bound(gluing, std::pair(grain, subdomain), {}, own);
+    if (one != gluing.end() && own(*one) == std::pair(grain, subdomain))
+      for (Index k = 0; k < unknowns_of_grain<D>; ++k)
+        problem.f[row + k] -= (k < D ? 1 : radius[at(grain)]) * one->impulse[at(k)];
+    row += unknowns_of_grain<D>;
+  }
+}
+
+template <int D>
+FclibFile file_of_step(const Simulation& before, const TrajectoryStep* after) {
+  const StepProblem<D> step = next_problem<D>(before);
+  GlobalFrictionProblem problem = friction_problem(step.free, step.contacts, before.system.radius);
+  FclibFile file;
+  if (after != nullptr) {
+    require_same_contacts(step, *after);
+    std::vector<Index> all(step.contacts.size());
+    std::iota(all.begin(), all.end(), Index{0});
+    file.solution =
+        solution_of(problem, velocities_of_free<D>(before.system, after->state), impulses_of<D>(*after, all));
+  }
+  file.problem = std::move(problem);
+  return file;
+}
+
+template <int D>
+FclibFile file_of_subdomain(const Simulation& before, const TrajectoryStep& after, Index subdomain) {
+  const StepProblem<D> step = next_problem<D>(before);
+  require_same_contacts(step, after);
+  const Partition partition = partition_of(after);
+  const std::set<Index> all(partition.subdomain_of_contact.begin(), partition.subdomain_of_contact.end());
+  if (!all.contains(subdomain))
+    fail("step {}: expected a subdomain that has contacts ({}), met {}", after.state.step,
+         all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain);
+  const GranularDecomposition<D> parts = decompose(step, partition, ContactOrder::natural, 0);
+  const GranularSubdomain<D> part = with_ascending_bodies(parts.subdomains[at(subdomain)]);
+  std::vector<GrainContact<D>> contacts;
+  for (std::size_t k = 0; k < part.contacts.size(); ++k) contacts.push_back(part.contacts.contact(k, part.velocities));
+  const std::vector<double>& of_grain = before.system.radius;
+  std::vector<double> radius;
+  for (const Index body : part.bodies) radius.push_back(body < before.system.disks() ? of_grain[at(body)] : 0);
+  GlobalFrictionProblem problem = friction_problem(part.velocities, contacts, radius);
+  add_interface_impulses(problem, part, of_grain, after.state.gluing, subdomain);
+  FclibFile file;
+  const Vector r = impulses_of<D>(after, part.numbers);
+  file.solution = solution_of(problem, body_velocities(problem, r), r);
+  file.problem = std::move(problem);
+  return file;
+}
+
+}  // namespace
+
+FclibFile fclib_of_step(const Simulation& before, const TrajectoryStep* after) {
+  return in_dimension(before.system, [&](auto dimension) { return file_of_step<dimension()>(before, after); });
+}
+
+FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& after, Index subdomain) {
+  return in_dimension(before.system,
+                      [&](auto dimension) { return file_of_subdomain<dimension()>(before, after, subdomain); });
+}
+
+FclibFile local_form(FclibFile file) {
+  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) file.problem = reduce(*global);
+  if (file.solution) file.solution->v = {};
+  return file;
+}
+
+}  // namespace nscdd

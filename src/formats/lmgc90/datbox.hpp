@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "study/case/case.hpp"
+
+#include <optional>
+
+/// Input files of LMGC90 for rigid bodies in the plane or in space, a folder DATBOX: BODIES.DAT, BULK_BEHAV.DAT,
+/// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI. Numbers stand in fixed columns with seven or eight digits. Errors name file
+/// and line.
+namespace nscdd {
+
+/// A place in one of the files, for errors.
+struct DatboxPlace {
+  std::string file;
+  Index line = 0;
+};
+
+/// What a body touches others with.
+struct DatboxContactor {
+  /// JONCx, a plank with round ends, or PLANx in space; else a disk: DISKx, or DISKb of a cluster, or a sphere SPHER.
+  bool plank = false;
+  double radius = 0;                 ///< m, of a disk or sphere
+  double length = 0, thickness = 0;  ///< m, of a plank: half its length without the ends, half its thickness
+  double width = 0;                  ///< m, of a plank in space, half of it
+  std::array<double, 2> shift{};     ///< m, from the centre of the body, in its own axes; none in space
+  std::string colour;
+  DatboxPlace place;
+};
+
+/// Prescribed velocity of a degree of freedom: [constant + amplitude cos(omega t + phase)] min(1, initial + rate t), or
+/// by a table of times and velocities (evolution), linear in between and on beyond its ends.
+struct DatboxDrive {
+  double constant = 0, amplitude = 0, omega = 0, phase = 0, initial = 0, rate = 0;
+  std::vector<std::array<double, 2>> table;  ///< at least two rows, times ascending; empty: by the formula
+  DatboxPlace place;
+};
+
+struct DatboxBody {
+  std::array<double, 3> position{};  ///< at the beginning, m: x, y, and the angle (rad) or in space z
+  std::array<double, 3> velocity{};  ///< m/s, and in the plane rad/s
+  /// m; the mass is density x pi x average_radius^2, in space density x 4/3 pi x average_radius^3.
+  double average_radius = 0, gyration_radius = 0;
+  std::array<double, 3> inertia{};  ///< in space, times the density, m^5
+  /// In space: the axes of the body at the beginning, as columns, and its spin along them, rad/s. A plank is normal to
+  /// the third one.
+  Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
+  std::array<double, 3> spin{};
+  double written_digit = 0;                          ///< m, half of the last digit in which its place is written
+  std::string bulk;                                  ///< name of its bulk law
+  std::vector<DatboxContactor> contactors;           ///< at least one
+  std::array<std::optional<DatboxDrive>, 6> drives;  ///< three in the plane
+  std::optional<DatboxPlace> force;                  ///< where a prescribed force stands, if there is one
+  DatboxPlace place, velocity_place;
+
+  bool driven() const {
+    return std::ranges::any_of(drives, [](const auto& drive) { return drive.has_value(); });
+  }
+  bool plank() const { return contactors[0].plank; }
+};
+
+/// A contact law by its name: IQS_CLB or RST_CLB, or another one, which nobody may use.
+struct DatboxLaw {
+  std::string kind;
+  double friction = 0, restitution = 0, tangential_restitution = 0;
+  DatboxPlace place;
+};
+
+/// Which contactors see each other, and by which law.
+struct DatboxSight {
+  /// DISKx or JONCx, in space SPHER or PLANx, of the candidate and of the antagonist.
+  std::array<std::string, 2> contactors, colours;
+  std::string law;
+  double alert = 0;  ///< m
+  DatboxPlace place;
+};
+
+struct Datbox {
+  std::string folder;
+  Index dimension = 2;  ///< that of the first body: 2 for RBDY2, 3 for RBDY3
+  std::vector<DatboxBody> bodies;
+  std::map<std::string, double> density;         ///< kg/m^2 or kg/m^3, by bulk law
+  std::optional<std::array<double, 3>> gravity;  ///< m/s^2
+  std::map<std::string, DatboxLaw> laws;
+  std::vector<DatboxSight> sights;
+  double start = 0;  ///< s, time of DOF.INI, which drives count from
+};
+
+/// The text of each file; empty for one that is not there.
+struct DatboxTexts {
+  std::string bodies, bulk, tact, driven, initial;
+  std::function<std::string(const std::string& name)> table{};  ///< the text of a table that DRV_DOF.DAT names
+};
+
+/// Reads the files as LMGC90 does, by columns. `folder` stands before the names of files in errors. Throws Error for
+/// other bodies than RBDY2 or RBDY3, bodies of both, other contactors than disks, spheres and planks, several
+/// contactors in a body in space, several nodes or bulk elements in a body, and whatever LMGC90 could not read or would
+/// cut off.
+Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder);
+
+/// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX.
+bool holds_datbox(const std::string& path);
+
+/// The files of such a folder that are there.
+std::vector<std::string> datbox_files(const std::string& path);
+
+/// Reads such a folder. Throws Error as parse_datbox, and for files that cannot be read.
+Datbox read_datbox(const std::string& path);
+
+enum class DatboxDisks {
+  all,   ///< of a case that moves: what is driven is a boundary of grains
+  free,  ///< those that the linear study is about
+};
+
+/// The disks or spheres in the order of the files, with masses and with half of the last digit of their places. Planks
+/// are no grains. Throws Error for a free body of several disks, one whose inertia is not that of a full disk or
+/// sphere, and a packing without grains.
+Packing datbox_packing(const Datbox& datbox, DatboxDisks which);
+
+/// The packing of a folder as a case: the velocities at the beginning are prescribed. With `moving`, also laws, gravity
+/// and boundaries: planks as straight walls, driven disks as grains of a boundary. The steps are those of TimeStepping,
+/// as the files know none. Throws Error as datbox_packing, and with `moving` for a free disk that spins at the
+/// beginning and for all else that is not modelled: see docs/formats.md.
+CaseSpec case_of_datbox(const std::string& path, bool moving);
+
+/// The moving part of it.
+Dynamics datbox_dynamics(const Datbox& datbox);
+
+}  // namespace nscdd

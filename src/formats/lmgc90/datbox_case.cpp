@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a DATBOX describes, in the terms of this program.
+#include "formats/lmgc90/datbox_laws.hpp"
+
+#include <filesystem>
+#include <numbers>
+#include <set>
+
+namespace nscdd {
+namespace {
+
+// A full disk has the radius of gyration R / sqrt(2). Some files have it to three digits.
+void require_full_disk(const DatboxBody& body) {
+  constexpr double tolerance = 1e-3;
+  const double radius = body.contactors[0].radius, expected = radius / std::numbers::sqrt2;
+  if (body.contactors.size() > 1)
+    refuse(body.place, "expected free bodies of one disk, met one of {}: free clusters are not modelled",
+           body.contactors.size());
+  if (std::abs(body.gyration_radius - expected) > tolerance * expected)
+    refuse(body.place, "gyrd: expected that of a full disk, {}, met {}: other inertias are not modelled", expected,
+           body.gyration_radius);
+}
+
+// One of a full sphere is 2/5 m R^2.
+void require_full_sphere(const DatboxBody& body) {
+  constexpr double tolerance = 1e-3;
+  const double radius = body.contactors[0].radius, average = body.average_radius;
+  const double expected = 0.4 * radius * radius * 4.0 / 3 * std::numbers::pi * average * average * average;
+  for (const double inertia : body.inertia)
+    if (!(std::abs(inertia - expected) <= tolerance * expected))
+      refuse(body.place, "I1 to I3: expected those of a full sphere, {}, met {}: other inertias are not modelled",
+             expected, inertia);
+}
+
+double density_of(const Datbox& datbox, const DatboxBody& body) {
+  const auto found = datbox.density.find(body.bulk);
+  if (found == datbox.density.end())
+    refuse(body.place, "bulk law '{}': expected a law RIGID of that name in BULK_BEHAV.DAT, met none", body.bulk);
+  return found->second;
+}
+
+std::array<double, 2> place_of(const DatboxBody& body, const DatboxContactor& disk) {
+  const double c = std::cos(body.position[2]), s = std::sin(body.position[2]);
+  return {body.position[0] + c * disk.shift[0] - s * disk.shift[1],
+          body.position[1] + s * disk.shift[0] + c * disk.shift[1]};
+}
+
+// Calls `visit(body, disk, number)` for every grain of the packing.
+template <class Visit>
+void for_each_disk(const Datbox& datbox, DatboxDisks which, Visit visit) {
+  Index number = 0;
+  for (const DatboxBody& body : datbox.bodies)
+    for (const DatboxContactor& contactor : body.contactors)
+      if (!contactor.plank && (which == DatboxDisks::all || !body.driven())) visit(body, contactor, number++);
+}
+
+// The velocity of a degree of freedom in the time of the run, linear between its points and constant beyond them.
+struct Course {
+  std::vector<std::array<double, 2>> points;  // s, and m/s or rad/s
+
+  double at(double t) const {
+    if (t <= points.front()[0]) return points.front()[1];
+    for (std::size_t k = 1; k < points.size(); ++k)
+      if (t <= points[k][0]) {
+        const auto [from, to] = std::pair(points[k - 1], points[k]);
+        return std::lerp(from[1], to[1], (t - from[0]) / (to[0] - from[0]));
+      }
+    return points.back()[1];
+  }
+};
+
+// [CT + AMP cos(PHI)] min(1, RAMPI + RAMP t).
+Course formula_of(const DatboxDrive& drive, double start) {
+  if (drive.amplitude != 0 && drive.omega != 0)
+    refuse(drive.place, "expected AMP or OMEGA 0, met {} and {}: motions are linear in time here", drive.amplitude,
+           drive.omega);
+  if (drive.rate < 0) refuse(drive.place, "RAMP: expected 0 or more, met {}", drive.rate);
+  const double full = drive.constant + drive.amplitude * std::cos(drive.phase);
+  const double initial = std::min(1.0, drive.initial + drive.rate * start);
+  Course course{{{0, full * initial}}};
+  if (full != 0 && drive.rate > 0 && initial < 1) course.points.push_back({(1 - initial) / drive.rate, full});
+  return course;
+}
+
+// A table goes on in a straight line before its first row and behind its last one, which is far enough here.
+Course table_of(const DatboxDrive& drive, double start) {
+  constexpr double far = 1e6;  // times the span of the table
+  const auto& rows = drive.table;
+  const double span = rows.back()[0] - rows.front()[0];
+  const auto beyond = [](const std::array<double, 2>& a, const std::array<double, 2>& b, double t) {
+    return std::array<double, 2>{t, a[1] + (b[1] - a[1]) * ((t - a[0]) / (b[0] - a[0]))};
+  };
+  Course course{rows};
+  if (rows[0][1] != rows[1][1])
+    course.points.insert(course.points.begin(), beyond(rows[0], rows[1], rows[0][0] - far * span));
+  if (rows.back()[1] != rows[rows.size() - 2][1])
+    course.points.push_back(beyond(rows[rows.size() - 2], rows.back(), rows.back()[0] + far * span));
+  for (auto& point : course.points) point[0] -= start;
+  return course;
+}
+
+// Spins in space are along the axes of the body, which keep the axis that it turns about if that is one and the same.
+RigidVelocity velocity_in_space(const DatboxBody& body, const std::array<double, 6>& v, Eigen::Vector3d& axis) {
+  const Eigen::Vector3d own(v[3], v[4], v[5]), spin = body.frame * own;
+  if (axis.isZero(0)) axis = own;
+  if (axis.cross(own).norm() > 1e-5 * axis.norm() * own.norm())
+    refuse(body.place, "expected a body that turns about one axis, met one that does not: not modelled");
+  return {v[0], v[1], spin[2], v[2], spin[0], spin[1]};
+}
+
+Motion motion_of(const DatboxBody& body, double start, Index dimension) {
+  const std::size_t dofs = dimension == 2 ? 3 : 6;
+  std::array<Course, 6> courses;
+  std::set<double> times;
+  for (std::size_t k = 0; k < dofs; ++k) {
+    if (!body.drives[k])
+      refuse(body.place, "expected a body that is free or driven in all of vlocy 1, 2 {}, met one without {}",
+             dimension == 2 ? "and 3" : "... 6", k + 1);
+    const DatboxDrive& drive = *body.drives[k];
+    courses[k] = drive.table.empty() ? formula_of(drive, start) : table_of(drive, start);
+    for (const auto& point : courses[k].points) times.insert(point[0]);
+  }
+  Motion motion{.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0},
+                .time = {},
+                .velocity = {}};
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  for (const double t : times) {
+    motion.time.push_back(t);
+    std::array<double, 6> v{};
+    for (std::size_t k = 0; k < dofs; ++k) v[k] = courses[k].at(t);
+    if (dimension == 2)
+      motion.velocity.push_back({v[0], v[1], v[2]});
+    else
+      motion.velocity.push_back(velocity_in_space(body, v, axis));
+  }
+  return motion;
+}
+
+// The plane along that face of a plank which all free spheres are in front of.
+void set_wall_in_space(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) {
+  const DatboxContactor& plank = body.contactors[0];
+  const Eigen::Vector3d centre(body.position[0], body.position[1], body.position[2]);
+  Index above = 0, below = 0;
+  for_each_disk(datbox, DatboxDisks::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
+    const Eigen::Vector3d place =
+        body.frame.transpose() * (Eigen::Vector3d(other.position[0], other.position[1], other.position[2]) - centre);
+    ++(place[2] > 0 ? above : below);
+    if (std::abs(place[0]) > plank.length || std::abs(place[1]) > plank.width)
+      refuse(body.place,
+             "expected a plank PLANx with all free spheres between its edges, met sphere {} at {} m and {} m from its "
+             "middle, and axe1 = {}, axe2 = {}: walls have no edges here, and would hold what the plank does not",
+             number, std::abs(place[0]), std::abs(place[1]), plank.length, plank.width);
+  });
+  if (above > 0 && below > 0)
+    refuse(body.place,
+           "expected a plank PLANx with all free spheres on one side, met {} above and {} below it: walls are planes "
+           "without edges here",
+           above, below);
+  const Eigen::Vector3d normal = (below > 0 ? -1.0 : 1.0) * body.frame.col(2).normalized();
+  const Eigen::Vector3d foot = centre + plank.thickness * normal;
+  wall.dimension = 3;
+  wall.point = {foot[0], foot[1], foot[2]};
+  wall.normal = {normal[0], normal[1], normal[2]};
+}
+
+// The line along that face of a plank which all free disks are in front of.
+void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) {
+  const DatboxContactor& plank = body.contactors[0];
+  const std::array<double, 2> along{std::cos(body.position[2]), std::sin(body.position[2])};
+  Index above = 0, below = 0;
+  for_each_disk(datbox, DatboxDisks::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
+    const double x = other.position[0] - body.position[0], y = other.position[1] - body.position[1];
+    const double height = along[0] * y - along[1] * x, place = along[0] * x + along[1] * y;
+    ++(height > 0 ? above : below);
+    if (std::abs(place) > plank.length)
+      refuse(body.place,
+             "expected a plank JONCx with all free disks between its ends, met disk {} at {} m from its middle, and "
+             "ax1 = {}: walls have no ends here, and would hold what the plank does not",
+             number, std::abs(place), plank.length);
+  });
+  if (above > 0 && below > 0)
+    refuse(body.place,
+           "expected a plank JONCx with all free disks on one side, met {} above and {} below it: walls are straight "
+           "lines without ends here",
+           above, below);
+  const double side = below > 0 ? -1 : 1;
+  const std::array<double, 2> foot{body.position[0] - side * plank.thickness * along[1],
+                                   body.position[1] + side * plank.thickness * along[0]};
+  for (std::size_t k = 0; k < 2; ++k) {
+    wall.from[k] = foot[k] - side * plank.length * along[k];
+    wall.to[k] = foot[k] + side * plank.length * along[k];
+  }
+}
+
+std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
+  std::vector<BoundarySpec> boundaries;
+  Index grains = 0;
+  for (std::size_t k = 0; k < datbox.bodies.size(); ++k) {
+    const DatboxBody& body = datbox.bodies[k];
+    if (body.force)
+      refuse(*body.force, "expected velocities (vlocy), met a force: bodies driven by forces are not modelled");
+    const bool space = datbox.dimension == 3;
+    if (body.plank() && !body.driven())
+      refuse(body.place, "expected a plank {} that is driven, met a free one: planks are walls here",
+             space ? "PLANx" : "JONCx");
+    if (body.driven()) {
+      BoundarySpec boundary;
+      boundary.name = fmt::format("body {}", k + 1);
+      boundary.motion = motion_of(body, datbox.start, datbox.dimension);
+      if (body.plank() && space) {
+        set_wall_in_space(datbox, body, boundary);
+      } else if (body.plank()) {
+        set_wall(datbox, body, boundary);
+      } else {
+        boundary.shape = BoundaryShape::grains;
+        boundary.first = grains;
+        boundary.last = grains + count(body.contactors) - 1;
+      }
+      boundaries.push_back(std::move(boundary));
+    }
+    if (!body.plank()) grains += count(body.contactors);
+  }
+  return boundaries;
+}
+
+double smallest_radius(const Packing& packing) { return *std::ranges::min_element(packing.radius); }
+
+// What moves at the beginning, in the numbers of the packing. The linear study has no spins.
+std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxDisks which) {
+  std::vector<PrescribedVelocity> moving;
+  for_each_disk(datbox, which, [&](const DatboxBody& body, const DatboxContactor&, Index number) {
+    if (body.driven()) return;
+    const bool space = datbox.dimension == 3;
+    const double spin = space ? Eigen::Vector3d(body.spin[0], body.spin[1], body.spin[2]).norm() : body.velocity[2];
+    if (spin != 0 && which == DatboxDisks::all)
+      refuse(body.velocity_place, "{}: expected {}s that do not spin at the beginning, met {}",
+             space ? "V(4) to V(6)" : "V(3)", shape_of_grains(datbox.dimension), spin);
+    const auto& [x, y, z] = body.velocity;
+    if (space && (x != 0 || y != 0 || z != 0)) moving.push_back({number, {x, y, z}});
+    if (!space && (x != 0 || y != 0)) moving.push_back({number, {x, y}});
+  });
+  return moving;
+}
+
+// Without the slash that a shell adds.
+std::string trimmed(std::string path) {
+  while (path.size() > 1 && path.back() == '/') path.pop_back();
+  return path;
+}
+
+std::string datbox_name(const std::string& path) {
+  std::filesystem::path folder = std::filesystem::path(trimmed(path)).lexically_normal();
+  if (folder.filename() == "DATBOX" && folder.has_parent_path()) folder = folder.parent_path();
+  return folder.filename().string();
+}
+
+}  // namespace
+
+Packing datbox_packing(const Datbox& datbox, DatboxDisks which) {
+  Packing packing;
+  for_each_disk(datbox, which, [&](const DatboxBody& body, const DatboxContactor& disk, Index) {
+    packing.radius.push_back(disk.radius);
+    packing.half_digit = std::max(packing.half_digit, body.written_digit);
+    const double size = body.driven() ? disk.radius : body.average_radius;  // a driven mass has no effect
+    if (datbox.dimension == 3) {
+      if (!body.driven()) require_full_sphere(body);
+      packing.x.push_back(body.position[0]);
+      packing.y.push_back(body.position[1]);
+      packing.z.push_back(body.position[2]);
+      packing.mass.push_back(density_of(datbox, body) * 4.0 / 3 * std::numbers::pi * size * size * size);
+      return;
+    }
+    if (!body.driven()) require_full_disk(body);
+    const std::array<double, 2> place = place_of(body, disk);
+    packing.x.push_back(place[0]);
+    packing.y.push_back(place[1]);
+    packing.mass.push_back(density_of(datbox, body) * std::numbers::pi * size * size);
+  });
+  if (packing.size() == 0)
+    fail("{}/BODIES.DAT: expected at least one {}, met none", datbox.folder, shape_of_grains(datbox.dimension));
+  check(packing);
+  return packing;
+}
+
+Dynamics datbox_dynamics(const Datbox& datbox) {
+  const Packing packing = datbox_packing(datbox, DatboxDisks::all);
+  Dynamics dynamics;
+  dynamics.boundaries = boundaries_of(datbox);
+  const DatboxContactLaw contact = contact_law_of(datbox);
+  dynamics.interaction = contact.interaction;
+  if (!datbox.gravity) fail("{}/BULK_BEHAV.DAT: expected a section $gravy, met none", datbox.folder);
+  const auto [x, y, z] = *datbox.gravity;
+  dynamics.time.gravity = datbox.dimension == 3 ? Components<double>{x, y, z} : Components<double>{x, y};
+  dynamics.time.alert = std::min(10.0, contact.alert / smallest_radius(packing));
+  if (dynamics.interaction.restitution == 0) dynamics.time.penetration_correction = 0;  // as IQS_CLB has it
+  return dynamics;
+}
+
+CaseSpec case_of_datbox(const std::string& path, bool moving) {
+  const Datbox datbox = read_datbox(path);
+  CaseSpec spec;
+  spec.name = datbox_name(path);
+  spec.packing = PackingFile{trimmed(path)};
+  spec.prescribed = moving_grains(datbox, moving ? DatboxDisks::all : DatboxDisks::free);
+  if (moving) spec.dynamics = datbox_dynamics(datbox);
+  return spec;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/lmgc90/datbox_laws.hpp"
+
+#include <set>
+
+namespace nscdd {
+namespace {
+
+// Who may touch whom: the colours of free disks, and the contactors and colours of what is driven.
+using Colour = std::pair<std::string, std::string>;  // DISKx, JONCx, SPHER or PLANx, and its colour
+struct Colours {
+  std::map<Colour, Index> free;  // with the number of disks
+  std::set<Colour> driven;
+};
+
+Colours colours_of(const Datbox& datbox) {
+  Colours colours;
+  const bool space = datbox.dimension == 3;
+  const char *plank = space ? "PLANx" : "JONCx", *grain = space ? "SPHER" : "DISKx";
+  for (const DatboxBody& body : datbox.bodies)
+    for (const DatboxContactor& one : body.contactors) {
+      const Colour colour{one.plank ? plank : grain, one.colour};
+      if (body.driven())
+        colours.driven.insert(colour);
+      else
+        ++colours.free[colour];
+    }
+  return colours;
+}
+
+const DatboxSight& sight_of(const Datbox& datbox, const Colour& a, const Colour& b) {
+  for (const DatboxSight& sight : datbox.sights) {
+    const Colour candidate{sight.contactors[0], sight.colours[0]}, antagonist{sight.contactors[1], sight.colours[1]};
+    if ((candidate == a && antagonist == b) || (candidate == b && antagonist == a)) return sight;
+  }
+  fail(
+      "{}/TACT_BEHAV.DAT: expected a $seety for {} {} and {} {}, met none: all free {}s touch each other and what is "
+      "driven here",
+      datbox.folder, a.first, a.second, b.first, b.second, shape_of_grains(datbox.dimension));
+}
+
+const DatboxLaw& law_of(const Datbox& datbox, const DatboxSight& sight) {
+  const auto found = datbox.laws.find(sight.law);
+  if (found == datbox.laws.end()) refuse(sight.place, "expected a law that is described, met '{}'", sight.law);
+  const DatboxLaw& law = found->second;
+  if (law.kind != "IQS_CLB" && law.kind != "RST_CLB")
+    refuse(law.place, "expected law IQS_CLB or RST_CLB, met {}: others are not modelled", law.kind);
+  if (law.kind == "RST_CLB" && !(law.restitution > 0))
+    refuse(law.place, "rstn: expected a restitution above 0, or law IQS_CLB, met {}", law.restitution);
+  return law;
+}
+
+// All contacts of one kind have one law here, and all contacts one restitution.
+class Laws {
+ public:
+  void add(const DatboxSight& sight, const DatboxLaw& law, bool driven) {
+    const DatboxLaw*& same = driven ? driven_ : free_;
+    if (same == nullptr) same = &law;
+    if (same->friction != law.friction)
+      refuse(sight.place, "expected one friction between {}, {} as before, met {}",
+             driven ? "free disks and driven bodies" : "free disks", same->friction, law.friction);
+    const DatboxLaw& any = free_ != nullptr ? *free_ : *driven_;
+    if (any.restitution != law.restitution || any.tangential_restitution != law.tangential_restitution)
+      refuse(sight.place, "expected one restitution for all contacts, {} and {} as before, met {} and {}",
+             any.restitution, any.tangential_restitution, law.restitution, law.tangential_restitution);
+    alert_ = std::max(alert_, sight.alert);
+  }
+  Interaction interaction() const {
+    const DatboxLaw none, &free = free_ != nullptr ? *free_ : driven_ != nullptr ? *driven_ : none;
+    Interaction result;
+    result.friction = free.friction;
+    if (driven_ != nullptr && driven_->friction != free.friction) result.boundary_friction = driven_->friction;
+    result.restitution = free.restitution;
+    result.tangential_restitution = free.tangential_restitution;
+    return result;
+  }
+  double alert() const { return alert_; }
+
+ private:
+  const DatboxLaw *free_ = nullptr, *driven_ = nullptr;
+  double alert_ = 0;
+};
+
+}  // namespace
+
+DatboxContactLaw contact_law_of(const Datbox& datbox) {
+  const Colours colours = colours_of(datbox);
+  Laws laws;
+  const auto add = [&](const Colour& a, const Colour& b, bool driven) {
+    const DatboxSight& sight = sight_of(datbox, a, b);
+    laws.add(sight, law_of(datbox, sight), driven);
+  };
+  for (auto a = colours.free.begin(); a != colours.free.end(); ++a) {
+    for (auto b = a; b != colours.free.end(); ++b)
+      if (a != b || a->second > 1) add(a->first, b->first, false);
+    for (const Colour& driven : colours.driven) add(a->first, driven, true);
+  }
+  return {laws.interaction(), laws.alert()};
+}
+
+}  // namespace nscdd

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/fail.hpp"
+#include "core/text.hpp"
+#include "formats/lmgc90/datbox.hpp"
+
+#include <charconv>
+#include <optional>
+
+namespace nscdd {
+
+/// The lines of a text whose words and numbers stand in fixed columns, counted from 1, as Fortran writes them. Lines
+/// that are empty or begin with ! or # are remarks. Errors name file and line.
+class FixedColumns {
+ public:
+  FixedColumns(std::string_view text, std::string name) : lines_(text), name_(std::move(name)) {
+    require_utf8(text, name_);
+  }
+
+  /// Goes to the next line; false at the end, where the line is empty.
+  bool next() {
+    while (lines_.next()) {
+      line_ = lines_.line();
+      while (!line_.empty() && (line_.back() == '\r' || line_.back() == ' ' || line_.back() == '\t'))
+        line_.remove_suffix(1);
+      if (!line_.empty() && line_[0] != '!' && line_[0] != '#') return true;
+    }
+    line_ = {};
+    return false;
+  }
+  /// Goes on to the line behind one with that keyword, such as "$bdyty"; false if there is none.
+  bool find(std::string_view keyword) {
+    while (next())
+      if (key() == keyword) return true;
+    return false;
+  }
+  void require_next(std::string_view what) {
+    if (!next()) fail("{}:{}: expected {}, met the end of the file", name_, lines_.number(), what);
+  }
+
+  std::string_view text(std::size_t first, std::size_t last) const {
+    if (line_.size() < first) return {};
+    std::string_view part = line_.substr(first - 1, last - first + 1);
+    while (!part.empty() && (part.front() == ' ' || part.front() == '\t')) part.remove_prefix(1);
+    while (!part.empty() && (part.back() == ' ' || part.back() == '\t')) part.remove_suffix(1);
+    return part;
+  }
+  std::string_view key() const { return text(1, 6); }
+  bool section() const { return line_.empty() || line_[0] == '$'; }
+
+  /// In 14 columns from `first` on; with D or E for the exponent. Blanks are 0 only if `blank`.
+  double number(std::size_t first, std::string_view what, bool blank = false) const {
+    const std::string_view field = text(first, first + 13);
+    if (field.empty() && blank) return 0;
+    const bool cut =
+        !field.empty() && line_.size() >= first + 14 && line_[first + 12] != ' ' && line_[first + 13] != ' ';
+    const std::optional<double> value = cut ? std::nullopt : fortran_number(field);
+    if (!value)
+      refuse(fmt::format("{}: expected a number in columns {} to {}", what, first, first + 13),
+             cut ? fmt::format("'{}' and more behind it", field) : fmt::format("'{}'", field));
+    return *value;
+  }
+  /// A word that is a number, wherever it stands.
+  double number_in(std::string_view word, std::string_view what) const {
+    const std::optional<double> value = fortran_number(word);
+    if (!value) refuse(fmt::format("expected {}", what), fmt::format("'{}'", word));
+    return *value;
+  }
+  Index integer(std::size_t first, std::size_t last, std::string_view what) const {
+    const std::string_view field = text(first, last);
+    Index value = 0;
+    const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), value);
+    if (field.empty() || status != std::errc() || end != field.data() + field.size())
+      refuse(fmt::format("{}: expected a whole number in columns {} to {}", what, first, last),
+             fmt::format("'{}'", field));
+    return value;
+  }
+
+  DatboxPlace place() const { return {name_, static_cast<Index>(lines_.number())}; }
+  [[noreturn]] void refuse(std::string_view expected, std::string_view met) const {
+    fail("{}:{}: {}, met {}", name_, lines_.number(), expected, met);
+  }
+
+ private:
+  // With D or E before the exponent, or nothing where that has three digits. None for a text that is no number, and for
+  // numbers beyond all measure.
+  static std::optional<double> fortran_number(std::string_view field) {
+    std::string copy(field);
+    for (char& c : copy)
+      if (c == 'D' || c == 'd') c = 'E';
+    const auto sign = copy.find_last_of("+-");
+    if (sign != std::string::npos && sign > 0 && copy[sign - 1] >= '.' && copy[sign - 1] <= '9') copy.insert(sign, "E");
+    const char* begin = copy.data() + (!copy.empty() && copy[0] == '+' ? 1 : 0);
+    double value = 0;
+    const auto [end, status] = std::from_chars(begin, copy.data() + copy.size(), value);
+    constexpr double largest = 1e100;
+    if (copy.empty() || end != copy.data() + copy.size()) return std::nullopt;
+    if (status == std::errc::result_out_of_range && copy.find("E-") != std::string::npos) return 0;  // next to nothing
+    if (status != std::errc() || !(std::abs(value) <= largest)) return std::nullopt;
+    return value;
+  }
+
+  TextLines lines_;
+  std::string_view line_;
+  std::string name_;
+};
+
+}  // namespace nscdd

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
+#include "core/text.hpp"
+#include "files/csv.hpp"
+#include "files/hdf5_file.hpp"
+#include "formats/lmgc90/datbox.hpp"
+#include "formats/packing/packing_columns.hpp"
+#include "formats/packing/text_packing.hpp"
+#include <nscdd/formats/packing_file.hpp>
+
+#include <filesystem>
+
+namespace nscdd {
+namespace {
+
+const PackingColumn* find_column(std::string_view name) {
+  const auto found = std::ranges::find(packing_columns, name, &PackingColumn::name);
+  return found == std::end(packing_columns) ? nullptr : found;
+}
+
+// Throws unless every required column is among those met; `where` says what should have it.
+void require_columns(const std::vector<const PackingColumn*>& met, std::string_view where, std::string_view kind) {
+  for (const PackingColumn& known : packing_columns)
+    if (known.required && std::find(met.begin(), met.end(), &known) == met.end())
+      fail("{}: expected a {} '{}', met none", where, kind, known.name);
+}
+
+std::vector<const PackingColumn*> columns_of(const Packing& packing) {
+  std::vector<const PackingColumn*> columns;
+  for (const PackingColumn& column : packing_columns)
+    if (column.required || !(packing.*(column.values)).empty()) columns.push_back(&column);
+  return columns;
+}
+
+std::vector<Column> headings_of(const std::vector<const PackingColumn*>& columns) {
+  std::vector<Column> headings;
+  for (const PackingColumn* column : columns) headings.push_back({std::string(column->name), "", ""});
+  return headings;
+}
+
+// Remarks, each on lines that begin with '#', even if a command line holds line feeds.
+std::string remarks(const Provenance& provenance) {
+  std::string text;
+  for (const auto& [name, content] : provenance) {
+    text += fmt::format("# {}:{}", name, content.find('\n') == std::string::npos ? " " : "\n#   ");
+    for (const char c : content.substr(0, content.find_last_not_of('\n') + 1))
+      text += c == '\n' ? std::string("\n#   ") : std::string(1, c);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::optional<PackingFormat> packing_format(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".csv") return PackingFormat::csv;
+  if (extension == ".h5" || extension == ".hdf5") return PackingFormat::hdf5;
+  return std::nullopt;
+}
+
+// Most numbers are valid. Only for the others a text is made that says where they stand.
+double packing_value(std::string_view text, const PackingColumn& column, const std::string& name, std::size_t line) {
+  const std::optional<double> found = number_of(text);
+  if (found && in_bounds(*found, column.field)) return *found;
+  const std::string where = fmt::format("{}:{}: {}", name, line, column.name);
+  const double value = found ? *found : parse_number(text, where);
+  check_bounds(value, column.field, where);
+  return value;
+}
+
+Packing parse_packing(std::string_view text, const std::string& name) {
+  require_utf8(text, name);
+  if (is_text_packing(text)) return parse_text_packing(text, name);
+  CsvReader reader = [&] {
+    try {
+      return CsvReader(text, name);
+    } catch (const Error& error) {
+      fail("{}; expected columns x, y, radius and optionally z and mass, named in line 1", error.what());
+    }
+  }();
+  const std::string header = fmt::format("{}:{}", name, reader.line());
+  std::vector<const PackingColumn*> meaning;
+  for (const std::string& column : reader.columns()) {
+    meaning.push_back(find_column(column));
+    if (column == "clumpId")
+      fail(
+          "{}: met '{}': clumps of YADE are not supported yet: they come with bodies of several contactors; without "
+          "this column their members are read as free grains",
+          header, column);
+    if (meaning.back() == nullptr)
+      fail("{}: expected columns x, y, radius and optionally z and mass, met '{}'", header, column);
+  }
+  require_columns(meaning, header, "column");
+  Packing packing;
+  while (reader.next())
+    for (std::size_t j = 0; j < meaning.size(); ++j)
+      (packing.*(meaning[j]->values)).push_back(packing_value(reader.value(j), *meaning[j], name, reader.line()));
+  if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
+  return packing;
+}
+
+Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
+  Packing packing;
+  std::vector<const PackingColumn*> met;
+  const hdf5::File file(bytes, name);
+  const hdf5::Group group = file.root().group("packing");
+  for (const std::string& dataset : group.members()) {
+    std::vector<double> values = group.numbers<double>(dataset);
+    const std::string where = group.of(dataset);
+    met.push_back(find_column(dataset));
+    if (met.back() == nullptr)
+      fail("{}: expected datasets x, y, radius and optionally z and mass, met '{}'", where, dataset);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!in_bounds(values[i], met.back()->field))
+        check_bounds(values[i], met.back()->field, fmt::format("{}: grain {}", where, i));
+    packing.*(met.back()->values) = std::move(values);
+  }
+  require_columns(met, name + ": packing", "dataset");
+  for (const PackingColumn* column : met)
+    if (count(packing.*(column->values)) != packing.size())
+      fail("{}: packing/{}: expected {} numbers as in x, met {}", name, column->name, packing.size(),
+           count(packing.*(column->values)));
+  if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
+  return packing;
+}
+
+Packing read_packing(const std::string& path) {
+  if (holds_datbox(path)) return datbox_packing(read_datbox(path), DatboxDisks::free);
+  const std::string content = read_text(path);
+  return packing_format(path) == PackingFormat::hdf5 ? packing_from_hdf5(content, path) : parse_packing(content, path);
+}
+
+std::string packing_csv(const Packing& packing) {
+  const auto columns = columns_of(packing);
+  std::string text = csv_header(headings_of(columns)) + '\n';
+  Row row(columns.size());
+  for (std::size_t i = 0; i < packing.x.size(); ++i) {
+    for (std::size_t j = 0; j < columns.size(); ++j) row[j] = (packing.*(columns[j]->values))[i];
+    text += csv_line(row) + '\n';
+  }
+  return text;
+}
+
+std::string packing_bytes(PackingFormat format, const Packing& packing, const Provenance& provenance) {
+  if (format == PackingFormat::csv) return remarks(provenance) + packing_csv(packing);
+  return hdf5::new_file_bytes([&](const hdf5::Group& root) {
+    hdf5::put_provenance(root, provenance);
+    const hdf5::Group group = root.make_group("packing");
+    const auto columns = columns_of(packing);
+    group.put_attribute("columns", csv_header(headings_of(columns)));
+    for (const PackingColumn* column : columns)
+      group.put<double>(std::string(column->name), packing.*(column->values),
+                        {.attributes = {{"unit", column->field.unit}, {"description", column->field.description}}});
+  });
+}
+
+}  // namespace nscdd

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/report/report_page.hpp"
+
+#include "formats/report/page_json.hpp"
+#include "formats/report/page_parts.hpp"
+
+#include <bit>
+#include <cstring>
+
+namespace nscdd {
+namespace page {
+namespace {
+
+template <class Value>
+Json packed_as(const char* type, const std::vector<Value>& values) {
+  static_assert(std::endian::native == std::endian::little, "bytes are written as they lie in memory");
+  static constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<unsigned char> bytes(values.size() * sizeof(Value));
+  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  std::string text;
+  text.reserve(4 * (bytes.size() / 3 + 1));
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t there = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k) three = three << 8 | (k < there ? bytes[i + k] : 0U);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= there ? letters[three >> (18 - 6 * k) & 63U] : '=';
+  }
+  return {{"type", type}, {"data", std::move(text)}};
+}
+
+// Text between tags.
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+  return result;
+}
+
+// JSON between the tags of a script: a name with "</script>" must not end it. "<" occurs in texts alone, where JSON
+// allows to write it by its number.
+std::string within_script(const Json& json) {
+  std::string result;
+  for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace))
+    if (c == '<')
+      result += "\\u003c";
+    else
+      result += c;
+  return result;
+}
+
+std::string filled(const Json& data, const std::string& title) {
+  const auto text_of = [&](std::string_view name) {
+    if (name == "title") return escaped(title);
+    if (name == "style") return std::string(parts::style);
+    if (name == "data") return within_script(data);
+    std::string program;
+    for (const std::string_view part : parts::program) program += part;
+    return program;
+  };
+  // Places are found in the page alone, never in what was put into it.
+  std::string result;
+  std::string_view rest = parts::page;
+  for (std::size_t open = rest.find("{{"); open != std::string_view::npos; open = rest.find("{{")) {
+    const std::size_t close = rest.find("}}", open);
+    result += rest.substr(0, open);
+    result += text_of(rest.substr(open + 2, close - open - 2));
+    rest.remove_prefix(close + 2);
+  }
+  return result += rest;
+}
+
+Json with_origin(const PageOrigin& origin, Json data) {
+  Json all{{"origin", json_of(origin)}};
+  all.update(data);
+  return all;
+}
+
+}  // namespace
+
+Json packed(const std::vector<float>& values) { return packed_as("float32", values); }
+Json packed(const std::vector<std::int16_t>& values) { return packed_as("int16", values); }
+Json packed(const std::vector<std::uint8_t>& values) { return packed_as("uint8", values); }
+Json packed(const std::vector<std::uint32_t>& values) { return packed_as("uint32", values); }
+
+Json drawn(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::stod(fmt::format("{:.7g}", value));
+}
+
+Json json_of(const PageOrigin& origin) {
+  return {{"program", "nscdd " + version()},
+          {"name", origin.name},
+          {"command_line", origin.command_line},
+          {"case", origin.case_text},
+          {"libraries", origin.libraries}};
+}
+
+}  // namespace page
+
+std::string packing_page(const Model& model, const PackingReport& report, const PageOrigin& origin) {
+  return page::filled(page::with_origin(origin, page::json_of(model, report)), origin.name + ": nscdd report");
+}
+
+std::string run_page(const RunReport& report, const PageOrigin& origin) {
+  return page::filled(page::with_origin(origin, page::json_of(report)), origin.name + ": nscdd report of a run");
+}
+
+}  // namespace nscdd

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/report/run_report.hpp"
+
+#include "core/fail.hpp"
+#include "core/text.hpp"
+#include "files/csv.hpp"
+
+#include <filesystem>
+#include <map>
+
+namespace nscdd {
+namespace {
+
+// What the page has room to show of a step. The units and descriptions are those of the tables.
+const std::vector<std::string> shown_of_summary{"step",
+                                                "time",
+                                                "iterations",
+                                                "zeta",
+                                                "interface_change",
+                                                "gluing",
+                                                "natural_map",
+                                                "driven_residual",
+                                                "no_room",
+                                                "quad_dv",
+                                                "mean_dv_over_r",
+                                                "active",
+                                                "stick",
+                                                "slide",
+                                                "contacts",
+                                                "overlap_maximum",
+                                                "kinetic",
+                                                "potential",
+                                                "boundary_work",
+                                                "dissipation",
+                                                "numerical"};
+const std::vector<std::string> shown_of_iterations{"step",   "iteration",   "zeta",    "interface_change",
+                                                   "gluing", "natural_map", "quad_dv", "mean_dv_over_r"};
+
+template <class Result>
+Column heading_of(const std::string& name, const ResultColumns<Result>& columns) {
+  const auto found =
+      std::ranges::find_if(columns, [&](const ResultColumn<Result>& column) { return column.heading.name == name; });
+  return found->heading;
+}
+
+DrawnStep drawn(const Simulation& run, const TrajectoryStep& step) {
+  const GranularState& state = step.state;
+  DrawnStep result{state.step, state.time, state.x, state.y, state.z, {}, {}};
+  for (const Wall& wall : run.system.walls) {
+    const auto b = at(wall.boundary);
+    result.walls.push_back(in_dimension(run.system, [&](auto dimension) {
+      return moved<decltype(dimension)::value>(wall, run.system.boundaries[b].motion, state.poses[b]);
+    }));
+  }
+  const bool flat = run.system.dimension == 2;
+  for (const TrajectoryContact& c : step.contacts)
+    if (c.carries())
+      result.contacts.push_back({c.geometry.a, c.geometry.b, c.geometry.point, c.impulse.n,
+                                 flat ? c.impulse.t : c.tangential(), c.status, c.subdomain});
+  return result;
+}
+
+// The name that the case of the run had: the trajectory keeps only the text of the case.
+std::string name_of_case(const std::string& path, const TrajectoryHeader& header) {
+  constexpr std::string_view mark = "# case ";
+  for (const auto& [key, text] : header.provenance)
+    if (key == "cases" && text.starts_with(mark)) return text.substr(mark.size(), text.find('\n') - mark.size());
+  return std::filesystem::path(path).stem().string();
+}
+
+// Bytes that a step takes on the page, written as letters of six bits: a number of four bytes for every coordinate of a
+// grain and of the point of a contact that carries, which also has its ends, subdomain, impulses and status.
+double bytes_of(const TrajectoryStep& step) {
+  const auto carrying = std::ranges::count_if(step.contacts, [](const TrajectoryContact& c) { return c.carries(); });
+  const double place = step.state.z.empty() ? 8 : 12;
+  return 4.0 / 3 * (place * static_cast<double>(step.state.x.size()) + (place + 21) * static_cast<double>(carrying)) +
+         200;
+}
+
+// The last iteration of a step always has a row: that of the summary. Runs that use up the iterations allowed have the
+// same numbers, hence the indicator too. `step`, `iteration` and `zeta`: columns of the table.
+void require_same_run(const std::vector<double>& step, const std::vector<double>& iteration,
+                      const std::vector<double>& zeta, const std::string& path, const std::string& run) {
+  const std::vector<double> taken = read_summary(run, "iterations"), end = read_summary(run, "zeta");
+  std::map<std::size_t, std::size_t> last;  // row of the last iteration of a step
+  for (std::size_t row = 0; row < step.size(); ++row) {
+    const auto [known, first] = last.try_emplace(static_cast<std::size_t>(step[row]), row);
+    if (!first && iteration[row] > iteration[known->second]) known->second = row;
+  }
+  for (const auto& [number, row] : last) {
+    const double expected = end[number - 1], met = zeta[row];
+    if (iteration[row] != taken[number - 1] || std::abs(met - expected) > 1e-9 * std::abs(expected))
+      fail("{}: expected the table of the run {}, whose step {} ended with iteration {} and zeta {}; met {} and {}",
+           path, run, number, taken[number - 1], expected, iteration[row], met);
+  }
+}
+
+}  // namespace
+
+std::vector<Series> read_iterations(const std::string& path, const std::string& run) {
+  const Index steps = count(read_statuses(run));
+  const CsvText csv = parse_csv(read_text(path), path);
+  std::vector<Series> all;
+  for (const std::string& name : shown_of_iterations) {
+    const auto found = std::ranges::find(csv.columns, name);
+    if (found == csv.columns.end())
+      fail("{}: expected a table of nscdd simulate --convergence with a column {}, met none", path, name);
+    Series series{heading_of(name, iteration_columns()), {}};
+    const auto column = static_cast<std::size_t>(found - csv.columns.begin());
+    for (std::size_t row = 0; row < csv.rows.size(); ++row)
+      series.values.push_back(
+          parse_number(csv.rows[row][column], fmt::format("{}:{}: {}", path, csv.lines[row], name)));
+    all.push_back(std::move(series));
+  }
+  for (std::size_t row = 0; row < csv.rows.size(); ++row)
+    if (const double step = all.front().values[row]; !(step >= 1 && step <= static_cast<double>(steps)))
+      fail("{}:{}: step: expected one of the {} steps of the run, met {}", path, csv.lines[row], steps, step);
+  require_same_run(all[0].values, all[1].values, all[2].values, path, run);
+  return all;
+}
+
+std::vector<Index> steps_to_draw(const std::string& path, const std::vector<Index>& steps, double bytes) {
+  if (steps.size() < 2) return steps;
+  const double largest = std::max(bytes_of(read_trajectory_step(path, steps[steps.size() / 2])),
+                                  bytes_of(read_trajectory_step(path, steps.back())));
+  const auto room = static_cast<Index>(bytes / largest);
+  const Index number = std::clamp<Index>(room, 2, count(steps));
+  std::vector<Index> chosen;
+  for (Index i = 0; i < number; ++i) chosen.push_back(steps[at(i * (count(steps) - 1) / (number - 1))]);
+  return chosen;
+}
+
+std::optional<RunReport> report_run(const std::string& path, const std::vector<Index>& steps, const Monitor& monitor) {
+  RunReport report;
+  report.header = read_trajectory_header(path);
+  report.ended = read_end(path);
+  report.status = read_statuses(path);
+  if (report.status.empty()) fail("{}: expected a run that has taken a step, met none", path);
+  report.name = name_of_case(path, report.header);
+  report.kept = count(trajectory_steps(path));
+  for (const std::string& name : shown_of_summary)
+    if (has_summary(path, name)) report.summary.push_back({heading_of(name, step_columns()), read_summary(path, name)});
+  std::optional<Simulation> run;
+  for (const Index number : steps) {
+    TrajectoryStep step = read_trajectory_step(path, number);
+    // Walls move with the boundaries of the case.
+    if (!run) run = rebuilt_simulation(path, report.header, step.state);
+    report.solver = run->dynamics.solver;
+    if (decomposes(report.solver.algorithm)) report.subdomains = subdomains(run->partitioner);
+    report.steps.push_back(drawn(*run, step));
+    if (!nscdd::report(monitor, count(report.steps), count(steps))) return std::nullopt;
+  }
+  return report;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "files/hdf5_file.hpp"
+#include "formats/trajectory/trajectory.hpp"
+
+/// Names and units of a trajectory, the same for writing and for reading.
+namespace nscdd::layout {
+
+struct StateArray {
+  const char* name;
+  const char* unit;
+  std::vector<double> GranularState::*values;
+};
+inline constexpr std::array state_arrays_in_plane{StateArray{"x", "m", &GranularState::x},
+                                                  StateArray{"y", "m", &GranularState::y},
+                                                  StateArray{"angle", "rad", &GranularState::angle},
+                                                  StateArray{"velocity_x", "m/s", &GranularState::velocity_x},
+                                                  StateArray{"velocity_y", "m/s", &GranularState::velocity_y},
+                                                  StateArray{"spin", "rad/s", &GranularState::spin}};
+inline constexpr std::array state_arrays_in_space{StateArray{"x", "m", &GranularState::x},
+                                                  StateArray{"y", "m", &GranularState::y},
+                                                  StateArray{"z", "m", &GranularState::z},
+                                                  StateArray{"turn_w", "1", &GranularState::turn_w},
+                                                  StateArray{"turn_x", "1", &GranularState::turn_x},
+                                                  StateArray{"turn_y", "1", &GranularState::turn_y},
+                                                  StateArray{"turn_z", "1", &GranularState::turn_z},
+                                                  StateArray{"velocity_x", "m/s", &GranularState::velocity_x},
+                                                  StateArray{"velocity_y", "m/s", &GranularState::velocity_y},
+                                                  StateArray{"velocity_z", "m/s", &GranularState::velocity_z},
+                                                  StateArray{"spin_x", "rad/s", &GranularState::spin_x},
+                                                  StateArray{"spin_y", "rad/s", &GranularState::spin_y},
+                                                  StateArray{"spin_z", "rad/s", &GranularState::spin}};
+inline std::span<const StateArray> state_arrays(Index dimension) {
+  if (dimension == 3) return state_arrays_in_space;
+  return state_arrays_in_plane;
+}
+
+/// Columns of a list of structs: visit(name, unit, get); get(element) points to a double, Index or ContactStatus.
+inline constexpr auto state_columns = [](auto&& visit) {
+  visit("step", "1", [](auto& state) { return &state.step; });
+  visit("time", "s", [](auto& state) { return &state.time; });
+  visit("decomposed_at", "1", [](auto& state) { return &state.decomposed_at; });
+  visit("eta", "1/kg", [](auto& state) { return &state.eta; });
+};
+
+inline auto pose_columns(Index dimension) {
+  return [space = dimension == 3](auto&& visit) {
+    visit("x", "m", [](auto& pose) { return &pose.x; });
+    visit("y", "m", [](auto& pose) { return &pose.y; });
+    if (!space) return visit("angle", "rad", [](auto& pose) { return &pose.angle; });
+    visit("z", "m", [](auto& pose) { return &pose.z; });
+    visit("turn_w", "1", [](auto& pose) { return &pose.turn.w(); });
+    visit("turn_x", "1", [](auto& pose) { return &pose.turn.x(); });
+    visit("turn_y", "1", [](auto& pose) { return &pose.turn.y(); });
+    visit("turn_z", "1", [](auto& pose) { return &pose.turn.z(); });
+  };
+}
+
+inline auto contact_columns(Index dimension) {
+  return [space = dimension == 3](auto&& visit) {
+    visit("a", "1", [](auto& c) { return &c.geometry.a; });
+    visit("b", "1", [](auto& c) { return &c.geometry.b; });
+    visit("normal_x", "1", [](auto& c) { return &c.geometry.normal[0]; });
+    visit("normal_y", "1", [](auto& c) { return &c.geometry.normal[1]; });
+    if (space) visit("normal_z", "1", [](auto& c) { return &c.geometry.normal[2]; });
+    visit("point_x", "m", [](auto& c) { return &c.geometry.point[0]; });
+    visit("point_y", "m", [](auto& c) { return &c.geometry.point[1]; });
+    if (space) visit("point_z", "m", [](auto& c) { return &c.geometry.point[2]; });
+    visit("gap", "m", [](auto& c) { return &c.geometry.gap; });
+    visit("impulse_n", "N s", [](auto& c) { return &c.impulse.n; });
+    visit(space ? "impulse_t1" : "impulse_t", "N s", [](auto& c) { return &c.impulse.t; });
+    if (space) visit("impulse_t2", "N s", [](auto& c) { return &c.second_tangential; });
+    visit("status", "1", [](auto& c) { return &c.status; });
+    visit("subdomain", "1", [](auto& c) { return &c.subdomain; });
+  };
+}
+
+inline auto gluing_columns(Index dimension) {
+  return [space = dimension == 3](auto&& visit) {
+    visit("grain", "1", [](auto& gluing) { return &gluing.grain; });
+    visit("subdomain", "1", [](auto& gluing) { return &gluing.subdomain; });
+    visit("impulse_x", "N s", [](auto& gluing) { return &gluing.impulse[0]; });
+    visit("impulse_y", "N s", [](auto& gluing) { return &gluing.impulse[1]; });
+    if (!space) return visit("impulse_rim", "N s", [](auto& gluing) { return &gluing.impulse[2]; });
+    visit("impulse_z", "N s", [](auto& gluing) { return &gluing.impulse[2]; });
+    visit("impulse_rim_x", "N s", [](auto& gluing) { return &gluing.impulse[3]; });
+    visit("impulse_rim_y", "N s", [](auto& gluing) { return &gluing.impulse[4]; });
+    visit("impulse_rim_z", "N s", [](auto& gluing) { return &gluing.impulse[5]; });
+  };
+}
+
+inline constexpr auto model_columns = [](auto&& visit) {
+  visit("switched", "1", [](auto& model) { return &model.switched; });
+  visit("standing", "1", [](auto& model) { return &model.standing; });
+  visit("switched_iterations", "1", [](auto& model) { return &model.switched_iterations; });
+  visit("switch_backs", "1", [](auto& model) { return &model.switch_backs; });
+  visit("velocity_distance", "m/s", [](auto& model) { return &model.velocity_distance; });
+  visit("impulse_distance", "1", [](auto& model) { return &model.impulse_distance; });
+};
+
+inline auto wall_columns(Index dimension) {
+  return [space = dimension == 3](auto&& visit) {
+    visit("point_x", "m", [](auto& wall) { return &wall.point[0]; });
+    visit("point_y", "m", [](auto& wall) { return &wall.point[1]; });
+    if (space) visit("point_z", "m", [](auto& wall) { return &wall.point[2]; });
+    visit("normal_x", "1", [](auto& wall) { return &wall.normal[0]; });
+    visit("normal_y", "1", [](auto& wall) { return &wall.normal[1]; });
+    if (space) visit("normal_z", "1", [](auto& wall) { return &wall.normal[2]; });
+    if (space) visit("radius", "m", [](auto& wall) { return &wall.radius; });
+    visit("boundary", "1", [](auto& wall) { return &wall.boundary; });
+  };
+}
+
+/// Type in the file of a number.
+inline double stored(double value) { return value; }
+inline std::int32_t stored(Index value) { return static_cast<std::int32_t>(value); }
+inline std::int8_t stored(ContactStatus value) { return static_cast<std::int8_t>(value); }
+
+}  // namespace nscdd::layout

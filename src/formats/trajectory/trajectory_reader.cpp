@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
+#include "formats/case/case_file.hpp"
+#include "formats/trajectory/trajectory_layout.hpp"
+
+#include <filesystem>
+
+namespace nscdd {
+namespace {
+
+using hdf5::Group;
+using hdf5::Rows;
+
+hdf5::File open_trajectory(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored))
+    fail("{}: expected a trajectory of nscdd simulate, met no such file", path);
+  return {path, hdf5::Access::read,
+          fmt::format("{}: expected a trajectory of nscdd simulate (HDF5), met something else, a damaged file or one "
+                      "that is being changed",
+                      path)};
+}
+
+template <class Element, class Columns>
+std::vector<Element> get_structs(const Group& group, Columns&& columns, std::optional<Rows> rows = std::nullopt) {
+  std::vector<Element> elements;
+  bool first = true;
+  columns([&](const char* column, const char*, auto get) {
+    Element probe{};
+    using Number = std::remove_reference_t<decltype(*get(probe))>;
+    const auto values = group.numbers<decltype(layout::stored(Number{}))>(column, rows);
+    if (first) elements.resize(values.size());
+    first = false;
+    if (values.size() != elements.size())
+      fail("{}: expected {} values as in the other columns, met {}", group.of(column), elements.size(), values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) *get(elements[i]) = static_cast<Number>(values[i]);
+  });
+  return elements;
+}
+
+// Those of one step where their number changes from step to step.
+template <class Element, class Columns>
+std::vector<Element> get_list(const Group& group, Columns&& columns, Rows step) {
+  const auto rows = group.numbers<std::int64_t>("rows", step);
+  if (rows.size() != 2 || rows[0] < 0 || rows[1] < rows[0])
+    fail("{}: expected the first row of each step and the one behind its last, met other numbers", group.of("rows"));
+  return get_structs<Element>(group, columns, Rows{rows[0], rows[1] - rows[0]});
+}
+
+void require_within(Index value, Index lowest, Index bound, const char* array, const Group& group) {
+  if (value < lowest || value >= bound)
+    fail("{}: expected a number in {}..{}, met {}", group.of(array), lowest, bound - 1, value);
+}
+
+// Throws unless the numbers of steps, bodies and subdomains are within their ranges.
+void check_numbers(const TrajectoryStep& step, Index walls, const Group& group) {
+  constexpr Index most_steps = 1'000'000'001, most_subdomains = 1'000'000;  // of any run, of any partitioner
+  const Index disks = count(step.state.x), bodies = disks + walls, models = count(step.state.models);
+  require_within(step.state.step, 0, most_steps, "step", group);
+  require_within(step.state.decomposed_at, -1, most_steps, "decomposed_at", group);
+  for (const TrajectoryContact& c : step.contacts) {
+    require_within(c.geometry.a, 0, bodies, "contacts/a", group);
+    require_within(c.geometry.b, 0, bodies, "contacts/b", group);
+    require_within(c.subdomain, 0, models > 0 ? models : most_subdomains, "contacts/subdomain", group);
+  }
+  for (const RememberedModel& model : step.state.models) require_within(model.switched, 0, 2, "models/switched", group);
+  for (const RememberedGluing& gluing : step.state.gluing) {
+    require_within(gluing.grain, 0, disks, "interface/grain", group);
+    require_within(gluing.subdomain, 0, most_subdomains, "interface/subdomain", group);
+  }
+}
+
+// Of the grains in a group of steps: a z says that they are spheres.
+Index dimension_of(const Group& steps) { return steps.has("z") ? 3 : 2; }
+
+// The step in one row of a group, /steps or /last.
+TrajectoryStep get_step(const Group& root, const char* name, Index row) {
+  const Group group = root.group(name);
+  const Rows here{row, 1};
+  const auto states = get_structs<GranularState>(group, layout::state_columns, here);
+  if (states.size() != 1) fail("{}: expected one number per step, met others", group.of("step"));
+  TrajectoryStep step{states[0], {}};
+  GranularState& state = step.state;
+  const Index dimension = dimension_of(group);
+  for (const auto& array : layout::state_arrays(dimension))
+    state.*(array.values) = group.numbers<double>(array.name, here);
+  state.poses = get_structs<Pose>(group.group("poses"), layout::pose_columns(dimension), here);
+  step.contacts = get_list<TrajectoryContact>(group.group("contacts"), layout::contact_columns(dimension), here);
+  state.gluing = get_list<RememberedGluing>(group.group("interface"), layout::gluing_columns(dimension), here);
+  if (group.has("models")) state.models = get_list<RememberedModel>(group.group("models"), layout::model_columns, here);
+  check_numbers(step, root.group("system").group("walls").rows("point_x"), group);
+  for (const TrajectoryContact& c : step.contacts) {
+    state.subdomains.push_back({c.geometry.a, c.geometry.b, c.subdomain});
+    if (!c.carries()) continue;
+    const auto& n = c.geometry.normal;
+    state.impulses.push_back(
+        {c.geometry.a, c.geometry.b,
+         dimension == 2 ? to_remember<2>(c.impulse, {n[0], n[1]}) : to_remember<3>(c.local<3>(), n)});
+  }
+  return step;
+}
+
+GranularSystem get_system(const Group& root) {
+  const Group group = root.group("system");
+  GranularSystem system;
+  system.dimension = dimension_of(root.group("last"));
+  system.radius = group.numbers<double>("radius");
+  system.mass = group.numbers<double>("mass");
+  for (const std::int32_t boundary : group.numbers<std::int32_t>("driven_by")) system.driven_by.push_back(boundary);
+  system.walls = get_structs<Wall>(group.group("walls"), layout::wall_columns(system.dimension));
+  std::istringstream names(group.text("boundaries"));
+  for (std::string name; std::getline(names, name);) system.boundaries.push_back({name, {}});
+  return system;
+}
+
+// A step that is in one of the groups.
+std::optional<TrajectoryStep> find_step(const std::string& path, Index step,
+                                        std::initializer_list<const char*> groups) {
+  const hdf5::File file = open_trajectory(path);
+  for (const char* name : groups) {
+    const auto steps = file.root().group(name).numbers<std::int64_t>("step");
+    const auto found = std::ranges::find(steps, step);
+    if (found != steps.end()) return get_step(file.root(), name, found - steps.begin());
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+TrajectoryHeader read_trajectory_header(const std::string& path) {
+  const hdf5::File file = open_trajectory(path);
+  const Group root = file.root();
+  TrajectoryHeader header{.case_text = root.text("case"), .build = {}, .provenance = {}, .system = get_system(root)};
+  for (const auto& [key, text] : hdf5::provenance_of(root))
+    if (key == "build")
+      header.build = text;
+    else
+      header.provenance.emplace_back(key, text);
+  return header;
+}
+
+std::vector<Index> trajectory_steps(const std::string& path) {
+  const auto steps = open_trajectory(path).root().group("steps").numbers<std::int64_t>("step");
+  return {steps.begin(), steps.end()};
+}
+
+TrajectoryStep read_trajectory_step(const std::string& path, Index step) {
+  if (auto found = find_step(path, step, {"steps"})) return *std::move(found);
+  const std::vector<Index> kept = trajectory_steps(path);
+  fail("{}: expected one of the {} steps it keeps ({} to {}), met step {}", path, kept.size(),
+       kept.empty() ? 0 : kept.front(), kept.empty() ? 0 : kept.back(), step);
+}
+
+std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Index step) {
+  return find_step(path, step, {"steps", "last"});
+}
+
+TrajectoryStep read_last_step(const std::string& path) { return get_step(open_trajectory(path).root(), "last", 0); }
+
+std::string read_end(const std::string& path) { return open_trajectory(path).root().text_attribute("ended"); }
+
+std::vector<double> read_summary(const std::string& path, const std::string& column) {
+  const hdf5::File file = open_trajectory(path);
+  const Group group = file.root().group("summary");
+  if (!group.has(column) && group.members().empty()) return {};
+  return group.numbers<double>(column);
+}
+
+bool has_summary(const std::string& path, const std::string& column) {
+  return open_trajectory(path).root().group("summary").has(column);
+}
+
+std::vector<std::string> read_statuses(const std::string& path) {
+  const hdf5::File file = open_trajectory(path);
+  const Group group = file.root().group("summary");
+  std::vector<std::string> statuses;
+  if (group.members().empty()) return statuses;
+  for (const Cell& cell : group.cells("status")) statuses.push_back(to_text(cell));
+  return statuses;
+}
+
+bool holds_trajectory(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  try {
+    const hdf5::File file(path, hdf5::Access::read, "");
+    return file.root().has("system") && file.root().has("steps") && file.root().has("summary");
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+void require_fit(const std::string& path, const Simulation& simulation) {
+  try {
+    check(simulation.system, simulation.state);
+  } catch (const Error& error) {
+    fail("{}: {}", path, error.what());
+  }
+}
+
+Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state) {
+  // The grains are those of the trajectory, wherever the case has them from.
+  const CaseSpec spec = parse_case(header.case_text, path + ": case", true);
+  if (!spec.dynamics) fail("{}: case: expected a section [dynamics], met a case without", path);
+  const auto& specs = spec.dynamics->boundaries;
+  GranularSystem system = header.system;
+  if (system.boundaries.size() != specs.size())
+    fail("{}: expected the {} boundaries of its case, met {}", path, specs.size(), system.boundaries.size());
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    if (system.boundaries[k].name != specs[k].name)
+      fail("{}: expected the boundary '{}' of its case, met '{}'", path, specs[k].name, system.boundaries[k].name);
+    system.boundaries[k].motion = specs[k].motion;
+    system.boundaries[k].orientation = specs[k].orientation;
+  }
+  Simulation simulation{std::move(system), std::move(state), *spec.dynamics, spec.partition};
+  require_fit(path, simulation);
+  return simulation;
+}
+
+}  // namespace nscdd

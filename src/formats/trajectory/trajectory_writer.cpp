@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/trajectory/trajectory_layout.hpp"
+#include "mechanics/grain_contacts.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+namespace nscdd {
+namespace {
+
+using hdf5::ArrayForm;
+using hdf5::Group;
+using Steps = std::span<const TrajectoryStep>;
+
+// Bringing the file up to date takes some milliseconds, as long as a hundred steps of a few disks.
+constexpr std::chrono::seconds commit_interval{1};
+
+// The structs that `list` finds in each owner, those of one owner behind those of another.
+template <class Owner, class List, class Columns>
+void put_structs(const Group& group, std::span<const Owner> owners, List list, Columns&& columns, ArrayForm form) {
+  columns([&](const char* column, const char* unit, auto get) {
+    using Number = decltype(layout::stored(*get(list(owners[0])[0])));
+    std::vector<Number> values;
+    for (const Owner& owner : owners)
+      for (const auto& element : list(owner)) values.push_back(layout::stored(*get(element)));
+    form.attributes = {{"unit", unit}};
+    group.put<Number>(column, values, form);
+  });
+}
+
+// The same where their number changes. The array `rows` has the first struct of each step and the one behind its last.
+template <class List, class Columns>
+void put_lists(const Group& group, Steps steps, List list, Columns&& columns, ArrayForm form) {
+  put_structs(group, steps, list, columns, form);
+  const Index before = form.append ? group.rows("rows") : 0;
+  std::int64_t end = before > 0 ? group.numbers<std::int64_t>("rows", hdf5::Rows{before - 1}).back() : 0;
+  std::vector<std::int64_t> rows;
+  for (const TrajectoryStep& step : steps) {
+    rows.push_back(end);
+    rows.push_back(end += count(list(step)));
+  }
+  form.attributes = {{"unit", "1"}};
+  form.rows = steps.size();
+  group.put<std::int64_t>("rows", rows, form);
+}
+
+// One array per quantity holds all steps, so that a step costs few calls of HDF5 if many are written at once.
+// A chunk takes about the contacts of a dense packing.
+void put_steps(const Group& group, Steps steps, bool append) {
+  if (steps.empty()) return;
+  ArrayForm form{.chunk = std::clamp<std::size_t>(2 * steps[0].state.x.size(), 256, 65536), .append = append};
+  const auto state = [](const TrajectoryStep& step) { return std::span(&step.state, 1); };
+  const auto poses = [](const TrajectoryStep& step) -> auto& { return step.state.poses; };
+  const auto contacts = [](const TrajectoryStep& step) -> auto& { return step.contacts; };
+  const auto gluing = [](const TrajectoryStep& step) -> auto& { return step.state.gluing; };
+  const auto models = [](const TrajectoryStep& step) -> auto& { return step.state.models; };
+  const Index dimension = steps[0].state.z.empty() ? 2 : 3;
+  put_structs(group, steps, state, layout::state_columns, form);
+  put_lists(group.make_group("contacts"), steps, contacts, layout::contact_columns(dimension), form);
+  put_lists(group.make_group("interface"), steps, gluing, layout::gluing_columns(dimension), form);
+  if (!steps[0].state.models.empty())  // one per subdomain in every step of a run that switches models
+    put_lists(group.make_group("models"), steps, models, layout::model_columns, form);
+  form.rows = steps.size();
+  put_structs(group.make_group("poses"), steps, poses, layout::pose_columns(dimension), form);
+  for (const auto& array : layout::state_arrays(dimension)) {
+    std::vector<double> values;
+    for (const TrajectoryStep& step : steps) {
+      const std::vector<double>& own = step.state.*(array.values);
+      values.insert(values.end(), own.begin(), own.end());
+    }
+    form.attributes = {{"unit", array.unit}};
+    group.put<double>(array.name, values, form);
+  }
+}
+
+void put_system(const Group& root, const GranularSystem& system) {
+  const Group group = root.make_group("system");
+  group.put<double>("radius", system.radius, {.attributes = {{"unit", "m"}}});
+  group.put<double>("mass", system.mass, {.attributes = {{"unit", "kg"}}});
+  std::vector<std::int32_t> driven;
+  for (const Index boundary : system.driven_by) driven.push_back(layout::stored(boundary));
+  group.put<std::int32_t>("driven_by", driven, {.attributes = {{"unit", "1"}}});
+  const auto walls = [](const GranularSystem& one) -> auto& { return one.walls; };
+  put_structs(group.make_group("walls"), std::span(&system, 1), walls, layout::wall_columns(system.dimension), {});
+  std::string names;
+  for (const Boundary& boundary : system.boundaries) names += boundary.name + "\n";
+  group.put_text("boundaries", names);
+}
+
+// The line joins those of earlier restarts. The provenance of the beginning of the run stays.
+void add_restart(const Group& root, const std::string& line) {
+  const Group origin = root.group("provenance");
+  std::string lines;
+  if (origin.has("restarts")) {
+    lines = origin.text("restarts");
+    origin.remove("restarts");
+  }
+  origin.put_text("restarts", lines + line);
+}
+
+// A change of a file that exists. It is closed afterwards.
+template <class Change>
+AlternatingFile::Change changing(Change change) {
+  return [change](const std::string& name) {
+    const hdf5::File file(name, hdf5::Access::change, fmt::format("{}: cannot be changed as an HDF5 file", name));
+    change(file.root());
+    file.flush();
+  };
+}
+
+}  // namespace
+
+TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHeader& header, const TrajectoryStep& first,
+                                   const std::vector<Column>& summary_columns)
+    : TrajectoryWriter(path, summary_columns) {
+  file_.create([&](const std::string& name) {
+    const hdf5::File file(name, hdf5::Access::create, fmt::format("{}: cannot be written", path));
+    const Group root = file.root();
+    hdf5::put_provenance(root, header.provenance);
+    root.group("provenance").put_text("build", header.build);
+    root.put_text("case", header.case_text);
+    root.put_attribute("ended", "running");
+    put_system(root, header.system);
+    for (const char* group : {"steps", "last"}) put_steps(root.make_group(group), {&first, 1}, false);
+    root.make_group("summary");
+    file.flush();
+  });
+}
+
+TrajectoryWriter::TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns)
+    : file_(path), pending_{.summary = {summary_columns, {}}} {}
+
+TrajectoryWriter::~TrajectoryWriter() {
+  try {
+    commit();
+  } catch (const Error&) {  // the run has failed already, and the file stays as it was
+  }
+}
+
+void TrajectoryWriter::go_on(const std::string& case_text, const std::string& restart) {
+  file_.change(changing([case_text, restart](const Group& root) {
+    root.remove("case");
+    root.put_text("case", case_text);
+    add_restart(root, restart);
+    root.put_attribute("ended", "running");
+  }));
+}
+
+void TrajectoryWriter::append(TrajectoryStep step, const std::vector<Row>& summary, bool keep) {
+  step.state.impulses = {};  // contacts say what they carried, and where
+  step.state.subdomains = {};
+  if (!pending_.newest_kept) pending_.steps.pop_back();
+  pending_.steps.push_back(std::move(step));
+  pending_.newest_kept = keep;
+  pending_.summary.rows.insert(pending_.summary.rows.end(), summary.begin(), summary.end());
+}
+
+bool TrajectoryWriter::due() const { return std::chrono::steady_clock::now() - committed_ >= commit_interval; }
+
+void TrajectoryWriter::commit() {
+  if (pending_.steps.empty() && pending_.ended.empty()) return;
+  Pending next{.summary = {pending_.summary.columns, {}}};
+  const auto batch = std::make_shared<const Pending>(std::exchange(pending_, std::move(next)));
+  file_.change(changing([batch](const Group& root) {
+    const auto& [steps, newest_kept, summary, ended] = *batch;
+    put_steps(root.group("steps"), Steps(steps).first(steps.size() - (newest_kept ? 0 : 1)), true);
+    put_steps(root.group("last"), Steps(steps).last(std::min<std::size_t>(steps.size(), 1)), false);
+    if (!summary.rows.empty())
+      root.group("summary").put_columns(summary, {.chunk = 256, .append = true, .longest_text = 16});
+    if (!ended.empty()) root.put_attribute("ended", ended);
+  }));
+  committed_ = std::chrono::steady_clock::now();
+}
+
+void TrajectoryWriter::end(const std::string& how) {
+  pending_.ended = how;
+  commit();
+}
+
+}  // namespace nscdd

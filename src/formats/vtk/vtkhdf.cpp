@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Layout: "VTKHDF format specification" of VTK, sections "Poly data" and "Temporal data".
+#include "formats/vtk/vtkhdf.hpp"
+
+#include "core/fail.hpp"
+#include "files/hdf5_file.hpp"
+
+#include <filesystem>
+
+namespace nscdd {
+namespace {
+
+using hdf5::Group;
+using Integers = std::vector<std::int64_t>;
+
+// All four must be there, even if they are empty, and in this order.
+constexpr std::array<const char*, 4> kinds{"Vertices", "Lines", "Polygons", "Strips"};
+
+// A step has thousands of numbers in each array of points or cells, and one or four in each array of `Steps`.
+constexpr std::size_t short_chunk = 256, smallest_chunk = 1024, largest_chunk = 65536;
+
+// Behind what there is. With `components`, of a two-dimensional array.
+template <class Value>
+void append(const Group& group, const char* name, const std::vector<Value>& values, std::size_t chunk,
+            std::size_t components = 1) {
+  hdf5::ArrayForm form{.chunk = chunk * components, .append = true, .compressed = true};
+  if (components > 1) form.rows = values.size() / components;
+  group.put<Value>(name, values, form);
+}
+
+template <class Value>
+void append_one(const Group& group, const char* name, Value value) {
+  group.put<Value>(name, std::span<const Value>(&value, 1), {.chunk = short_chunk, .append = true});
+}
+
+void append_row(const Group& group, const char* name, const Integers& row) {
+  group.put<std::int64_t>(name, row, {.chunk = short_chunk * row.size(), .append = true, .rows = 1});
+}
+
+// Says where each array of the step begins, which is the end of what the file holds.
+void put_array_offsets(const Group& offsets, const std::vector<PictureArray>& arrays, std::int64_t begin, bool first) {
+  if (!first && offsets.members().size() != arrays.size())
+    fail("{}: expected the {} arrays of the first step, met {}", offsets.path(), offsets.members().size(),
+         arrays.size());
+  for (const PictureArray& array : arrays) append_one(offsets, array.name, begin);
+}
+
+void put_arrays(const Group& group, const std::vector<PictureArray>& arrays, std::size_t chunk) {
+  for (const PictureArray& array : arrays) {
+    const auto components = static_cast<std::size_t>(array.components);
+    std::visit([&](const auto& values) { append(group, array.name, values, chunk, components); }, array.values);
+  }
+}
+
+}  // namespace
+
+void require_vtkhdf_name(const std::string& path) {
+  const std::filesystem::path extension = std::filesystem::path(path).extension();
+  if ((extension != ".vtkhdf" && extension != ".hdf") || is_stream(path))
+    fail("{}: expected the name of a file that ends in .vtkhdf or .hdf", path);
+}
+
+VtkhdfFile::VtkhdfFile(const std::string& path, bool force) : output_(path, force) {
+  const std::string growing = partial_path(path).string();
+  file_ = std::make_unique<hdf5::File>(growing, hdf5::Access::fill, fmt::format("{}: cannot be written", growing));
+  const Group root = file_->root().make_group("VTKHDF");
+  root.put_attribute("Version", Integers{2, 0});
+  root.put_ascii_attribute("Type", "PolyData");
+  const Group points = root.make_group("PointData");
+  points.put_ascii_attribute("Scalars", shown_of_points);
+  points.put_ascii_attribute("Vectors", shown_vectors);
+  root.make_group("CellData").put_ascii_attribute("Scalars", shown_of_cells);
+}
+
+VtkhdfFile::~VtkhdfFile() = default;
+
+// Must come before anything else of the step is written: it notes where that begins.
+void VtkhdfFile::put_steps(const Group& root, const StepPicture& picture) {
+  const Group steps = root.make_group("Steps");
+  append_one(steps, "Values", picture.time);
+  append_one(steps, "PartOffsets", steps_);
+  append_one(steps, "NumberOfParts", std::int64_t{1});
+  append_one(steps, "PointOffsets", points_);
+  Integers cells, ids;
+  std::int64_t all_cells = 0;
+  for (const Written& kind : kinds_) {
+    cells.push_back(kind.cells + kind.skipped);
+    ids.push_back(kind.ids);
+    all_cells += kind.cells;
+  }
+  append_row(steps, "CellOffsets", cells);
+  append_row(steps, "ConnectivityIdOffsets", ids);
+  const bool first = steps_ == 0;
+  put_array_offsets(steps.make_group("PointDataOffsets"), picture.point_arrays, points_, first);
+  put_array_offsets(steps.make_group("CellDataOffsets"), picture.cell_arrays, all_cells, first);
+  append_one(steps.make_group("FieldDataOffsets"), "TimeValue", steps_);
+}
+
+// Each step has one entry more in Offsets than it has cells, so that step k begins at CellOffsets + k, as the readers
+// of VTK 9.3 have it. Later ones do not add k but the number of steps before k that begin below CellOffsets, and read a
+// step behind one without cells one entry too early: the very first lines, as no contact has led to time 0. One entry
+// that no step reads, counted in CellOffsets from the first step without cells on, makes both add k.
+void VtkhdfFile::put_cells(const Group& root, const StepPicture& picture) {
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    const Group group = root.make_group(kinds[k]);
+    const Integers ids = k == 0 ? picture.vertices : k == 1 ? picture.lines : Integers{};
+    const std::int64_t each = k == 1 ? 2 : 1;
+    const std::int64_t cells = count(ids) / each;
+    Written& written = kinds_[k];
+    append_one(group, "NumberOfCells", cells);
+    append_one(group, "NumberOfConnectivityIds", std::int64_t{count(ids)});
+    nscdd::append(group, "Connectivity", ids, chunk_);
+    nscdd::append(group, "Offsets", counted(static_cast<std::size_t>(cells) + 1, 0, each), chunk_);
+    if (cells == 0 && written.skipped == 0) {
+      nscdd::append(group, "Offsets", Integers{0}, chunk_);
+      written.skipped = 1;
+    }
+    written.cells += cells;
+    written.ids += count(ids);
+  }
+}
+
+void VtkhdfFile::append(const StepPicture& picture) {
+  if (picture.points.empty()) fail("VTKHDF: expected a step with grains, met none");
+  if (steps_ == 0) chunk_ = std::clamp(picture.point_count(), smallest_chunk, largest_chunk);
+  const Group root = file_->root().group("VTKHDF");
+  const auto points = static_cast<std::int64_t>(picture.point_count());
+  put_steps(root, picture);
+  append_one(root, "NumberOfPoints", points);
+  nscdd::append(root, "Points", picture.points, chunk_, 3);
+  put_cells(root, picture);
+  put_arrays(root.group("PointData"), picture.point_arrays, chunk_);
+  put_arrays(root.group("CellData"), picture.cell_arrays, chunk_);
+  append_one(root.make_group("FieldData"), "TimeValue", picture.time);
+  points_ += points;
+  ++steps_;
+}
+
+void VtkhdfFile::finish() {
+  file_->root().group("VTKHDF").make_group("Steps").put_attribute("NSteps", steps_);
+  file_->flush();
+  file_.reset();
+  output_.finish();
+}
+
+}  // namespace nscdd

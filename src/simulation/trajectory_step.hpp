@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "simulation/simulation.hpp"
+
+namespace nscdd {
+
+/// A contact as a step left it.
+struct TrajectoryContact {
+  StepContact geometry;
+  LocalVector<2> impulse;  ///< N s; in space the tangential part along t_1 of the frame of the normal, see tangents_of
+  ContactStatus status = ContactStatus::open;
+  Index subdomain = 0;
+  double second_tangential = 0;  ///< in space along t_2, N s
+
+  bool carries() const { return nscdd::carries(local<3>()); }
+  double tangential() const { return std::hypot(impulse.t, second_tangential); }  ///< its size
+  template <int D>
+  LocalVector<D> local() const {
+    if constexpr (D == 2)
+      return impulse;
+    else
+      return {impulse.n, {impulse.t, second_tangential}};
+  }
+  void set(const LocalVector<2>& r) { impulse = r; }
+  void set(const LocalVector<3>& r) {
+    impulse = {r.n, r.t.first};
+    second_tangential = r.t.second;
+  }
+};
+
+/// A step as a trajectory keeps it: the state after it, and the contacts that led there (none at time 0).
+struct TrajectoryStep {
+  GranularState state;
+  std::vector<TrajectoryContact> contacts;  ///< ascending by (a, b), those without an impulse included
+};
+
+/// The contacts of a solved step; of one that processes share those that this process has.
+template <int D>
+std::vector<TrajectoryContact> trajectory_contacts(const SolvedStep<D>& solved);
+
+/// The contacts of all processes in the first of them, ascending by (a, b), and none in the others. All take part.
+std::vector<TrajectoryContact> contacts_at_first(std::vector<TrajectoryContact> own, const Processes& processes);
+
+/// The step that led from `solved` to the state of `after`.
+template <int D>
+TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep<D>& solved);
+
+}  // namespace nscdd

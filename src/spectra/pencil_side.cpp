@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "spectra/pencil_end.hpp"
+
+namespace nscdd {
+
+std::optional<ShiftedPencil> PencilSide::factorise(double shift, double side) {
+  // The first steps stay within the tolerance of the end. The later ones go far enough to leave whatever made
+  // the factorisation unreliable, usually an eigenvalue of a part of the packing.
+  for (const double step : {0.2, 0.5, 3.0, 30.0, 300.0}) {
+    ++result.factorisations;
+    ShiftedPencil pencil = family.at(point.epsilon, point.eta, shift, accuracy);
+    if (pencil.reliable()) return pencil;
+    shift = std::max(shift + side * inward(step * tolerance(shift)), 0.5 * shift);
+  }
+  return std::nullopt;
+}
+
+ShiftInvertResult PencilSide::lanczos(const ShiftedPencil& pencil, SpectrumEnd towards, Index wanted,
+                                      const ShiftInvertOptions& lanczos_options, const Vector& start,
+                                      const Matrix& locked) {
+  const LinearMap apply = [this](const Vector& x) -> Vector { return p.apply(x); };
+  const LinearMap inverse = [&](const Vector& x) -> Vector { return ++result.solves, pencil.solve(x); };
+  return shift_invert_lanczos(p.rows(), inverse, apply, pencil.shift(), towards, wanted, lanczos_options, start,
+                              locked);
+}
+
+void PencilSide::list_behind() {
+  accuracy = SolutionAccuracy::refined;
+  const std::optional<ShiftedPencil> pencil = factorise(just_outside(result.values[0]));
+  result.converged =
+      pencil && (polish(*pencil), extend_list(*pencil)) && result.residual <= tolerance(result.values[0]);
+}
+
+// Inverse iteration: what a locked vector keeps of others disturbs their values, more so the nearer it is to the shift.
+void PencilSide::polish(const ShiftedPencil& pencil) {
+  Vector x = result.vectors.col(0);
+  for (int k = 0; k < 2; ++k) {
+    x = pencil.solve(p.apply(x));
+    x /= std::sqrt(x.dot(p.apply(x)));
+    ++result.solves;
+  }
+  if (x.allFinite()) result.vectors.col(0) = x;
+}
+
+// Lanczos alone may see only one copy of a multiple eigenvalue. So eigenvalues are looked for until an
+// inertia count beyond the last one wanted equals the length of the list. False if it cannot be reached.
+bool PencilSide::extend_list(const ShiftedPencil& pencil) {
+  const Index wanted = std::min(options.eigenvalues, p.rows() - point.kernel);
+  std::optional<ShiftedPencil> nearer;  // behind a gap that is too wide for the first shift
+  while (result.values.size() < wanted) {
+    const Added added = add_to_list(nearer ? *nearer : pencil, wanted - result.values.size());
+    if (added.any) continue;
+    const double last_shift = nearer ? nearer->shift() : pencil.shift();
+    if (!added.seen || inward(just_outside(*added.seen) - last_shift) <= 0) return false;
+    nearer = factorise(just_outside(*added.seen));
+    if (!nearer) return false;
+  }
+  const double last = result.values[wanted - 1];
+  const std::optional<ShiftedPencil> outside = factorise(last - inward(margin(last)));
+  if (!outside) return false;
+  const auto missing = [&, counted = beyond(*outside)] {
+    return counted - std::count_if(result.values.begin(), result.values.end(),
+                                   [&](double lambda) { return inward(lambda - outside->shift()) < 0; });
+  };
+  // Copies of the last values, or of those before a gap: from where the others came from, then from next to the last.
+  bool next_to_last = false;
+  while (missing() > 0) {
+    if (add_to_list(nearer ? *nearer : pencil, missing()).any || (nearer && add_to_list(pencil, missing()).any))
+      continue;
+    if (next_to_last) return false;
+    next_to_last = true;
+    nearer = factorise(just_outside(last));
+    if (!nearer) return false;
+  }
+  if (missing() < 0) return false;
+  result.values.conservativeResize(wanted);
+  result.vectors.conservativeResize(Eigen::NoChange, wanted);
+  return true;
+}
+
+// In second order, by how much an eigenvalue is off because the locked vectors are those of their own values only
+// nearly: the image y of its vector under (S - sigma P)^-1 P then has parts c along them. With nu = 1 / (lambda -
+// sigma) it is the sum of c^2 / |nu - nu_j|, over nu^2.
+double PencilSide::disturbance(const ShiftedPencil& pencil, const Vector& x, double lambda, const Matrix& locked,
+                               const Vector& known) {
+  ++result.solves;
+  const Vector image = p.apply(pencil.solve(p.apply(x))), parts = (locked.transpose() * image).cwiseAbs();
+  const double nu = 1 / (lambda - pencil.shift());
+  double sum = 0;
+  for (Index j = 0; j < parts.size(); ++j)
+    if (parts[j] > 0) sum += parts[j] * parts[j] / std::max(parts[j], std::abs(nu - 1 / (known[j] - pencil.shift())));
+  return sum / (nu * nu);
+}
+
+// Looks for more eigenvalues, orthogonal to those of the list.
+PencilSide::Added PencilSide::add_to_list(const ShiftedPencil& pencil, Index wanted) {
+  constexpr Index list_steps = 300;  // of Lanczos
+  const Matrix locked = result.vectors;
+  const Vector known = result.values;
+  const ShiftInvertResult run =
+      lanczos(pencil, end, wanted, {.maximum_steps = list_steps, .tolerance = 0.1 * options.tolerance}, {}, locked);
+  // The rounding of the matrix grows with the distance from the shift, over that of the nearest eigenvalue.
+  double nearest = run.values.size() > 0 ? std::abs(run.values[0] - pencil.shift()) : 0;
+  for (const double value : known) nearest = std::min(nearest, std::abs(value - pencil.shift()));
+  for (Index k = 0; k < run.values.size(); ++k) {
+    const double lambda = run.values[k];
+    const double error = run.bounds[k] + pencil.solution_error() * std::abs(lambda - pencil.shift()) +
+                         disturbance(pencil, run.vectors.col(k), lambda, locked, known) +
+                         rounding(lambda) * std::max(1.0, std::abs(lambda - pencil.shift()) / nearest);
+    if (error > tolerance(lambda)) continue;
+    // A long list from the largest eigenvalues inwards may reach the zeros of the rigid limit.
+    if (point.kernel > 0 && lambda <= 10 * (error + rounding(lambda))) continue;
+    Index place = result.values.size();
+    while (place > 0 && inward(result.values[place - 1] - lambda) > 0) --place;
+    const Index size = result.values.size(), behind = size - place;
+    Vector values(size + 1);
+    values << result.values.head(place), lambda, result.values.tail(behind);
+    Matrix vectors(run.vectors.rows(), size + 1);
+    vectors << result.vectors.leftCols(place), run.vectors.col(k), result.vectors.rightCols(behind);
+    result.values = values;
+    result.vectors = vectors;
+    result.residual = std::max(result.residual, error);
+  }
+  Added added{result.values.size() > locked.cols(), std::nullopt};
+  if (run.values.size() > 0) added.seen = run.values[0];
+  return added;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "spectra/radius_curve.hpp"
+
+#include "ddm/stiffest.hpp"
+#include "linalg/moebius.hpp"
+#include "spectra/continuation.hpp"
+
+namespace nscdd {
+namespace {
+
+enum Side { low = 0, high = 1 };
+
+// The concave function F of one end over its coordinate u, and how both follow from lambda and x.
+struct Concave {
+  const CurveLaw& law;
+  Side side;
+
+  double stiffest() const { return law.stiffest > 0 ? law.stiffest : 1; }  // every bound will do
+  bool saturates() const { return (law.axis == CurveAxis::epsilon) == (side == low); }
+  double u(double x) const { return saturates() ? x / (x + stiffest()) : 1 / x; }
+  double du(double x) const {  // d u / d log x
+    return saturates() ? x * stiffest() / ((x + stiffest()) * (x + stiffest())) : -1 / x;
+  }
+  double f(double lambda) const { return side == low ? lambda : 1 / lambda; }
+  double df(double lambda) const { return side == low ? 1 : -1 / (lambda * lambda); }
+
+  double least(const CurveEnd& end) const {
+    return side == low ? std::max(0.0, end.lambda - end.error) : f(end.lambda + end.error);
+  }
+  double most(const CurveEnd& end) const {
+    if (side == low) return end.lambda + end.error;
+    return end.lambda > end.error ? f(end.lambda - end.error) : infinity;
+  }
+
+  // F = value + slope (u - u(x0)) as a function of x.
+  Moebius line(double x0, double value, double slope) const {
+    const double constant = value - slope * u(x0);
+    if (saturates()) return {constant + slope, constant * stiffest(), 1, stiffest()};
+    return {constant, slope, 1, 0};
+  }
+
+  // The part of rho that a bound of F makes.
+  Moebius part(const Moebius& bound) const {
+    return side == low ? one_minus(law.relaxation, bound) : over_minus_one(law.relaxation, bound);
+  }
+
+  Moebius chord(const CurvePoint& from, const CurvePoint& to) const {
+    const double first = least((*from.ends)[side]), last = least((*to.ends)[side]), step = u(to.x) - u(from.x);
+    if (step == 0) return part(line(from.x, std::min(first, last), 0));  // F is monotone
+    return part(line(from.x, first, (last - first) / step));
+  }
+
+  // The tangent at one point, with its slope on the safe side towards the other point.
+  std::optional<Moebius> tangent(const CurvePoint& at, const CurvePoint& other) const {
+    const CurveEnd& end = (*at.ends)[side];
+    const double value = most(end), towards = u(other.x) > u(at.x) ? 1 : -1;
+    if (!std::isfinite(end.slope) || !std::isfinite(end.slope_error) || !std::isfinite(value)) return std::nullopt;
+    const double factor = df(end.lambda) / du(at.x);
+    return part(line(at.x, value, end.slope * factor + towards * end.slope_error * std::abs(factor)));
+  }
+};
+
+// rho lies below the larger of the upper bounds and above each of the lower ones.
+struct Bounds {
+  std::vector<Moebius> upper, lower{{0, 0, 0, 1}};
+};
+
+Bounds bounds_between(const CurveLaw& law, const CurvePoint& from, const CurvePoint& to) {
+  Bounds bounds;
+  for (const Side side : {low, high}) {
+    const Concave concave{law, side};
+    bounds.upper.push_back(concave.chord(from, to));
+    for (const auto& tangent : {concave.tangent(from, to), concave.tangent(to, from)})
+      if (tangent) bounds.lower.push_back(*tangent);
+  }
+  return bounds;
+}
+
+double largest(const std::vector<Moebius>& functions, double x) {
+  double value = -infinity;
+  for (const Moebius& m : functions) value = std::max(value, m(x));
+  return value;
+}
+
+// The straight line over log x between two points.
+struct Line {
+  double x, radius, slope;
+
+  Line(const CurvePoint& from, const CurvePoint& to)
+      : x(from.x), radius(from.radius), slope((to.radius - from.radius) / std::log(to.x / from.x)) {}
+  double operator()(double at) const { return radius + slope * std::log(at / x); }
+};
+
+struct Extreme {
+  double value = -infinity, x = 1;
+
+  void include(double other, double at) {
+    if (std::isnan(other)) other = infinity;  // nothing is proved by what cannot be computed
+    if (other > value) *this = {other, at};
+  }
+};
+
+// The maximum of sign (m - line) over [from, to].
+Extreme maximum(const Moebius& m, const Line& line, double sign, double from, double to) {
+  std::vector<double> places = stationary_places(m, line.slope);
+  std::erase_if(places, [&](double x) { return x <= from || x >= to; });
+  places.insert(places.end(), {from, to});
+  Extreme extreme;
+  for (const double x : places) extreme.include(sign * (m(x) - line(x)), x);
+  return extreme;
+}
+
+Extreme above_line(const std::vector<Moebius>& upper, const Line& line, double from, double to) {
+  Extreme extreme;
+  for (const Moebius& m : upper) {
+    const Extreme one = maximum(m, line, 1, from, to);
+    extreme.include(one.value, one.x);
+  }
+  return extreme;
+}
+
+// Between two crossings one of the lower bounds is the best one all along. (Any other would do as well: where rounding
+// moves a crossing, the bound is less sharp there but holds.)
+Extreme below_line(const std::vector<Moebius>& lower, const Line& line, double from, double to) {
+  std::vector<double> cuts{from, to};
+  for (std::size_t i = 0; i < lower.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      for (const double x : crossings(lower[i], lower[j]))
+        if (x > from && x < to) cuts.push_back(x);
+  std::ranges::sort(cuts);
+  Extreme extreme;
+  for (std::size_t k = 1; k < cuts.size(); ++k) {
+    const double middle = std::sqrt(cuts[k - 1] * cuts[k]);
+    const auto best = std::ranges::max_element(lower, {}, [&](const Moebius& m) { return m(middle); });
+    const Extreme one = maximum(*best, line, -1, cuts[k - 1], cuts[k]);
+    extreme.include(one.value, one.x);
+  }
+  return extreme;
+}
+
+CurveEnd end_of(const Contraction& b, double mu, const std::array<double, 2>& interval, const SpectralRadius& plain) {
+  const double lambda = 1 - mu, rounding = static_cast<double>(b.rows()) * 2.3e-16 + lost_to_rounding(b);
+  const double error =
+      plain.certified ? std::max(std::abs(mu - interval[0]), std::abs(interval[1] - mu)) : plain.residual;
+  return {.lambda = lambda, .error = error + rounding * std::max(1.0, lambda)};
+}
+
+// The slope of a quotient that belongs to the vector f found. With the residual r = |S f - lambda P f| in the norm of
+// P^-1, over |f| in that of P, this slope is exact up to r^2 / lambda^2 of itself; but for the low end along eta. There
+// the quotient is that of S f for P^-1, whose slope differs by at most 2 r + r^2 / lambda, because d P / d log eta <=
+// P.
+void set_slope(CurveEnd& end, const Contraction& b, const Vector& mode, CurveAxis axis) {
+  if (mode.size() == 0) return;
+  const Vector pf = b.preconditioner.apply(mode), residual = b.system.apply(mode) - end.lambda * pf;
+  const double norm = mode.dot(pf), lambda = end.lambda;
+  const double r = std::sqrt(inverse_at_most(b.preconditioner, residual) / norm);
+  const double slope =
+      axis == CurveAxis::epsilon ? b.system.slope(mode) / norm : -lambda * b.preconditioner.slope(mode) / norm;
+  end.slope = slope;
+  end.slope_error = (1e-12 + 2 * r * r / (lambda * lambda)) * std::abs(slope) + 2 * r + r * r / lambda + 10 * end.error;
+}
+
+}  // namespace
+
+CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveAxis axis) {
+  CurvePoint point{.x = axis == CurveAxis::epsilon ? b.system.eta() : b.preconditioner.eta(),
+                   .radius = plain.subdominant};
+  if (std::isnan(plain.subdominant_min)) return point;
+  std::array<CurveEnd, 2> ends{end_of(b, plain.subdominant_max, plain.interval_max, plain),
+                               end_of(b, plain.subdominant_min, plain.interval_min, plain)};
+  set_slope(ends[low], b, plain.mode_max, axis);
+  set_slope(ends[high], b, plain.mode_min, axis);
+  point.ends = ends;
+  return point;
+}
+
+double uncertainty(const CurveLaw& law, const CurvePoint& point) {
+  if (!point.ends) return 0;
+  const auto radius = [&](double sign) {
+    const auto& [smallest, largest] = *point.ends;
+    return std::max(1 - law.relaxation * (smallest.lambda - sign * smallest.error),
+                    law.relaxation * (largest.lambda + sign * largest.error) - 1);
+  };
+  return radius(1) - std::max(0.0, radius(-1));
+}
+
+Deviation deviation(const CurveLaw& law, const CurvePoint& from, const CurvePoint& to) {
+  if (!from.ends || !to.ends) return {};
+  const Bounds bounds = bounds_between(law, from, to);
+  const Line line(from, to);
+  const Extreme above = above_line(bounds.upper, line, from.x, to.x);
+  const Extreme below = below_line(bounds.lower, line, from.x, to.x);
+  const double rounding = 1e-14 * std::max({1.0, from.radius, to.radius});  // of the bounds themselves
+  const double x = above.value > below.value ? above.x : below.x;
+  return {.below = std::max(0.0, below.value) + rounding,
+          .above = std::max(0.0, above.value) + rounding,
+          .place = std::log(x / from.x) / std::log(to.x / from.x)};
+}
+
+std::array<double, 2> radius_bounds(const CurveLaw& law, const CurvePoint& from, const CurvePoint& to, double x) {
+  if (!from.ends || !to.ends) return {std::min(from.radius, to.radius), std::max(from.radius, to.radius)};
+  const Bounds bounds = bounds_between(law, from, to);
+  return {largest(bounds.lower, x), largest(bounds.upper, x)};
+}
+
+}  // namespace nscdd

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/case/case.hpp"
+
+#include "core/fail.hpp"
+#include "simulation/simulation.hpp"
+
+#include <fmt/ranges.h>
+
+namespace nscdd {
+namespace {
+
+// Overrides a field of a section, or says which fields the section has.
+template <class Parameters>
+void override_section(std::string_view section, Parameters& parameters, std::string_view key, std::string_view path,
+                      std::string_view value) {
+  if (override_field(parameters, key, value, path)) return;
+  std::vector<std::string> known;
+  for (const FieldDescription& field : describe_fields(parameters))
+    known.push_back(fmt::format("{}.{}", section, field.key));
+  fail("{}: no such parameter in this case; expected one of {}{}", path, fmt::join(known, ", "),
+       suggestion(path, known));
+}
+
+// The optional fields of Masses, in the form the visitors take.
+struct MassFields {
+  double density;
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("density", self.density,
+          Field{.description = "surface density", .unit = "kg/m^2", .minimum = 0, .minimum_excluded = true});
+  }
+};
+
+// One subdomain, or by the graph of contacts.
+Partition partition_without_geometry(const Partitioner& partitioner, const ReferenceProblem& problem,
+                                     const std::string& path) {
+  if (subdomains(partitioner) == 1)
+    return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
+  const auto refuse = [&]() -> std::pair<Packing, ContactNetwork> {
+    fail(
+        "{}: expected subdomains metis:N (partition.metis) for a contact problem, of which no geometry is known, met "
+        "{} subdomains by another partitioner",
+        path, subdomains(partitioner));
+  };
+  return distribute(partitioner, refuse, [&]() -> const ReferenceProblem& { return problem; });
+}
+
+// "file:line: ", as far as they are known.
+std::string place(const CaseSpec& spec, std::string_view key) {
+  if (spec.source.empty()) return {};
+  const auto line = spec.lines.find(key);
+  if (key.empty() || line == spec.lines.end()) return spec.source + ": ";
+  return fmt::format("{}:{}: ", spec.source, line->second);
+}
+
+std::string grain_key(std::size_t k) { return fmt::format("prescribed[{}].grain", k); }
+
+// Prescribed velocities with their grains counted from 0, each once, and with a component for each direction.
+std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescribed, const Packing& packing) {
+  const Index grains = packing.size();
+  for (std::size_t k = 0; k < prescribed.size(); ++k) {
+    PrescribedVelocity& velocity = prescribed[k];
+    if (velocity.grain < -grains || velocity.grain >= grains)
+      throw Error(grain_key(k), fmt::format("expected a grain in 0..{} (or -1 for the last), met grain {}", grains - 1,
+                                            velocity.grain));
+    if (velocity.grain < 0) velocity.grain += grains;
+    require_components(velocity.velocity, packing.dimension(), fmt::format("prescribed[{}].velocity", k));
+    if (std::ranges::count(std::span(prescribed).first(k), velocity.grain, &PrescribedVelocity::grain) > 0)
+      throw Error(grain_key(k), fmt::format("expected each grain once, met grain {} again", velocity.grain));
+  }
+  return prescribed;
+}
+
+// What arrives in the linear study starts with that velocity here.
+void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
+  ContactNetwork none;
+  none.grains = packing.size();
+  none.dimension = packing.dimension();
+  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing);
+  for (std::size_t k = 0; k < prescribed.size(); ++k)
+    if (const Index grain = prescribed[k].grain; !start.system.free(grain))
+      throw Error(grain_key(k), fmt::format("expected a free grain, met {}", body_name(start.system, grain)));
+  const Vector v = assemble(packing, none, prescribed, one.spec.loads).arriving_velocity;
+  for (Index i = 0; i < packing.size(); ++i) {
+    if (!start.system.free(i)) continue;
+    start.state.velocity_x[at(i)] = v[none.dimension * i];
+    start.state.velocity_y[at(i)] = v[none.dimension * i + 1];
+    if (none.dimension == 3) start.state.velocity_z[at(i)] = v[none.dimension * i + 2];
+  }
+}
+
+// The default is downwards in either dimension, see gravity_of. What is stated must fit.
+void require_gravity(const CaseSpec& spec, Index dimension) {
+  const Components<double>& gravity = spec.dynamics->time.gravity;
+  const bool stated = spec.lines.contains("dynamics.gravity") || gravity != TimeStepping().gravity;
+  if (stated) require_components(gravity, dimension, "dynamics.gravity");
+}
+
+}  // namespace
+
+std::string where(const CaseSpec& spec, std::string_view key) { return place(spec, key).append(key); }
+
+Error located(const CaseSpec& spec, const Error& error) { return Error(place(spec, error.key()) + error.what()); }
+
+void override_case(CaseSpec& spec, std::string_view path, std::string_view value) {
+  const auto dot = path.find('.');
+  const std::string_view section = path.substr(0, dot);
+  const std::string_view key = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
+  if (std::holds_alternative<ContactProblemFile>(spec.packing) && section != "partition")
+    fail("{}: this case is a contact problem; expected partition.* alone", path);
+  const auto set = [&](auto& parameters) { override_section(section, parameters, key, path, value); };
+  const auto dynamics = [&]() -> Dynamics& {
+    if (spec.dynamics) return *spec.dynamics;
+    fail("{}: expected a case with a section [dynamics], met one without", path);
+  };
+  if (section == "packing") {
+    auto* generator = std::get_if<Generator>(&spec.packing);
+    if (generator == nullptr)
+      fail("{}: the packing of this case is {} and has no parameters", path,
+           std::holds_alternative<PackingFile>(spec.packing) ? "a file" : "settled");
+    std::visit(set, *generator);
+  } else if (section == "contacts") {
+    set(spec.contacts);
+  } else if (section == "masses") {
+    MassFields masses{spec.masses.density};
+    set(masses);
+    spec.masses = {MassModel::density, masses.density};
+  } else if (section == "partition") {
+    std::visit(set, spec.partition);
+  } else if (section == "loads") {
+    set(spec.loads);
+  } else if (section == "interaction") {
+    set(dynamics().interaction);
+  } else if (section == "dynamics") {
+    set(dynamics().time);
+  } else if (section == "solver") {
+    set(dynamics().solver);
+  } else {
+    static const std::vector<std::string> sections{"packing", "contacts",    "masses",   "partition",
+                                                   "loads",   "interaction", "dynamics", "solver"};
+    fail("{}: no such parameter; expected one of {}.*{}", path, fmt::join(sections, ".*, "),
+         suggestion(section, sections));
+  }
+  spec.lines.erase(std::string(path));  // the value is no longer that of the file
+}
+
+std::string to_toml(const CaseSpec& spec) {
+  const auto lines = [](const auto& parameters) { return field_lines(parameters); };
+  const std::string partition = "\n[partition]\n" + std::visit(lines, spec.partition);
+  std::string text = fmt::format("title = {}\n\n", field_text(spec.title));
+  if (const auto* problem = std::get_if<ContactProblemFile>(&spec.packing))
+    return text + fmt::format("[problem]\nfile = {}\n", field_text(problem->path)) + partition;
+  text += "[packing]\n";
+  if (const auto* file = std::get_if<PackingFile>(&spec.packing)) {
+    text += fmt::format("file = {}\n", field_text(file->path));
+  } else if (const auto* settled = std::get_if<SettledFrom>(&spec.packing)) {
+    text += fmt::format("settled = {}\n", field_text(settled->name));
+  } else {
+    const Generator& generator = std::get<Generator>(spec.packing);
+    const auto name = std::visit([](const auto& parameters) { return parameters.name; }, generator);
+    text += fmt::format("generator = \"{}\"\n{}", name, std::visit(lines, generator));
+  }
+  text += "\n[contacts]\n" + field_lines(spec.contacts);
+  if (spec.masses.model) {
+    text += fmt::format("\n[masses]\nmodel = \"{}\"\n", to_string(*spec.masses.model));
+    if (spec.masses.model == MassModel::density) text += fmt::format("density = {}\n", spec.masses.density);
+  }
+  text += partition;
+  if (!spec.loads.none()) text += "\n[loads]\n" + field_lines(spec.loads);
+  for (const PrescribedVelocity& velocity : spec.prescribed)
+    text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", velocity.grain, field_text(velocity.velocity));
+  if (spec.dynamics) text += to_toml(*spec.dynamics);
+  return text;
+}
+
+std::optional<Index> dimension_of(const Case& one) {
+  if (const auto* generator = std::get_if<Generator>(&one.spec.packing)) return dimension(*generator);
+  return one.packing.size() > 0 ? std::optional(one.packing.dimension()) : std::nullopt;
+}
+
+Packing packing_of(const Case& one, const Monitor& monitor) {
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
+    fail("{}: expected a packing, met a contact problem, which has no geometry", file->path);
+  const auto* generator = std::get_if<Generator>(&one.spec.packing);
+  Packing packing = generator ? generate(*generator, monitor) : one.packing;
+  check(packing);
+  return one.spec.masses.model ? with_masses(std::move(packing), one.spec.masses) : packing;
+}
+
+void require_geometry(const Model& model, std::string_view what) {
+  if (!model.has_geometry())
+    fail("{}: {}: expected a packing, met a contact problem, of which no geometry is known", model.name, what);
+}
+
+void check_dynamics(const CaseSpec& spec) {
+  if (!spec.dynamics) fail("case {}: expected a section [dynamics], met a case that is not made to move", spec.name);
+  subdomains(spec.partition);
+  const StepSolver& solver = spec.dynamics->solver;
+  const Interaction& interaction = spec.dynamics->interaction;
+  if (is_contact_solver(solver.algorithm) && !opens(contact_law(interaction, spec.dynamics->time.step, 1)))
+    throw Error("solver.algorithm", fmt::format("expected nlgs, generic or enriched with law {}, met {}{}",
+                                                to_string(interaction.law), to_string(solver.algorithm),
+                                                solver.algorithm == StepSolver{}.algorithm ? ", the default" : ""));
+  if (is_contact_solver(solver.algorithm) && solver.tolerance == 0)
+    throw Error("solver.tolerance",
+                fmt::format("expected a number > 0 with solver.algorithm {}, met 0", to_string(solver.algorithm)));
+  if (solver.criterion != Criterion::gluing) return;
+  const auto refuse = [](std::string_view expected, std::string_view met) {
+    throw Error("solver.criterion", fmt::format("expected {} with criterion gluing, met {}", expected, met));
+  };
+  if (!decomposes(solver.algorithm) || is_contact_solver(solver.algorithm))
+    refuse("solver.algorithm generic or enriched",
+           fmt::format("{}, which has no interface", to_string(solver.algorithm)));
+  if (solver.algorithm == StepAlgorithm::enriched && solver.enrichment == Enrichment::semi_implicit)
+    refuse("another solver.enrichment", "semi_implicit, which does not iterate on the jumps");
+}
+
+Simulation simulation_of(const Case& one, const Monitor& monitor) try {
+  check_dynamics(one.spec);
+  Packing packing = with_masses(packing_of(one, monitor), one.spec.masses);
+  require_gravity(one.spec, packing.dimension());
+  if (packing.dimension() == 3 && one.spec.dynamics->solver.model == SwitchedModel::homogenised)
+    throw Error("solver.switch", "expected none or linear with spheres in space, met homogenised");
+  GranularScene start = scene(packing, *one.spec.dynamics);
+  set_moving(one, packing, start);
+  packing = {};  // the largest systems need its memory for what follows
+  Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics, one.spec.partition};
+  if (switches_models(simulation)) simulation.state.models.resize(at(subdomains(simulation.partitioner)));
+  check_next_step(simulation);
+  return simulation;
+} catch (const Error& error) {
+  throw located(one.spec, error);
+}
+
+Model of_process(Model model, const Processes& processes) {
+  if (processes.alone()) return model;
+  const std::vector<Index> process_of = deal_out(model.parts, processes.size);
+  model.parts = of_process(std::move(model.parts), process_of, processes);
+  // `contacts = {}` would keep the memory.
+  model.network = {.contacts = {}, .grains = model.network.grains, .dimension = model.network.dimension};
+  return model;
+}
+
+namespace {
+
+// All of a model but its decomposition.
+Model without_parts(const Case& one, const Monitor& monitor) try {
+  Model model;
+  model.name = one.spec.name;
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing)) {
+    if (!one.spec.prescribed.empty())
+      fail("{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
+           file->path, one.spec.prescribed.size());
+    model.problem = reference_problem(one.problem, file->path);
+    model.partition = partition_without_geometry(one.spec.partition, model.problem, file->path);
+    return model;
+  }
+  model.packing = with_masses(packing_of(one, monitor), one.spec.masses);
+  try {
+    model.network = detect_contacts(model.packing, one.spec.contacts);
+  } catch (const Error& error) {
+    const auto* file = std::get_if<PackingFile>(&one.spec.packing);
+    fail("{}: {}", file != nullptr ? file->path : "case " + one.spec.name, error.what());
+  }
+  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing);
+  model.problem = assemble(model.packing, model.network, prescribed, one.spec.loads);
+  model.partition = distribute(
+      one.spec.partition, [&] { return std::tie(model.packing, model.network); },
+      [&]() -> const ReferenceProblem& { return model.problem; });
+  return model;
+} catch (const Error& error) {
+  if (error.key().empty()) throw;
+  throw located(one.spec, error);
+}
+
+}  // namespace
+
+Model cut_up(const Case& one, const Processes& processes, const Monitor& monitor) {
+  Model model = without_parts(one, monitor);
+  if (one.made) one.made(model);
+  if (!processes.alone()) model.network = {.contacts = {}, .grains = model.network.grains};
+  model.parts = cut(model.problem, model.partition);
+  if (model.problem.contacts() > 0) model.flexibility = mean_normal_delassus(model.problem);
+  return model;
+}
+
+Model share_of(Model cut, const Processes& processes) {
+  Model own = of_process(std::move(cut), processes);
+  own.parts = with_matrices(std::move(own.parts), own.problem);
+  return own;
+}
+
+Model build(const Case& one, const Monitor& monitor) { return share_of(cut_up(one, {}, monitor), {}); }
+
+}  // namespace nscdd

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/linear/curve.hpp"
+
+#include "ddm/stiffest.hpp"
+#include "spectra/continuation.hpp"
+#include "study/linear/sweep_points.hpp"
+
+#include <fmt/format.h>
+
+namespace nscdd {
+namespace {
+
+// What the search keeps of a point.
+struct Known {
+  SweepResult result;
+  CurvePoint point;
+  std::optional<PencilMemory::Visited> ends;  // for the points that are placed beside it
+};
+
+// What all curves of a table share.
+struct Work {
+  const CurveParameters& parameters;
+  Selection selection;
+  double scale;
+  const Decomposition& parts;
+  InterfaceFamily stage_two, stage_one;
+  SpectralOptions options;
+  Continuation memory = {};
+
+  Work(const Model& model, const CurveParameters& asked)
+      : parameters(asked),
+        selection(select(model, asked.sweep.contacts)),
+        scale(flexibility_scale(model)),
+        parts(model.parts),
+        stage_two(model.parts),
+        stage_one(asked.sweep.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one)),
+        options(asked.sweep.spectral) {
+    // The certificate of a dense spectrum costs nothing and bounds the rounding of its ends.
+    const SolverChoice choice = choose_solver(model.parts.interface_size(), options);
+    options.certify |= choice.solver == SpectralSolver::dense;
+  }
+
+  bool along_epsilon() const { return parameters.axis == CurveAxis::epsilon; }
+};
+
+// A number of six digits next to x, for tables that are read by people; x itself where its neighbours are too near.
+double with_six_digits(double x, double from, double to) {
+  const double rounded = std::stod(fmt::format("{:.5e}", x));
+  return std::abs(rounded - x) < 0.1 * std::min(x - from, to - x) ? rounded : x;
+}
+
+// One curve: its points in ascending order and the deviations between neighbours.
+class Curve {
+ public:
+  Curve(Work& work, const SweepPoint& start) : work_(work), start_(start) {
+    const SweepParameters& sweep = work.parameters.sweep;
+    const std::vector<double>& range = work.along_epsilon() ? sweep.epsilon : sweep.eta;
+    const double bound = stiffest(work.along_epsilon() ? *work.selection.stage_one : work.parts);
+    law_ = {work.parameters.axis, bound * (1 + 1e-12), *start.relaxation};
+    for (const double x : {range.front(), range.back()}) add(x, count(points_));
+  }
+
+  CurveReport trace(const Monitor& monitor, Index before) {
+    while (true) {
+      if (!converged_) return report_as(CurveStatus::not_converged);
+      const std::optional<Index> worst = worst_row();
+      const bool done = !worst || count(points_) >= work_.parameters.most_points;
+      if (!report(monitor, before + count(points_), before + count(points_) + (done ? 0 : expected())))
+        return report_as(CurveStatus::stopped);
+      if (done) return report_as(proved() ? CurveStatus::proved : CurveStatus::wide);
+      const Index k = widest_beside(*worst);
+      const double x = place(k, *worst);
+      if (!(x > asked(k) && x < asked(k + 1))) return report_as(CurveStatus::wide);  // neighbours of doubles
+      add(x, k + 1);
+    }
+  }
+
+  void hand_over(const Sink<CurveResult>& sink) const {
+    for (Index row = 0; row < count(points_); ++row) {
+      CurveResult result{points_[at(row)].result};
+      if (converged_) {
+        result.low = result.found.radius.subdominant - below(row);
+        result.high = result.found.radius.subdominant + above(row);
+      }
+      sink(result);
+    }
+  }
+
+ private:
+  double asked(Index k) const {
+    const SweepPoint& point = points_[at(k)].result.asked;
+    return work_.along_epsilon() ? point.epsilon : point.eta;
+  }
+
+  // Computes the point at x, in the unit of the range, and puts it at this position.
+  void add(double x, Index position) {
+    SweepPoint point = start_;
+    (work_.along_epsilon() ? point.epsilon : point.eta) = x;
+    Known known{
+        {work_.selection.of_case, at_scale(point, work_.parameters.sweep, work_.scale), {}, {}, point, work_.scale},
+        {},
+        {}};
+    compute(known, position);
+    converged_ &= known.result.radius.converged;
+    if (failure_.empty()) failure_ = known.result.radius.failure;
+    points_.insert(points_.begin() + position, std::move(known));
+    update(position);
+  }
+
+  void compute(Known& known, Index position) {
+    SweepResult& result = known.result;
+    const Contraction b{work_.stage_two.at(result.point.eta), work_.stage_one.at(result.point.epsilon)};
+    PencilMemory& memory = result.point.epsilon == 0 ? work_.memory.rigid : work_.memory.flexible;
+    work_.memory.forget_ends();
+    for (const Index k : {position - 1, position})  // the neighbours, between which the ends are interpolated
+      if (k >= 0 && k < count(points_) && points_[at(k)].ends) memory.visited.push_back(*points_[at(k)].ends);
+    SpectralRadius plain = spectral_radius(b, work_.options, &work_.memory);
+    if (plain.solver == "arpack") {  // near the ends, which bounds nothing
+      plain.converged = false;
+      plain.failure = "arpack: its ends are not proved";
+    }
+    if (!memory.visited.empty()) {
+      const PencilMemory::Visited& last = memory.visited.back();
+      if (last.epsilon == result.point.epsilon && last.eta == result.point.eta) known.ends = last;
+    }
+    set_exact(result, plain, work_.options.tolerance);
+    withdraw_if_uncertain(result.radius, work_.selection);
+    factorisations_ += plain.factorisations;
+    if (!result.radius.converged) return;
+    known.point = curve_point(b, plain, work_.parameters.axis);
+    known.point.radius = result.radius.subdominant;
+  }
+
+  // The deviations on both sides of a new point.
+  void update(Index position) {
+    if (count(points_) < 2 || !converged_) return;
+    const auto between = [&](Index k) { return deviation(law_, points_[at(k)].point, points_[at(k + 1)].point); };
+    if (deviations_.size() + 1 < points_.size())
+      deviations_.emplace(deviations_.begin() + std::max<Index>(position - 1, 0));
+    for (const Index k : {position - 1, position})
+      if (k >= 0 && k + 1 < count(points_)) deviations_[at(k)] = between(k);
+  }
+
+  // The larger of what the intervals on both sides of a row ask for.
+  double beside(Index row, double Deviation::*side) const {
+    double value = 0;
+    for (const Index k : {row - 1, row})
+      if (k >= 0 && k < count(deviations_)) value = std::max(value, deviations_[at(k)].*side);
+    return value;
+  }
+  double below(Index row) const { return beside(row, &Deviation::below); }
+  double above(Index row) const { return beside(row, &Deviation::above); }
+
+  double allowed(Index row) const { return work_.parameters.tolerance * std::max(1.0, points_[at(row)].point.radius); }
+  double excess(Index row) const { return (below(row) + above(row)) / allowed(row); }
+  double width(Index k) const { return deviations_[at(k)].below + deviations_[at(k)].above; }
+
+  // Whether a row says no more however near its neighbours are: digits are lost there, next to epsilon or eta = 0.
+  bool uncertain(Index row) const { return uncertainty(law_, points_[at(row)].point) > 0.5 * allowed(row); }
+
+  bool proved() const {
+    for (Index row = 0; row < count(points_); ++row)
+      if (excess(row) > 1) return false;
+    return true;
+  }
+
+  // The row whose band is too wide by the largest factor, of those that more points can help.
+  std::optional<Index> worst_row() const {
+    std::optional<Index> worst;
+    for (Index row = 0; row < count(points_); ++row)
+      if (excess(row) > (worst ? excess(*worst) : 1) && !uncertain(row)) worst = row;
+    return worst;
+  }
+  Index widest_beside(Index row) const {
+    if (row == 0) return 0;
+    return row < count(deviations_) && width(row) > width(row - 1) ? row : row - 1;
+  }
+
+  // Into how many parts an interval is to be cut: its deviation falls with the square of its length.
+  Index parts_of(Index k, Index row) const {
+    const double times = std::max(width(k), 0.5 * (below(row) + above(row))) / allowed(row);
+    return std::max<Index>(2, static_cast<Index>(std::ceil(std::sqrt(std::min(times, 1e6)))));
+  }
+
+  Index expected() const {
+    Index more = 0;
+    for (Index k = 0; k < count(deviations_); ++k)
+      if (width(k) > allowed(k)) more += parts_of(k, k) - 1;
+    return std::max<Index>(1, more);
+  }
+
+  // Where the next point of an interval goes, in the unit of the range. An interval that three parts will do for is cut
+  // at a third, because halves would become four. Where a kink makes the band wide far from the middle, there.
+  double place(Index k, Index row) const {
+    const Index parts = parts_of(k, row), first = parts <= 3 ? 1 : parts / 2;
+    const double widest = deviations_[at(k)].place;
+    const bool kink = widest < 0.3 || widest > 0.7;
+    const double share =
+        kink ? std::clamp(widest, 0.05, 0.95) : static_cast<double>(first) / static_cast<double>(parts);
+    const double from = asked(k), to = asked(k + 1);
+    return with_six_digits(from * std::pow(to / from, share), from, to);
+  }
+
+  CurveReport report_as(CurveStatus status) const { return {status, count(points_), factorisations_, failure_}; }
+
+  Work& work_;
+  SweepPoint start_;
+  CurveLaw law_;
+  std::vector<Known> points_;
+  std::vector<Deviation> deviations_;
+  Index factorisations_ = 0;
+  bool converged_ = true;
+  std::string failure_;
+};
+
+}  // namespace
+
+ResultColumns<CurveResult> curve_columns(const SweepParameters& parameters) {
+  return joined<CurveResult>(
+      {columns_of(&CurveResult::found, sweep_columns(parameters)),
+       {{"curve_low", "1", "lower bound of the subdominant radius, by straight lines over log from row to row",
+         &CurveResult::low},
+        {"curve_high", "1", "upper bound in the same way", &CurveResult::high}}});
+}
+
+std::vector<CurveReport> trace_curves(const Model& model, const CurveParameters& parameters,
+                                      const Sink<CurveResult>& sink, const Monitor& monitor) {
+  Work work(model, parameters);
+  SweepParameters starts = parameters.sweep;
+  std::vector<double>& along = work.along_epsilon() ? starts.epsilon : starts.eta;
+  along.resize(1);
+  std::vector<CurveReport> reports;
+  Index points = 0;
+  for (Index number = 0; number < point_count(starts); ++number) {
+    Curve curve(work, sweep_point(starts, number));
+    reports.push_back(curve.trace(monitor, points));
+    if (reports.back().status == CurveStatus::stopped) break;
+    curve.hand_over(sink);
+    points += reports.back().points;
+  }
+  return reports;
+}
+
+}  // namespace nscdd

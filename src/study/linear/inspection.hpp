@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "packing/statistics.hpp"
+#include "study/case/case.hpp"
+#include <nscdd/core/table.hpp>
+
+namespace nscdd {
+
+/// Kinematics of one contact network, rank W = rank H. Rank and what follows from it are 0 if ranks were left
+/// out.
+struct NetworkDegrees {
+  Index grains = 0;
+  Index contacts = 0;        ///< links, columns of H: two or, in space, three of each contact with friction
+  Index rank = 0;            ///< rank of the Delassus operator
+  Index rigid_modes = 0;     ///< grain motions that no contact sees: d n - rank
+  Index hyperstaticity = 0;  ///< self-stresses: contacts - rank
+};
+
+struct Inspection {
+  NetworkDegrees whole;  ///< isolated grains left out
+  std::vector<NetworkDegrees> subdomains;
+  Index isolated_grains = 0;                ///< touching nothing
+  Index components = 0;                     ///< connected pieces of the network, isolated grains left out
+  double coordination_number = 0;           ///< mean number of contacts per grain, 2 c / n
+  std::map<Index, Index> interface_grains;  ///< multiplicity q >= 2 -> number of grains
+  Index interface_dofs = 0;
+  Index empty_subdomains = 0;
+  /// Multiplicity of the eigenvalue 1 of B_0 counted from ranks alone:
+  /// hyperstaticity of the whole minus that of the subdomains (self-stresses that cross the interface).
+  Index unit_multiplicity = 0;
+  bool ranks = false;  ///< ranks were computed
+  // What follows is of packings alone.
+  SolidFraction solid_fraction;
+  double largest_overlap = 0;  ///< of two grains, in units of the smaller radius; 0 without one
+  Index rattlers = 0;          ///< grains that no load can reach, see rattlers() in packing/statistics.hpp
+  double coordination_without_rattlers = 0;  ///< of the other grains among themselves; nan without any
+  std::vector<SizeClass> sizes;              ///< ten classes of radii
+};
+
+/// Ranks are computed for networks of at most so many contacts. There they take seconds, and the time grows
+/// faster than the network.
+inline constexpr Index ranks_up_to_by_default = 100'000;
+
+/// A case that moves, with the overlaps that its simulation accepts where it says nothing of its own; other
+/// cases as they are.
+Case with_overlaps_of_motion(Case one);
+
+/// Why the interface of a model is empty: "1 subdomain(s), no shared grain", and how many separate pieces the
+/// partition leaves whole; "" for an interface that is not empty.
+std::string why_empty(const Model& model);
+
+/// Sentences about what a model leaves in doubt, for a user: contacts that depend on rounding, and parts of METIS for
+/// which there are too few contacts. None for most models.
+std::vector<std::string> remarks_on(const Model& model, const Partitioner& partitioner);
+
+/// Ranks are those of H, which are those of W, by `rigid_rank`.
+Inspection inspect(const Model& model, Index ranks_up_to = ranks_up_to_by_default);
+
+/// A link of the contact network with the impulse behind a choice of contacts: what Figures 2-4 draw.
+/// Columns of this and the following tables are described in docs/formats.md.
+struct Link {
+  const Model& model;
+  const ContactChoice& choice;
+  Index number;    ///< of the contact
+  double impulse;  ///< kg m/s; NaN without an arriving velocity
+
+  const Contact& contact() const { return model.network.contacts[at(number)]; }
+};
+
+/// ContactSet::all shows the impulses of the linear rigid problem, as ContactSet::active does. `dimension`: of the
+/// packing, in space centres and normals have a z.
+ResultColumns<Link> link_columns(ContactSet contacts = ContactSet::active, Index dimension = 2);
+
+/// All links in the order of the contacts. Returns the choice. Throws Error for a contact problem, of which
+/// no geometry is known.
+ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet contacts = ContactSet::active);
+
+/// A contact of a contact problem, of which no geometry is known: its bodies and its subdomain.
+struct ProblemContact {
+  const Model& model;
+  Index number;
+  Index body_a, body_b;  ///< the second is -1 for a contact with a support
+};
+const ResultColumns<ProblemContact>& problem_contact_columns();
+void problem_contacts(const Model& model, const Sink<ProblemContact>& sink);
+
+/// A grain with its multiplicity and prescribed velocity.
+struct Grain {
+  const Model& model;
+  Index number, contacts;
+};
+const ResultColumns<Grain>& grain_columns(Index dimension = 2);
+void grains(const Model& model, const Sink<Grain>& sink);  ///< throws Error as `links`
+
+/// Grains by size, ten classes of radii.
+struct GrainSizes {
+  const Model& model;
+  SizeClass one;
+  double all;  ///< area of all grains, m^2, or volume, m^3
+};
+const ResultColumns<GrainSizes>& size_columns(Index dimension = 2);
+void grain_sizes(const Model& model, const Sink<GrainSizes>& sink);  ///< throws Error as `links`
+
+}  // namespace nscdd

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/linear/modes.hpp"
+
+#include "ddm/enriched_inertia.hpp"
+#include "linalg/threads.hpp"
+#include "study/tables/dimension_columns.hpp"
+#include <nscdd/study/sweep.hpp>
+
+#include <map>
+
+namespace nscdd {
+namespace {
+
+// Components that differ by less, relatively, count as equal: rounding must not choose the sign of a mode.
+constexpr double tie = 1e-6;
+
+// Everything that follows from F.
+void derive(Mode& mode, const Contraction& b) {
+  const Vector pf = b.preconditioner.apply(mode.impulses);
+  const Decomposition& parts = b.system.parts();
+  mode.velocities = StageOneAnswers(parts).velocities(b.system.eta(), mode.impulses);
+  mode.jumps = parts.interface.exchange(mode.velocities);
+  const double lambda = (1.0 - mode.eigenvalue) / b.relaxation;
+  const Vector r = mode.jumps + lambda * pf;  // - S F + lambda P F
+  mode.residual = b.relaxation * std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r))));
+  // That of the spectrum knows how far S may be off.
+  if (b.system.eta() == 0) mode.residual = std::max(mode.residual, mode.spectrum.residual);
+  const Index d = parts.dofs_per_grain();
+  for (Index k = 0; k < count(parts.interface.gluing()); ++k)
+    mode.shares.push_back(mode.impulses.segment(d * k, d).dot(pf.segment(d * k, d)));
+}
+
+using Velocity = std::array<double, 3>;
+
+Velocity velocity_of(const Mode& mode, const GrainCopy& copy, Index dimension) {
+  Velocity velocity{};
+  const Vector& v = mode.velocities[at(copy.subdomain)];
+  for (Index k = 0; k < dimension; ++k) velocity[at(k)] = v[dimension * copy.grain + k];
+  return velocity;
+}
+
+}  // namespace
+
+// At the best eta both ends are equal and opposite. Rounding must not choose between them, as in a sweep.
+SpectrumSide slowest_side(const SpectralRadius& spectrum) {
+  const bool low = std::abs(spectrum.subdominant_min) > std::abs(spectrum.subdominant_max) * (1 + 1e-9);
+  return low ? SpectrumSide::low : SpectrumSide::high;
+}
+
+double mode_sign(const Vector& f) {
+  const double threshold = (1 - tie) * f.cwiseAbs().maxCoeff();
+  Index leading = 0;
+  while (std::abs(f[leading]) < threshold) ++leading;
+  return std::copysign(1.0, f[leading]);
+}
+
+Vector normalised(const Vector& f, const InterfaceOperator& preconditioner) {
+  return f * (mode_sign(f) / std::sqrt(f.dot(preconditioner.apply(f))));
+}
+
+struct StageOneAnswers::Prepared {
+  EnrichedInertiaFamily family;
+  std::optional<EnrichedInertia> inertia = {};  // for `epsilon`
+  double epsilon = not_a_number;
+};
+
+StageOneAnswers::StageOneAnswers(const Decomposition& parts) : parts_(parts), prepared_(parts.subdomains.size()) {}
+StageOneAnswers::~StageOneAnswers() = default;
+
+std::vector<Vector> StageOneAnswers::velocities(double epsilon, const Vector& f) {
+  std::vector<Vector> velocities(parts_.subdomains.size());
+  for_each_in_parallel(count(velocities), [&](Index e) {
+    const Subdomain& subdomain = parts_.subdomains[at(e)];
+    if (subdomain.inertia.size() == 0) return;
+    auto& prepared = prepared_[at(e)];
+    if (!prepared) prepared.reset(new Prepared{EnrichedInertiaFamily(subdomain, InterfaceFamily::default_dense_limit)});
+    if (prepared->epsilon != epsilon) prepared->inertia.emplace(prepared->family, epsilon);
+    prepared->epsilon = epsilon;
+    velocities[at(e)] = prepared->inertia->solve(-parts_.interface.distribute(e, f));
+  });
+  return velocities;
+}
+
+Mode mode_of(const Contraction& b, const ModeOptions& asked, bool certain) {
+  SpectralOptions options = asked.spectral;
+  // For the dense solver a second eigenvalue costs nothing. It tells whether the mode is one of several.
+  if (choose_solver(b.rows(), options).solver == SpectralSolver::dense)
+    options.eigenvalues = std::max<Index>(options.eigenvalues, 2);
+  Mode mode;
+  mode.spectrum = spectral_radius(b, options);
+  mode.side = asked.side == SpectrumSide::slowest ? slowest_side(mode.spectrum) : asked.side;
+  const bool low = mode.side == SpectrumSide::low;
+  const Vector& found = low ? mode.spectrum.mode_min : mode.spectrum.mode_max;
+  const std::vector<double>& values = low ? mode.spectrum.low : mode.spectrum.high;
+  mode.eigenvalue = low ? mode.spectrum.subdominant_min : mode.spectrum.subdominant_max;
+  if (values.size() > 1) mode.next = values[1];
+  mode.converged = certain && (mode.spectrum.converged || found.size() > 0);
+  if (found.size() == 0) return mode;
+  mode.impulses = normalised(found, b.preconditioner);
+  derive(mode, b);
+  // This judges one mode. The other end of the spectrum may not have converged.
+  mode.converged = mode.converged && mode.residual <= options.tolerance * std::max(1.0, std::abs(mode.eigenvalue));
+  return mode;
+}
+
+Mode interface_mode(const Model& model, const ModeParameters& parameters) {
+  const Selection selection = select(model, parameters.contacts);
+  const InterfaceFamily stage_two(model.parts);
+  // With the same contacts P and S are of one family and share what does not depend on the flexibility.
+  const InterfaceFamily stage_one =
+      parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one);
+  return mode_of({stage_two.at(parameters.eta), stage_one.at(parameters.epsilon)},
+                 {parameters.side, parameters.spectral}, selection.certain);
+}
+
+std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, const Mode& mode) {
+  std::map<std::pair<Index, Index>, InterfaceShare> pairs;
+  for (std::size_t k = 0; k < mode.shares.size(); ++k) {
+    const Gluing& row = parts.interface.gluing()[k];
+    const auto [first, second] = std::minmax(row.first.subdomain, row.second.subdomain);
+    InterfaceShare& pair = pairs[{first, second}];
+    pair = {first, second, pair.rows + 1, pair.share + mode.shares[k]};
+  }
+  std::vector<InterfaceShare> all;
+  for (const auto& [key, pair] : pairs) all.push_back(pair);
+  std::ranges::stable_sort(all, std::ranges::greater(), &InterfaceShare::share);
+  return all;
+}
+
+double spread(const Mode& mode) {
+  const Eigen::Map<const Vector> shares(mode.shares.data(), count(mode.shares));
+  return std::pow(shares.lpNorm<1>(), 2) / shares.squaredNorm();
+}
+
+const ResultColumns<ModeImpulse>& mode_impulse_columns(Index dimension) {
+  using One = ModeImpulse;
+  const auto of = [](Vector Mode::*values, Index component) {
+    return [=](const One& r) { return (r.mode.*values)[r.model.parts.dofs_per_grain() * r.number + component]; };
+  };
+  static const ResultColumns<One> space{
+      {"case", "", "name of the case", [](const One& r) { return r.model.name; }},
+      {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit",
+       [](const One& r) { return r.parameters.epsilon; }},
+      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm",
+       [](const One& r) { return r.parameters.eta; }},
+      {"end", "", "of the spectrum without unit eigenvalues: low or high", [](const One& r) { return r.mode.side; }},
+      {"eigenvalue", "1", "of the contraction operator, to which the mode belongs",
+       [](const One& r) { return r.mode.eigenvalue; }},
+      {"grain", "1", "number of the shared grain", [](const One& r) { return r.gluing().grain; }},
+      {"subdomain_first", "1", "subdomain of the copy that feels the opposite of the impulse",
+       [](const One& r) { return r.gluing().first.subdomain; }},
+      {"subdomain_second", "1", "subdomain of the copy that feels the impulse",
+       [](const One& r) { return r.gluing().second.subdomain; }},
+      {"x", "m", "centre", [](const One& r) { return r.model.packing.x[at(r.gluing().grain)]; }},
+      {"y", "m", "centre", [](const One& r) { return r.model.packing.y[at(r.gluing().grain)]; }},
+      {"z", "m", "centre", [](const One& r) { return r.model.packing.z[at(r.gluing().grain)]; }},
+      {"impulse_x", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 0)},
+      {"impulse_y", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 1)},
+      {"impulse_z", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 2)},
+      {"jump_x", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 0)},
+      {"jump_y", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 1)},
+      {"jump_z", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 2)},
+      {"share", "1", "of F^T P F; all shares add up to 1", [](const One& r) { return r.mode.shares[at(r.number)]; }}};
+  static const ResultColumns<One> plane = in_dimension(space, 2);
+  return dimension == 2 ? plane : space;
+}
+
+void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,
+                   const Sink<ModeImpulse>& sink) {
+  require_geometry(model, "mode");
+  if (!mode.found()) return;
+  for (Index k = 0; k < count(model.parts.interface.gluing()); ++k) sink({model, parameters, mode, k});
+}
+
+const ResultColumns<ModeVelocity>& mode_velocity_columns(Index dimension) {
+  using One = ModeVelocity;
+  const auto of = [](std::vector<double> Packing::*values) {
+    return [=](const One& r) { return (r.model.packing.*values)[at(r.grain)]; };
+  };
+  const auto velocity = [](std::size_t k) { return [=](const One& r) { return r.velocity[k]; }; };
+  const char* meaning = "velocity of this copy that Stage 1 answers the impulses with";
+  static const ResultColumns<One> space{
+      {"case", "", "name of the case", [](const One& r) { return r.model.name; }},
+      {"grain", "1", "number of the grain", &One::grain},
+      {"subdomain", "1", "subdomain of this copy", &One::subdomain},
+      {"x", "m", "centre", of(&Packing::x)},
+      {"y", "m", "centre", of(&Packing::y)},
+      {"z", "m", "centre", of(&Packing::z)},
+      {"radius", "m", "radius", of(&Packing::radius)},
+      {"multiplicity", "1", "subdomains that share the grain",
+       [](const One& r) { return r.model.parts.interface.multiplicity(r.grain); }},
+      {"velocity_x", "m/s", meaning, velocity(0)},
+      {"velocity_y", "m/s", meaning, velocity(1)},
+      {"velocity_z", "m/s", meaning, velocity(2)},
+      {"jump", "m/s", "largest distance to the velocity of another copy; 0 for a grain of one subdomain", &One::jump}};
+  static const ResultColumns<One> plane = in_dimension(space, 2);
+  return dimension == 2 ? plane : space;
+}
+
+void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVelocity>& sink) {
+  require_geometry(model, "mode");
+  if (!mode.found()) return;
+  for (Index i = 0; i < model.parts.interface.grains(); ++i) {
+    const auto copies = model.parts.interface.copies(i);
+    for (const GrainCopy& copy : copies) {
+      const Velocity v = velocity_of(mode, copy, model.problem.dimension);
+      double jump = 0;
+      for (const GrainCopy& other : copies) {
+        const Velocity w = velocity_of(mode, other, model.problem.dimension);
+        jump = std::max(jump, model.problem.dimension == 2 ? std::hypot(v[0] - w[0], v[1] - w[1])
+                                                           : std::hypot(v[0] - w[0], v[1] - w[1], v[2] - w[2]));
+      }
+      sink({model, i, copy.subdomain, v, jump});
+    }
+  }
+}
+
+}  // namespace nscdd

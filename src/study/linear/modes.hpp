@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/table.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
+#include <nscdd/study/model.hpp>
+
+namespace nscdd {
+
+/// Which end of the spectrum of B, unit eigenvalues of the rigid limit apart.
+enum class SpectrumSide {
+  slowest,  ///< the one of larger modulus: what the iteration is left with in the end
+  low,      ///< the smallest eigenvalue
+  high,     ///< the largest eigenvalue
+};
+
+constexpr auto names_of(SpectrumSide) { return std::to_array<std::string_view>({"slowest", "low", "high"}); }
+
+/// Which mode of a contraction is meant, and how its spectrum is computed.
+struct ModeOptions {
+  SpectrumSide side = SpectrumSide::slowest;
+  SpectralOptions spectral = {};
+};
+
+struct ModeParameters {
+  double epsilon = 1.0;   ///< 1/kg; 0 is the rigid limit
+  double eta = infinity;  ///< 1/kg
+  ContactSet contacts = ContactSet::all;
+  SpectrumSide side = SpectrumSide::slowest;
+  SpectralOptions spectral = {};
+};
+
+/// An eigenvector of the contraction operator, B F = mu F, and what the grains do in it. Without loads the
+/// algorithm started from F runs
+///     Stage 1   (M_E + K_E / epsilon) V_E = - A_E^T F        ([ADI12] eqs. (9), (14) with F^d_E = 0)
+///     Stage 2   F' = F + P^-1 sum_E A_E V_E = mu F
+/// so that the jumps are sum_E A_E V_E = - S F = - lambda P F, lambda = 1 - mu. With a relaxation omega, F moves omega
+/// times as far, and lambda = (1 - mu) / omega.
+/// F is normalised to F^T P F = 1 J, with its largest component positive (the first of those that equal it
+/// within 1e-6). If an eigenvalue is multiple, F is one vector of its eigenspace: see `next`.
+struct Mode {
+  SpectralRadius spectrum;
+  SpectrumSide side = SpectrumSide::high;  ///< `low` or `high`
+  double eigenvalue = not_a_number;        ///< mu
+  /// The eigenvalue next to it, inwards. It is known if the solver is dense or was asked for two, else NaN.
+  double next = not_a_number;
+  double residual = not_a_number;  ///< omega ||S F - lambda P F||_{P^-1} of the vectors given here
+  /// Whether this is a mode of the operator: `residual` is within the tolerance and the contacts are certain.
+  /// `spectrum.converged` tells whether no other mode lies further out.
+  bool converged = true;
+  Vector impulses;                 ///< F, n_Gamma, kg m/s; empty where there is none (`found`)
+  Vector jumps;                    ///< sum_E A_E V_E, n_Gamma, m/s
+  std::vector<Vector> velocities;  ///< V_E, d n_E each, m/s
+  /// F_k^T (P F)_k of every gluing row block k: they add up to 1. Below 0 only where P couples rows.
+  std::vector<double> shares;
+
+  bool found() const { return impulses.size() > 0; }
+};
+
+/// The mode of one end of a contraction. `certain`: whether the contacts of Stage 1 are, see ContactChoice.
+Mode mode_of(const Contraction& b, const ModeOptions& options, bool certain = true);
+
+/// The mode of one end. None is found for an empty interface, for B = I or B = 0, or if the solver failed.
+/// Throws Error if the contacts cannot be chosen (see choose_contacts).
+Mode interface_mode(const Model& model, const ModeParameters& parameters);
+
+/// The end of larger modulus, unit eigenvalues apart: `low` or `high`.
+SpectrumSide slowest_side(const SpectralRadius& spectrum);
+
+/// 1 or -1, which times F is positive in its largest component, as in Mode. F must not be zero.
+double mode_sign(const Vector& f);
+
+/// The velocities that Stage 1 answers interface impulses with, V_E = - (M_E + K_E / epsilon)^-1 A_E^T F, of many F:
+/// what does not depend on F is set up once for each epsilon, and what does not depend on epsilon either once for all.
+class StageOneAnswers {
+ public:
+  explicit StageOneAnswers(const Decomposition& parts);  ///< which must outlive it
+  ~StageOneAnswers();
+  StageOneAnswers(const StageOneAnswers&) = delete;
+  StageOneAnswers& operator=(const StageOneAnswers&) = delete;
+
+  std::vector<Vector> velocities(double epsilon, const Vector& f);  ///< d n_E each, m/s; f: n_Gamma, kg m/s
+
+ private:
+  struct Prepared;
+  const Decomposition& parts_;
+  std::vector<std::unique_ptr<Prepared>> prepared_;  // of each subdomain
+};
+
+/// F scaled to F^T P F = 1 and its sign fixed, as in Mode. F must not be zero.
+Vector normalised(const Vector& f, const InterfaceOperator& preconditioner);
+
+/// The part of a mode that lives on the interface between two subdomains.
+struct InterfaceShare {
+  Index first = 0, second = 0;  ///< subdomains, first < second
+  Index rows = 0;               ///< gluing row blocks between them
+  double share = 0;             ///< sum of their shares
+};
+
+/// Shares of every interface between two subdomains, largest first. A grain shared by more than two counts
+/// where the gluing ties its copies.
+std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, const Mode& mode);
+
+/// Over how many of the row blocks the mode spreads: (sum |s_k|)^2 / sum s_k^2, between 1 and their number.
+double spread(const Mode& mode);
+
+/// A mode as two tables, which plots/modes.py draws; columns are described in docs/formats.md. Without a mode
+/// (Mode::found) both are empty. `dimension`: of the packing, in space there are columns along z. Both throw Error for
+/// a contact problem, of which no geometry is known.
+
+/// A gluing row block of a mode: an interface impulse and the jump that it meets.
+struct ModeImpulse {
+  const Model& model;
+  const ModeParameters& parameters;
+  const Mode& mode;
+  Index number;  ///< of the row block
+
+  const Gluing& gluing() const { return model.parts.interface.gluing()[at(number)]; }
+};
+const ResultColumns<ModeImpulse>& mode_impulse_columns(Index dimension = 2);
+void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,
+                   const Sink<ModeImpulse>& sink);
+
+/// The velocity of one copy of a grain, ordered by grain and subdomain. A grain that touches nothing has none.
+struct ModeVelocity {
+  const Model& model;
+  Index grain, subdomain;
+  std::array<double, 3> velocity;  ///< m/s, along z 0 in the plane
+  double jump;                     ///< largest distance to the velocity of another copy
+};
+const ResultColumns<ModeVelocity>& mode_velocity_columns(Index dimension = 2);
+void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVelocity>& sink);
+
+}  // namespace nscdd

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/linear/operators.hpp"
+
+#include "core/fail.hpp"
+#include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
+#include <nscdd/ddm/contraction.hpp>
+
+namespace nscdd {
+namespace {
+
+SparseMatrix diagonal_matrix(const Vector& diagonal) {
+  SparseEntries entries;
+  for (Index i = 0; i < diagonal.size(); ++i) entries.add(i, i, diagonal[i]);
+  return entries.matrix(diagonal.size(), diagonal.size());
+}
+
+bool with_spins(const ReferenceProblem& problem) { return problem.dofs_per_grain > problem.dimension; }
+
+// The rows of one grain, in words.
+std::string_view unknowns(const ReferenceProblem& problem) {
+  if (problem.dimension == 2) return with_spins(problem) ? "(v_x, v_y, spin) of each" : "(v_x, v_y) of each";
+  return with_spins(problem) ? "(v_x, v_y, v_z, spins about three axes) of each" : "(v_x, v_y, v_z) of each";
+}
+
+std::string_view mass_unit(const ReferenceProblem& problem) {
+  return with_spins(problem) ? "kg, of spins kg m^2" : "kg";
+}
+
+void hand_undivided(const Model& model, const Sink<CaseOperator>& sink) {
+  const ReferenceProblem& problem = model.problem;
+  const bool friction = problem.columns_per_contact > 1;
+  sink({"M", "M = diag(m)", fmt::format("inertia of the grains, {} in turn", unknowns(problem)),
+        std::string(mass_unit(problem)), diagonal_matrix(problem.inertia), true});
+  sink({"H", "H",
+        fmt::format("H r: what the impulses r of the contacts come to on the grains; H^T V: the relative velocities of "
+                    "the contacts; columns are {}, -n on one grain and +n on the other",
+                    !friction                ? "the contacts"
+                    : problem.dimension == 2 ? "the normal and the tangent of each contact"
+                                             : "the normal and the two tangents of each contact"),
+        friction ? "1, of spins m" : "1", problem.h, false});
+  const SparseMatrix root = scaled_connectivity(problem.inertia, problem.h);
+  // The sums of W_ij and W_ji have the same terms in the same order, so W is symmetric to the last bit.
+  sink({"W", "W = H^T M^-1 H", "Delassus operator of the undivided packing: velocities that impulses cause", "1/kg",
+        SparseMatrix(root.transpose() * root), true});
+}
+
+void hand_subdomains(const Model& model, const Selection& selection, const Sink<CaseOperator>& sink) {
+  const bool restricted = selection.of_case.contact_set != ContactSet::all;
+  for (Index e = 0; e < count(model.parts.subdomains); ++e) {
+    const Subdomain& own = model.parts.subdomains[at(e)];
+    if (own.grains.empty()) continue;
+    const auto hand = [&](const std::string& symbol, std::string formula, std::string meaning, std::string unit,
+                          auto values, bool symmetric) {
+      sink({fmt::format("{}_{}", symbol, e), std::move(formula), fmt::format("{}; E = {}", meaning, e), std::move(unit),
+            std::move(values), symmetric});
+    };
+    const std::string_view h_unit = model.problem.columns_per_contact > 1 ? "1, of spins m" : "1";
+    hand("M", "M_E = diag(m / q)",
+         "inertia of the copies in subdomain E: a q-th of that of a grain which q subdomains share",
+         std::string(mass_unit(model.problem)), diagonal_matrix(own.inertia), true);
+    hand("H", "H_E", "the rows and columns of H that subdomain E has", std::string(h_unit), own.h, false);
+    hand("grains", "", "numbers in the packing, from 0, of the grains of subdomain E", "", own.grains, false);
+    hand("contacts", "", "numbers of the columns of H, from 0, that are the columns of H_E", "", own.contacts, false);
+    if (restricted) {
+      const Subdomain& kept = selection.stage_one->subdomains[at(e)];
+      hand("G", "G_E = H_E C_E", "columns of H_E of the contacts that Stage 1 works with", std::string(h_unit), kept.h,
+           false);
+      hand("active_contacts", "", "numbers of the columns of H, from 0, that are the columns of G_E", "", kept.contacts,
+           false);
+    }
+    if (model.parts.interface_size() > 0)
+      hand("A", "A_E", "gluing, sum_E A_E V_E = 0: +1 for the first copy of a row, -1 for the second", "1", own.a,
+           false);
+  }
+}
+
+// X_x in words. `h`: the letter of its connectivity.
+std::string formula_of(std::string_view symbol, std::string_view flexibility, double value, char h) {
+  if (std::isinf(value)) return fmt::format("{} = sum_E A_E M_E^-1 A_E^T", symbol);
+  if (value == 0)
+    return fmt::format(
+        "{0} = sum_E A_E M_E^-1/2 (I - Pi_E) M_E^-1/2 A_E^T, Pi_E the projector onto the range of M_E^-1/2 {1}_E",
+        symbol, h);
+  return fmt::format("{0} = sum_E A_E (M_E + {2}_E {2}_E^T / {1})^-1 A_E^T, {1} = {3} 1/kg", symbol, flexibility, h,
+                     value);
+}
+
+void require_finite(const Model& model, std::string_view name, const Matrix& matrix) {
+  if (!matrix.allFinite())
+    fail("case {}: expected a finite operator {}, met other numbers: its flexibility is too small for its masses",
+         model.name, name);
+}
+
+// I - omega P^-1 S; none where the monitor ends the work.
+std::optional<Matrix> contraction_matrix(const InterfaceOperator& p, const Matrix& s, double relaxation,
+                                         const Monitor& monitor) {
+  constexpr Index at_a_time = 64;
+  const Index n = s.cols();
+  Matrix b(n, n);
+  for (Index first = 0; first < n; first += at_a_time) {
+    const Index columns = std::min(at_a_time, n - first);
+    for_each_in_parallel(columns, [&](Index k) { b.col(first + k) = -relaxation * p.solve(s.col(first + k)); });
+    if (!report(monitor, first + columns, n)) return std::nullopt;
+  }
+  b.diagonal().array() += 1;
+  return b;
+}
+
+}  // namespace
+
+std::array<Index, 2> CaseOperator::shape() const {
+  return std::visit(
+      []<class Values>(const Values& one) -> std::array<Index, 2> {
+        if constexpr (std::is_same_v<Values, std::vector<Index>>)
+          return {count(one), 1};
+        else
+          return {one.rows(), one.cols()};
+      },
+      values);
+}
+
+bool case_operators(const Model& model, const Selection& selection, const OperatorParameters& parameters,
+                    const Sink<CaseOperator>& sink, const Monitor& monitor) {
+  hand_undivided(model, sink);
+  hand_subdomains(model, selection, sink);
+  if (model.parts.interface_size() == 0) return true;
+  const InterfaceFamily all(model.parts);
+  const InterfaceOperator p = all.at(parameters.eta);
+  sink({"X", formula_of("X", "", infinity, 'H'), "interface operator of the generic algorithm: inertia alone", "1/kg",
+        p.generic(), true});
+  if (!parameters.dense) return true;
+  const bool restricted = selection.of_case.contact_set != ContactSet::all;
+  const InterfaceFamily stage_one = restricted ? InterfaceFamily(*selection.stage_one) : all;
+  const InterfaceOperator s = stage_one.at(parameters.epsilon);
+  require_finite(model, "S", s.dense());
+  sink({"S", formula_of("S", "epsilon", parameters.epsilon, restricted ? 'G' : 'H'),
+        "X_epsilon, the interface operator of Stage 1: jumps that interface impulses cause", "1/kg", s.dense(), true});
+  CaseOperator preconditioner{"P",
+                              formula_of("P", "eta", parameters.eta, 'H'),
+                              "X_eta, the interface operator that Stage 2 solves with",
+                              "1/kg",
+                              p.generic(),
+                              true};
+  if (std::isfinite(parameters.eta)) {
+    require_finite(model, "P", p.dense());
+    preconditioner.values = p.dense();
+  }
+  sink(preconditioner);
+  std::optional<Matrix> b = contraction_matrix(p, s.dense(), parameters.relaxation, monitor);
+  if (!b) return false;
+  require_finite(model, "B", *b);
+  const std::string formula = parameters.relaxation == 1
+                                  ? "B = I - P^-1 S"
+                                  : fmt::format("B = I - omega P^-1 S, omega = {}", parameters.relaxation);
+  sink({"B", formula, "contraction operator: what an iteration makes of an error of the interface impulses", "1",
+        *std::move(b), false});
+  return true;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/linear/packing_report.hpp"
+
+#include "study/linear/sweep_points.hpp"
+
+namespace nscdd {
+namespace {
+
+// Units of work done, over all grids.
+struct Progress {
+  const Monitor& monitor;
+  Index done = 0, total = 0;
+  bool stopped = false;
+
+  bool advance() {
+    stopped = stopped || !report(monitor, ++done, total);
+    return !stopped;
+  }
+};
+
+// `number` places among `size`, evenly spread with both ends; of one place the first or the last.
+std::vector<Index> spread_places(Index size, Index number, bool last) {
+  if (number == 1) return {last ? size - 1 : 0};
+  std::vector<Index> places;
+  for (Index i = 0; i < number; ++i) places.push_back(i * (size - 1) / (number - 1));
+  return places;
+}
+
+// Components of every copy, by grain and subdomain, relative to the largest speed.
+std::vector<float> relative_velocities(const Interface& interface, const std::vector<Vector>& velocities,
+                                       Index dimension) {
+  double largest = 0;
+  for (const Vector& v : velocities)
+    for (Index k = 0; k + dimension <= v.size(); k += dimension)
+      largest = std::max(largest, v.segment(k, dimension).norm());
+  std::vector<float> all;
+  for (Index grain = 0; grain < interface.grains(); ++grain)
+    for (const GrainCopy& copy : interface.copies(grain))
+      for (Index k = 0; k < dimension; ++k) {
+        const double v = velocities[at(copy.subdomain)][dimension * copy.grain + k];
+        all.push_back(static_cast<float>(largest > 0 ? v / largest : 0));
+      }
+  return all;
+}
+
+Index copies_of(const Interface& interface) {
+  Index copies = 0;
+  for (Index grain = 0; grain < interface.grains(); ++grain) copies += interface.multiplicity(grain);
+  return copies;
+}
+
+// One set of contacts at work.
+class GridWork {
+ public:
+  GridWork(const Model& model, const PackingReportParameters& parameters, RadiusGrid& grid, const ModePlaces& places)
+      : model_(model),
+        grid_(grid),
+        places_(places),
+        sweep_(parameters.sweep),
+        optima_(parameters.optima),
+        selection_(select(model, grid.contacts, grid.choice)),
+        answers_(*selection_.stage_one) {
+    sweep_.contacts = grid.contacts;
+    grid.modes_asked = count(places.rows) * count(places.columns);
+  }
+
+  void run(Progress& progress) {
+    const Sink<SweepResult> sink = [&](const SweepResult& result) { take(result); };
+    sweep(model_, selection_, sweep_, sink, [&](Index, Index) { return progress.advance(); });
+    if (optima_ && !progress.stopped) find_optima(progress);
+  }
+
+ private:
+  void take(const SweepResult& result) {
+    const Index row = count(grid_.points) / count(sweep_.eta), column = count(grid_.points) % count(sweep_.eta);
+    grid_.points.push_back(result);
+    SpectralRadius& radius = grid_.points.back().radius;
+    radius.mode_min = radius.mode_max = {};
+    if (places_.hold(row, column)) keep_mode(row, column, result);
+  }
+
+  void keep_mode(Index row, Index column, const SweepResult& result) {
+    const SpectralRadius& radius = result.radius;
+    const SpectrumSide side = slowest_side(radius);
+    const bool low = side == SpectrumSide::low;
+    const Vector& f = low ? radius.mode_min : radius.mode_max;
+    if (f.size() == 0 || f.isZero(0) || !radius.converged) return;
+    const auto velocities = answers_.velocities(result.point.epsilon, mode_sign(f) * f);
+    grid_.modes.push_back({row, column, side, low ? radius.subdominant_min : radius.subdominant_max,
+                           relative_velocities(selection_.stage_one->interface, velocities, model_.problem.dimension)});
+  }
+
+  void find_optima(Progress& progress) {
+    const double scale = flexibility_scale(model_);
+    SpectralOptions options = sweep_.spectral;
+    options.certify = false;  // as in a table of optima
+    for (const double asked : sweep_.epsilon) {
+      const double epsilon = sweep_.relative_epsilon ? asked * scale : asked;
+      OptimumResult found{selection_.of_case, epsilon, optimum(model_.parts, *selection_.stage_one, epsilon, options),
+                          epsilon / scale, scale};
+      if (!selection_.certain && found.best.status != OptimumStatus::no_interface)
+        found.best.status = OptimumStatus::not_converged;
+      grid_.best.push_back(found);
+      if (!progress.advance()) return;
+    }
+  }
+
+  const Model& model_;
+  RadiusGrid& grid_;
+  const ModePlaces& places_;
+  SweepParameters sweep_;
+  bool optima_;
+  Selection selection_;
+  StageOneAnswers answers_;
+};
+
+std::vector<double> in_units(const std::vector<double>& values, bool relative, double scale) {
+  std::vector<double> all;
+  for (const double value : values) all.push_back(relative ? value * scale : value);
+  return all;
+}
+
+}  // namespace
+
+bool ModePlaces::hold(Index row, Index column) const {
+  return std::ranges::binary_search(rows, row) && std::ranges::binary_search(columns, column);
+}
+
+ModePlaces mode_places(Index rows, Index columns, Index most) {
+  Index first = rows, second = columns;
+  for (Index stride = 2; first * second > std::max<Index>(most, 1); ++stride) {
+    first = std::max<Index>(1, rows / stride);
+    second = std::max<Index>(1, columns / stride);
+  }
+  return {spread_places(rows, first, false), spread_places(columns, second, true)};
+}
+
+std::vector<ContactSet> contact_sets_of(const Model& model) {
+  std::vector<ContactSet> sets{ContactSet::all};
+  if (!model.problem.arriving_velocity.isZero(0)) sets.push_back(ContactSet::active);
+  return sets;
+}
+
+std::optional<PackingReport> report_packing(const Model& model, const PackingReportParameters& parameters,
+                                            const Monitor& monitor) {
+  require_geometry(model, "report");
+  const SweepParameters& sweep = parameters.sweep;
+  PackingReport report;
+  report.scale = flexibility_scale(model);
+  report.inspection = inspect(model, 0);
+  report.epsilon = in_units(sweep.epsilon, sweep.relative_epsilon, report.scale);
+  report.eta = in_units(sweep.eta, sweep.relative_eta, report.scale);
+  for (const ContactSet contacts : parameters.contact_sets) {
+    RadiusGrid& grid = report.grids.emplace_back();
+    grid.contacts = contacts;
+    grid.choice = choose_contacts(model, contacts);
+    if (contacts == ContactSet::active) report.impulses = report.grids.back().choice.impulses;
+  }
+  if (report.impulses.size() == 0 && !model.problem.arriving_velocity.isZero(0))
+    report.impulses = choose_contacts(model, ContactSet::active).impulses;
+  const Index sets = count(report.grids),
+              velocities = model.problem.dimension * std::max<Index>(1, copies_of(model.parts.interface));
+  const ModePlaces places =
+      mode_places(count(sweep.epsilon), count(sweep.eta), parameters.mode_velocities / (velocities * sets));
+  const Index spectra = point_count(sweep), optima = parameters.optima ? count(sweep.epsilon) : 0;
+  Progress progress{monitor, 0, sets * (spectra + optima)};
+  for (RadiusGrid& grid : report.grids) {
+    GridWork(model, parameters, grid, places).run(progress);
+    if (progress.stopped) return std::nullopt;
+  }
+  return report;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/moving/moving_tables.hpp"
+
+#include "core/fail.hpp"
+#include "study/moving/predicted_observed.hpp"
+#include "study/tables/dimension_columns.hpp"
+
+#include <set>
+
+namespace nscdd {
+
+const ResultColumns<SolvedCase>& solver_columns() {
+  using One = SolvedCase;
+  static const ResultColumns<One> columns{
+      {"case", "", "name of the case", [](const One& one) { return one.name; }},
+      {"grains", "1", "free grains", [](const One& one) { return one.simulation.system.free_disks(); }},
+      {"algorithm", "", "solver of the steps", [](const One& one) { return to_string(one.solver().algorithm); }},
+      {"gauss_seidel_sweeps", "1", "n_GS, sweeps of Stage 1 per iteration",
+       [](const One& one) { return one.solver().gauss_seidel_sweeps; }},
+      {"eta", "1/kg", "flexibility of the enriched Stage 2; inf for the generic one", &One::flexibility},
+      {"eta_relative", "1", "the same in multiples of the mean of W_nn over the contacts considered",
+       [](const One& one) { return one.flexibility() / one.report.scale; }},
+      {"interface_dofs", "1", "interface unknowns n_Gamma", [](const One& one) { return one.report.interface_size; }}};
+  return columns;
+}
+
+Index row_per_step(const StudyTable& table) { return count(table.steps); }
+
+KnownCells known_step(const StudyTable& table, Index row) {
+  return {{table.observable->first_step == 0 ? "steps" : "step", table.steps[at(row)]}};
+}
+
+namespace {
+
+// Subdomains that hold each grain after a fresh decomposition of the present step.
+template <int D>
+std::vector<std::set<Index>> memberships(const SolvedStep<D>& step, Index grains) {
+  std::vector<std::set<Index>> of_grain(at(grains));
+  for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
+    for (const Index i : {step.problem.geometry[k].a, step.problem.geometry[k].b})
+      if (i < grains) of_grain[at(i)].insert(step.partition.subdomain_of_contact[k]);
+  return of_grain;
+}
+
+struct PlacedGrain {
+  const std::string& name;  // of the case
+  const Simulation& simulation;
+  Index number;
+  const std::set<Index>& subdomains;  // that hold it
+};
+
+const ResultColumns<PlacedGrain>& grain_columns(Index dimension) {
+  using One = PlacedGrain;
+  const auto of = [](std::vector<double> GranularState::*values) {
+    return [=](const One& grain) { return (grain.simulation.state.*values)[at(grain.number)]; };
+  };
+  static const ResultColumns<One> space{
+      {"case", "", "name of the case", [](const One& grain) { return grain.name; }},
+      {"step", "1", "steps done", [](const One& grain) { return grain.simulation.state.step; }},
+      {"disk", "1", "number of the disk or sphere, grains first", &One::number},
+      {"x", "m", "centre", of(&GranularState::x)},
+      {"y", "m", "centre", of(&GranularState::y)},
+      {"z", "m", "centre", of(&GranularState::z)},
+      {"radius", "m", "radius", [](const One& grain) { return grain.simulation.system.radius[at(grain.number)]; }},
+      {"angle", "rad", "angle turned by, in space from 0 to pi about some axis",
+       [](const One& grain) {
+         const GranularState& state = grain.simulation.state;
+         const std::size_t i = at(grain.number);
+         if (grain.simulation.system.dimension == 2) return state.angle[i];
+         const double sine = std::hypot(state.turn_x[i], state.turn_y[i], state.turn_z[i]);
+         return 2 * std::atan2(sine, std::abs(state.turn_w[i]));
+       }},
+      {"driven", "", "whether a boundary drives it",
+       [](const One& grain) { return !grain.simulation.system.free(grain.number); }},
+      {"subdomain", "1", "lowest subdomain that holds it; -1 without a contact",
+       [](const One& grain) { return grain.subdomains.empty() ? -1 : *grain.subdomains.begin(); }},
+      {"multiplicity", "1", "subdomains that hold it", [](const One& grain) { return grain.subdomains.size(); }}};
+  static const ResultColumns<One> plane = in_dimension(space, 2);
+  return dimension == 2 ? plane : space;
+}
+
+Index placed_grains(const ObservedCase& work, Index steps, const Sink<PlacedGrain>& sink) {
+  const Simulation simulation = simulation_at(work, steps);
+  const auto held = in_dimension(simulation.system, [&](auto dimension) {
+    return memberships(next_step<dimension()>(simulation, work.table.lead_in), simulation.system.disks());
+  });
+  for (Index i = 0; i < count(held); ++i) sink({work.one.spec.name, simulation, i, held[at(i)]});
+  return 0;
+}
+
+struct ChainContact {
+  const std::string& name;              // of the case
+  Index steps;                          // done before
+  std::array<double, 3> first, second;  // centres, or the foot on a wall, m; in the plane z = 0
+  double impulse_n, impulse_t;          // N s
+  ContactStatus status;
+  Index subdomain;
+};
+
+const ResultColumns<ChainContact>& chain_columns(Index dimension) {
+  using Link = ChainContact;
+  const auto of = [](std::array<double, 3> Link::*end, std::size_t k) {
+    return [=](const Link& c) { return (c.*end)[k]; };
+  };
+  static const ResultColumns<Link> space{
+      {"case", "", "name of the case", [](const Link& c) { return c.name; }},
+      {"step", "1", "steps done before the one whose impulses these are", &Link::steps},
+      {"x_a", "m", "centre of one grain", of(&Link::first, 0)},
+      {"y_a", "m", "centre of one grain", of(&Link::first, 1)},
+      {"z_a", "m", "centre of one grain", of(&Link::first, 2)},
+      {"x_b", "m", "centre of the other, or foot on a wall", of(&Link::second, 0)},
+      {"y_b", "m", "centre of the other, or foot on a wall", of(&Link::second, 1)},
+      {"z_b", "m", "centre of the other, or foot on a wall", of(&Link::second, 2)},
+      {"impulse_n", "N s", "normal impulse", &Link::impulse_n},
+      {"impulse_t", "N s", "tangential impulse; in space its magnitude", &Link::impulse_t},
+      {"status", "", "stick, slide_forward or slide_backward; in space stick or slide", &Link::status},
+      {"subdomain", "1", "subdomain of the contact", &Link::subdomain}};
+  static const ResultColumns<Link> plane = in_dimension(space, 2);
+  return dimension == 2 ? plane : space;
+}
+
+template <int D>
+std::array<double, 3> in_space(const Direction<D>& place) {
+  std::array<double, 3> result{};
+  std::copy(place.begin(), place.end(), result.begin());
+  return result;
+}
+
+template <int D>
+void chains_in(const ObservedCase& work, const Simulation& simulation, const Sink<ChainContact>& sink) {
+  const GranularState& state = simulation.state;
+  const SolvedStep<D> step = next_step<D>(simulation, work.table.lead_in);
+  for (std::size_t k = 0; k < step.contacts.size(); ++k) {
+    const GrainContact<D>& c = step.contacts[k];
+    const auto& place = step.problem.geometry[k];
+    if (c.impulse.n == 0 && norm(c.impulse.t) == 0) continue;
+    const bool wall = place.b >= simulation.system.disks();
+    ChainContact link{work.one.spec.name,
+                      state.step,
+                      in_space<D>(centre_of<D>(state, at(place.a))),
+                      wall ? place.point : in_space<D>(centre_of<D>(state, at(place.b))),
+                      c.impulse.n,
+                      0,
+                      status_of(step.problem.law, c),
+                      step.partition.subdomain_of_contact[k]};
+    if constexpr (D == 2)
+      link.impulse_t = c.impulse.t;
+    else
+      link.impulse_t = norm(c.impulse.t);
+    sink(link);
+  }
+}
+
+Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& sink) {
+  const Simulation simulation = simulation_at(work, steps);
+  in_dimension(simulation.system, [&](auto dimension) { chains_in<dimension()>(work, simulation, sink); });
+  return 0;
+}
+
+// One iteration of a step: Figures 9 and 11 of [ADI12].
+struct Iteration {
+  SolvedCase solver;
+  IterationRow row;
+};
+
+const ResultColumns<Iteration>& indicator_columns() {
+  static const auto columns = [] {
+    ResultColumns<IterationRow> timeless = iteration_columns();  // the time differs from run to run
+    std::erase_if(timeless, [](const auto& column) { return column.heading.name == "seconds"; });
+    return joined<Iteration>({columns_of(&Iteration::solver, solver_columns()), columns_of(&Iteration::row, timeless)});
+  }();
+  return columns;
+}
+
+// The same of a contact solver, which has no zeta and no Z.
+const ResultColumns<Iteration>& solver_indicator_columns() {
+  static const auto columns = [] {
+    constexpr std::array kept{"step",   "iteration", "sweeps", "natural_map",
+                              "active", "stick",     "slide",  "status_changes"};
+    ResultColumns<IterationRow> rows = iteration_columns();
+    std::erase_if(rows, [&](const auto& column) { return std::ranges::find(kept, column.heading.name) == kept.end(); });
+    rows.push_back({"factorisations", "1", "matrices factorised so far", &IterationRow::factorisations});
+    rows.push_back({"interface_iterations", "1", "solves of Stage 2 so far, in all linear systems that are cut",
+                    &IterationRow::interface_iterations});
+    return joined<Iteration>({columns_of(&Iteration::solver, solver_columns()), columns_of(&Iteration::row, rows)});
+  }();
+  return columns;
+}
+
+Index iterations(const ObservedCase& work, Index step, const Sink<Iteration>& sink) {
+  const Simulation simulation = simulation_at(work, step - 1);
+  std::vector<IterationRow> rows;
+  const StepReport solved = solved_report(simulation, {[&](const IterationRow& row) { rows.push_back(row); }});
+  const SolvedCase solver{work.one.spec.name, simulation, solved};
+  // All of the first iterations, then about forty per decade: what a logarithmic axis can show.
+  for (const IterationRow& row : rows)
+    if (const Index i = row.record.iteration; i <= 20 || begins_interval(i, 40) || &row == &rows.back())
+      sink({solver, row});
+  return 0;
+}
+
+// A run with the solver of the case: iterations, residuals, and how far it has taken the free disks from
+// where plain Gauss-Seidel (LeadInSolver::plain) takes them.
+struct WholeRun {
+  SolvedCase solver;
+  Index steps = 0;
+  RunTotals totals;
+  double distance_mean = 0, distance_maximum = 0;  // m
+};
+
+const ResultColumns<WholeRun>& run_columns() {
+  using Totals = RunTotals;
+  static const ResultColumns<Totals> totals{
+      {"converged_steps", "1", "of them those that converged", &Totals::converged},
+      {"iterations", "1", "of all steps", &Totals::iterations},
+      {"natural_map", "1", "|natural map| / max(|r|, |r^1|) of the velocities kept, the worst of all steps",
+       &Totals::natural_map},
+      {"gluing", "1", "jump at the interface at the last iteration, the largest of all steps", &Totals::gluing},
+      {"kinetic", "J", "energy of the free grains at the end", [](const Totals& t) { return t.last.energy.kinetic; }}};
+  static const auto columns =
+      joined<WholeRun>({columns_of(&WholeRun::solver, solver_columns()),
+                        {{"steps", "1", "steps of the run", &WholeRun::steps}},
+                        columns_of(&WholeRun::totals, totals),
+                        {{"distance_mean", "m", "of the free grains at the end from those of plain Gauss-Seidel",
+                          &WholeRun::distance_mean},
+                         {"distance_maximum", "m", "the largest of these distances", &WholeRun::distance_maximum}}});
+  return columns;
+}
+
+Index whole_run(const ObservedCase& work, Index steps, const Sink<WholeRun>& sink) {
+  const Arrival own = work.lead_in.at(work.one, steps, LeadInSolver::own);
+  const GranularState plain = work.lead_in.at(work.one, steps, LeadInSolver::plain).simulation.state;
+  const GranularSystem& system = own.simulation.system;
+  const GranularState& state = own.simulation.state;
+  WholeRun run{{work.one.spec.name, own.simulation, own.totals.last}, steps, own.totals};
+  for (Index i = 0; i < system.disks(); ++i) {
+    if (!system.free(i)) continue;
+    const double along_z = system.dimension == 3 ? state.z[at(i)] - plain.z[at(i)] : 0;
+    const double distance = std::hypot(state.x[at(i)] - plain.x[at(i)], state.y[at(i)] - plain.y[at(i)], along_z);
+    run.distance_mean += distance / static_cast<double>(system.free_disks());
+    run.distance_maximum = std::max(run.distance_maximum, distance);
+  }
+  sink(run);
+  return 0;
+}
+
+// Predicted beside observed rate of a step.
+struct ComparedStep {
+  SolvedCase solver;
+  Index step = 0;  // from 1
+  PredictedObserved rates;
+
+  bool known() const { return rates.converged && !std::isnan(rates.observed); }
+};
+
+const ResultColumns<ComparedStep>& rate_columns() {
+  using Rates = PredictedObserved;
+  static const ResultColumns<Rates> rates{
+      {"active", "1", "contacts with an impulse at the statuses compared", &Rates::active},
+      {"stick", "1", "of them sticking", &Rates::stick},
+      {"slide", "1", "of them sliding", &Rates::slide},
+      {"predicted", "1", "spectral radius of the frozen iteration with n_GS sweeps", &Rates::predicted},
+      {"predicted_exact", "1", "the same with an exact Stage 1; nan for large packings", &Rates::predicted_exact},
+      {"complex_pair", "", "whether the dominant eigenvalue is one of a complex pair", &Rates::complex_pair},
+      {"observed", "1",
+       "rate fitted to the run; nan where no stretch of fixed statuses falls or grows enough, at one rate",
+       &Rates::observed},
+      {"observed_error", "1", "standard error of the fit, and what the rate drifts by along it",
+       &Rates::observed_error},
+      {"relative_gap", "1", "|observed - predicted| / |1 - predicted|", &Rates::relative_gap},
+      {"agree", "", "whether that is at most 1 %, or the rates differ by at most three errors of the fit",
+       &Rates::agree},
+      {"rate_z", "1", "rate fitted to Z itself over the same iterations", &Rates::rate_z},
+      {"first_iteration", "1", "first iteration fitted", &Rates::first},
+      {"last_iteration", "1", "last iteration fitted", &Rates::last},
+      {"iterations", "1", "iterations run", [](const Rates& r) { return r.report.last.iteration; }},
+      {"status", "", "how the run ended", [](const Rates& r) { return r.report.status; }}};
+  static const auto columns = joined<ComparedStep>(
+      {columns_of(&ComparedStep::solver, solver_columns()),
+       {{"step", "1", "step examined, from 1", &ComparedStep::step}},
+       columns_of(&ComparedStep::rates, rates),
+       {{"converged", "", "whether prediction and observation are both known", &ComparedStep::known}}});
+  return columns;
+}
+
+Index compared_rates(const ObservedCase& work, Index step, const Sink<ComparedStep>& sink) {
+  const Simulation simulation = simulation_at(work, step - 1);
+  const PredictedObserved rates = predicted_observed(simulation);
+  const ComparedStep result{{work.one.spec.name, simulation, rates.report}, step, rates};
+  sink(result);
+  return Index{!result.known()};
+}
+
+}  // namespace
+
+constinit const Observable observables::configuration = at_steps<grain_columns, placed_grains>(
+    {.name = "configuration",
+     .summary = "grains of a case that moves after some steps, with their subdomains",
+     .first_step = 0});
+
+constinit const Observable observables::force_chains =
+    at_steps<chain_columns, chains>({.name = "force_chains",
+                                     .summary = "contacts with their impulses of a case that moves after some steps",
+                                     .first_step = 0});
+
+constinit const Observable observables::indicators = at_steps<indicator_columns, iterations>(
+    {.name = "indicators", .summary = "indicators of every iteration of a step of a case that moves"});
+
+constinit const Observable observables::solver_indicators = at_steps<solver_indicator_columns, iterations>(
+    {.name = "solver_indicators",
+     .summary = "residual and work of every check of a contact solver in a step of a case that moves",
+     .check = [](const CaseSpec& spec) {
+       if (!is_contact_solver(spec.dynamics->solver.algorithm))
+         fail("solver.algorithm: expected a contact solver, met {}", to_string(spec.dynamics->solver.algorithm));
+     }});
+
+constinit const Observable observables::predicted_observed = at_steps<rate_columns, compared_rates>(
+    {.name = "predicted_observed",
+     .summary = "rate of a step with friction, predicted at its frozen statuses and observed",
+     .rows = row_per_step,
+     .known = known_step,
+     .check = [](const CaseSpec& spec) { require_comparable(*spec.dynamics, spec.partition); }});
+
+constinit const Observable observables::runs = at_steps<run_columns, whole_run>(
+    {.name = "runs",
+     .summary = "runs of a case that moves with its own solver: iterations, residuals, distance from Gauss-Seidel",
+     .rows = row_per_step,
+     .known = known_step,
+     .first_step = 0,
+     .own_solver = true});
+
+}  // namespace nscdd

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "study/tables/study.hpp"
+
+#include <concepts>
+
+/// What the tables of cases that move have in common.
+namespace nscdd {
+
+/// `columns()`, or `columns(dimension)` of the cases of a table.
+template <auto columns>
+const auto& columns_of_table(const StudyTable& table) {
+  if constexpr (std::invocable<decltype(columns), Index>)
+    return columns(dimension_of(table));
+  else
+    return columns();
+}
+
+/// The record of an observable of cases that move. `observe(work, step, sink)` hands over the results at one of the
+/// steps of a table: the step that is examined, or the number of steps that are done (see Observable::first_step). It
+/// returns how many of the results are not known. `columns()` are the columns of the results, or `columns(dimension)`
+/// where they have places.
+template <auto columns, auto observe>
+constexpr Observable at_steps(Observable record) {
+  record.keys = {"steps", "lead_in"};
+  record.moving = true;
+  record.columns = [](const StudyTable& table) { return headings(columns_of_table<columns>(table)); };
+  record.run = [](const ObservedCase& work) {
+    const std::vector<Index>& steps = work.table.steps;
+    const auto sink = as_rows(columns_of_table<columns>(work.table), work.sink);
+    Index failed = 0;
+    for (Index k = work.first; k < count(steps); ++k) {
+      failed += observe(work, steps[at(k)], sink);
+      if (work.table.observable->rows != nullptr && !report(work.monitor, k + 1, count(steps))) break;
+    }
+    return failed;
+  };
+  return record;
+}
+
+/// The case of a table after some steps.
+inline Simulation simulation_at(const ObservedCase& work, Index steps) {
+  return work.lead_in.at(work.one, steps, work.table.lead_in).simulation;
+}
+
+/// A case with its solver, as these tables tell of it.
+struct SolvedCase {
+  const std::string& name;
+  const Simulation& simulation;
+  StepReport report;  ///< of its last step
+
+  const StepSolver& solver() const { return simulation.dynamics.solver; }
+  double flexibility() const { return solver().algorithm == StepAlgorithm::enriched ? report.eta : infinity; }
+};
+const ResultColumns<SolvedCase>& solver_columns();
+
+/// One row for each of the steps of a table, and what is known of it.
+Index row_per_step(const StudyTable& table);
+KnownCells known_step(const StudyTable& table, Index row);
+
+}  // namespace nscdd

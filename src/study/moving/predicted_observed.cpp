@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/moving/predicted_observed.hpp"
+
+#include "core/fail.hpp"
+#include "linalg/scalar.hpp"
+#include "two_stage/frozen_iteration.hpp"
+
+namespace nscdd {
+namespace {
+
+constexpr double rounding = 1e-13;   // below this the second differences of F are noise
+constexpr double least_change = 10;  // the half that is fitted must fall, or grow, by at least this factor
+constexpr double largest_drift = 0.1;
+constexpr std::size_t shortest = 12;  // iterations in the half that is fitted
+
+// Iterations without a change of status.
+template <int D>
+struct Stretch {
+  Index first = 0;
+  // |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|, as long as rounding does not hide it, and Z of the same iterations
+  std::vector<double> second_changes, z;
+  std::vector<ContactStatus> statuses;
+  std::vector<FrozenContact<D>> frozen;  // at the last of these iterations
+
+  std::size_t middle() const { return second_changes.size() / 2; }
+  // log of the factor by which the last half falls or, where the frozen map is unstable, grows.
+  double change() const {
+    if (second_changes.size() < 2 * shortest) return 0;
+    return std::abs(std::log(second_changes.back() / second_changes[middle()]));
+  }
+};
+
+// Follows a run and keeps the stretch in which one rate shows best.
+template <int D>
+class Stretches {
+ public:
+  void record(const GranularTwoStage<D>& iteration) {
+    const IterationRecord record = iteration.record();
+    if (std::vector<ContactStatus> statuses = iteration.statuses(); statuses != now_.statuses) {
+      close();
+      now_ = {.first = record.iteration, .second_changes = {}, .z = {}, .statuses = std::move(statuses), .frozen = {}};
+      ended_ = false;
+    }
+    ended_ = ended_ || !(record.interface_second_change > rounding);
+    if (ended_) return;
+    now_.second_changes.push_back(record.interface_second_change);
+    now_.z.push_back(record.interface_change);
+    now_.frozen = frozen_contacts(iteration.parts(), now_.statuses);
+  }
+  Stretch<D> best() {
+    close();
+    return best_;
+  }
+
+ private:
+  void close() {
+    if (now_.change() > best_.change()) best_ = now_;
+  }
+  Stretch<D> now_, best_;
+  bool ended_ = false;
+};
+
+template <int D>
+void fit(PredictedObserved& result, const Stretch<D>& stretch) {
+  if (stretch.change() < std::log(least_change)) return;
+  const std::size_t begin = stretch.middle();
+  std::vector<double> x, y, z;
+  for (std::size_t k = begin; k < stretch.second_changes.size(); ++k) {
+    x.push_back(static_cast<double>(k - begin));
+    y.push_back(std::log(stretch.second_changes[k]));
+    z.push_back(std::log(stretch.z[k]));
+  }
+  const LinearFit line = linear_fit(x, y);
+  const std::size_t half = x.size() / 2;
+  const std::span<const double> all_x(x), all_y(y);
+  const double drift = std::abs(linear_fit(all_x.first(half), all_y.first(half)).slope -
+                                linear_fit(all_x.subspan(half), all_y.subspan(half)).slope);
+  // A rate that still changes by this much along the fit belongs to more than one mode.
+  if (drift > largest_drift * std::abs(line.slope)) return;
+  result.observed = std::exp(line.slope);
+  result.rate_z = std::exp(linear_fit(x, z).slope);
+  result.observed_error = result.observed * (line.slope_error + drift);
+  result.first = stretch.first + static_cast<Index>(begin);
+  result.last = stretch.first + count(stretch.second_changes) - 1;
+}
+
+template <int D>
+PredictedObserved compare_rates(const Simulation& simulation) {
+  const StepSolver& solver = simulation.dynamics.solver;
+  PreparedStep<D> step = prepare_solution<D>(simulation);
+  const GranularDecomposition<D> parts = step.iteration.parts();
+  Stretches<D> stretches;
+  IterationWatch watch(solver);
+  PredictedObserved result{.report = step.report};
+  std::optional<SolverStatus> status;
+  while (!status) {
+    step.iteration.iterate();
+    const IterationRecord record = step.iteration.record();
+    stretches.record(step.iteration);
+    result.report.last = record;
+    if (!watch.looks_at(record.iteration)) continue;
+    status = watch.judge(record, needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{});
+  }
+  result.report.status = *status;
+  const Stretch<D> best = stretches.best();
+  if (best.frozen.empty()) return result;
+  result.active = count(best.statuses) - std::ranges::count(best.statuses, ContactStatus::open);
+  result.stick = std::ranges::count(best.statuses, ContactStatus::stick);
+  result.slide = result.active - result.stick;
+  fit(result, best);
+  const MapRadius frozen = frozen_radius(
+      FrozenIteration(parts, best.frozen, solver.gauss_seidel_sweeps, step.enriched, solver.interface_relaxation));
+  result.predicted = frozen.value;
+  result.complex_pair = frozen.dominant.imag() > 0;
+  result.converged = frozen.converged;
+  if (simulation.system.disks() <= dense_rate_grains)
+    result.predicted_exact =
+        frozen_radius(frozen_contraction(parts, best.frozen, step.enriched, solver.interface_relaxation)).value;
+  return result;
+}
+
+}  // namespace
+
+double relative_gap(double observed, double predicted) {
+  return observed == predicted ? 0.0 : std::abs((observed - predicted) / (1 - predicted));
+}
+
+bool rates_agree(double observed, double predicted, double error) {
+  return relative_gap(observed, predicted) <= 0.01 || std::abs(observed - predicted) <= 3 * error;
+}
+
+void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner) {
+  const StepSolver& solver = dynamics.solver;
+  const auto expect = [](bool right, const char* key, const char* expected, std::string_view met) {
+    if (!right) fail("{}: expected {} for a rate that is predicted, met {}", key, expected, met);
+  };
+  expect(decomposes(solver.algorithm) && !is_contact_solver(solver.algorithm), "solver.algorithm",
+         "generic or enriched", to_string(solver.algorithm));
+  expect(subdomains(partitioner) > 1, "partition", "two subdomains or more", "one");
+  expect(solver.interface_method == InterfaceMethod::richardson, "solver.interface_method", "richardson",
+         to_string(solver.interface_method));
+  expect(solver.enrichment == Enrichment::every_iteration, "solver.enrichment", "every_iteration",
+         to_string(solver.enrichment));
+  expect(!switches_models(dynamics), "solver.switch", "none", to_string(solver.model));
+  expect(solver.contact_relaxation == 1, "solver.contact_relaxation", "1", field_text(solver.contact_relaxation));
+  expect(opens(contact_law(dynamics.interaction, dynamics.time.step, 1)), "interaction.law", "a law with open contacts",
+         to_string(dynamics.interaction.law));
+}
+
+PredictedObserved predicted_observed(const Simulation& simulation) {
+  require_comparable(simulation.dynamics, simulation.partitioner);
+  return in_dimension(simulation.system, [&](auto dimension) { return compare_rates<dimension()>(simulation); });
+}
+
+}  // namespace nscdd

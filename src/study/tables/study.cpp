@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/tables/study.hpp"
+
+#include "core/fail.hpp"
+#include "core/text.hpp"
+
+#include <fmt/ranges.h>
+
+#include <filesystem>
+
+namespace nscdd {
+namespace {
+
+// Rows per case, if they are known.
+std::optional<Index> rows_per_case(const StudyTable& table) {
+  if (table.observable->rows == nullptr) return std::nullopt;
+  return table.observable->rows(table);
+}
+
+// The value at a place of a list, as a cell. A column has one type: numbers if every value of the list is one,
+// else texts.
+Cell cell_of(const std::vector<std::string>& values, Index place) {
+  try {
+    std::vector<double> numbers;
+    for (const std::string& value : values) numbers.push_back(parse_number(value, "value"));
+    return numbers[at(place)];
+  } catch (const Error&) {
+    return values[at(place)];
+  }
+}
+
+// Places in the lists of the parameters that change at once.
+Index places_together(const StudyTable& table) {
+  return table.vary_together.empty() ? 1 : count(table.vary_together[0].values);
+}
+
+// One of the cases with a place in the list of each varied parameter, in the order of their columns.
+struct Combination {
+  const Case& base;
+  std::vector<std::pair<const Variation&, Index>> places;
+};
+
+Combination combination_of(const StudyTable& table, Index number) {
+  Index stride = varied_case_count(table) / count(table.cases);
+  Combination combination{table.cases[at(number / stride)], {}};
+  Index rest = number % stride;
+  stride /= places_together(table);
+  for (const Variation& variation : table.vary_together) combination.places.emplace_back(variation, rest / stride);
+  for (const Variation& variation : table.vary) {
+    rest %= stride;
+    stride /= count(variation.values);
+    combination.places.emplace_back(variation, rest / stride);
+  }
+  return combination;
+}
+
+constexpr Index shown_values = 64;  // longer lists are told apart by their fingerprint
+
+std::string content(const Packing& packing) {
+  std::vector<double> all;
+  for (const auto* values : {&packing.x, &packing.y, &packing.radius, &packing.mass, &packing.z})
+    all.insert(all.end(), values->begin(), values->end());
+  return fmt::format("{} grains, content {}", packing.size(), fingerprint(all));
+}
+
+std::string content(const GlobalFrictionProblem& problem) {
+  std::vector<double> all;
+  for (const SparseMatrix* matrix : {&problem.mass, &problem.h})
+    for (Index j = 0; j < matrix->cols(); ++j)
+      for (SparseMatrix::InnerIterator e(*matrix, j); e; ++e)
+        all.insert(all.end(), {static_cast<double>(e.row()), static_cast<double>(j), e.value()});
+  for (const Vector* values : {&problem.f, &problem.w, &problem.friction})
+    all.insert(all.end(), values->begin(), values->end());
+  return fmt::format("{} contacts, content {}", problem.contacts(), fingerprint(all));
+}
+
+// The name of a file, wherever it lies, with its content.
+std::string file_text(const std::string& path, const std::string& content) {
+  return fmt::format("{} ({})", std::filesystem::path(path).filename().string(), content);
+}
+
+std::string case_text(const Case& one) {
+  CaseSpec spec = one.spec;
+  if (auto* file = std::get_if<PackingFile>(&spec.packing)) file->path = file_text(file->path, content(one.packing));
+  if (auto* file = std::get_if<ContactProblemFile>(&spec.packing))
+    file->path = file_text(file->path, content(one.problem));
+  if (auto* settled = std::get_if<SettledFrom>(&spec.packing))
+    settled->name = fmt::format("{} ({})", settled->name, content(one.packing));
+  return fmt::format("name = {}\n", field_text(spec.name)) + to_toml(spec);
+}
+
+std::string list_text(const std::vector<std::string>& items) {
+  const std::string text = fmt::format("{}", fmt::join(items, ", "));
+  if (count(items) <= shown_values) return fmt::format("[{}]", text);
+  return fmt::format("[{}, ..., {}], {} values, content {}", items.front(), items.back(), items.size(),
+                     fingerprint(text));
+}
+
+// The text of a list of numbers. An empty one has a name of its own.
+std::string number_list(const auto& values, const char* empty = "") {
+  std::vector<std::string> texts;
+  for (const std::optional value : values) texts.push_back(value ? field_text(*value) : empty);
+  return list_text(texts);
+}
+
+std::string options_text(const StudyTable& table) {
+  const SweepParameters& sweep = table.sweep;
+  std::string text = fmt::format("observable = {}\n", table.observable->name);
+  for (const Variation& variation : table.vary_together)
+    text += fmt::format("together {} = {}\n", variation.parameter, list_text(variation.values));
+  for (const Variation& variation : table.vary)
+    text += fmt::format("{} = {}\n", variation.parameter, list_text(variation.values));
+  text += fmt::format("epsilon = {}{}\neta = {}{}\nrelaxation = {}\ngauss_seidel_sweeps = {}\ncontacts = {}\n",
+                      number_list(sweep.epsilon), sweep.relative_epsilon ? " W" : "", number_list(sweep.eta),
+                      sweep.relative_eta ? " W" : "", number_list(sweep.relaxation, "optimal"),
+                      number_list(sweep.gauss_seidel_sweeps, "inf"), to_string(sweep.contacts));
+  if (table.observable->moving)
+    text += fmt::format("steps = {}\nlead_in = {}\n", fmt::join(table.steps, ", "), to_string(table.lead_in));
+  if (table.observable->uses("contact_solvers"))
+    text += fmt::format("contact_solvers = {}\n", fmt::join(table.contact_solvers, ", "));
+  return text + fmt::format("seed = {}\n", table.seed);
+}
+
+// Every member of SpectralOptions but the factorisation, which no study chooses.
+std::string effort_text(const SpectralOptions& options) {
+  return fmt::format(
+      "solver = {}\ndense_limit = {}\ntolerance = {}\nbasis = {}\nmaximum_restarts = {}\n"
+      "arpack_tolerance = {}\ncertify = {}\neigenvalues = {}\n",
+      to_string(options.solver), options.dense_limit, options.tolerance, options.arpack.basis,
+      options.arpack.maximum_restarts, options.arpack.tolerance, options.certify, options.eigenvalues);
+}
+
+}  // namespace
+
+std::vector<Column> study_columns(const StudyTable& table) {
+  std::vector<Column> columns = table.observable->columns(table);
+  auto place = columns.begin() + 1;
+  for (const auto& variations : {table.vary_together, table.vary})
+    for (const Variation& variation : variations)
+      place = columns.insert(place, {variation.parameter, "", "parameter of the case, varied by the study"}) + 1;
+  return columns;
+}
+
+Index dimension_of(const StudyTable& table) {
+  const auto knows = [](const Case& one) { return dimension_of(one).has_value(); };
+  const auto first = std::ranges::find_if(table.cases, knows);
+  if (first == table.cases.end()) return 3;
+  const auto where = [](const Case& one) { return *dimension_of(one) == 2 ? "the plane" : "space"; };
+  for (const Case& other : table.cases)
+    if (knows(other) && dimension_of(other) != dimension_of(*first))
+      fail("table {}: expected cases of one dimension, met {} in {} and {} in {}", table.name, first->spec.name,
+           where(*first), other.spec.name, where(other));
+  return *dimension_of(*first);
+}
+
+std::optional<Index> row_count(const StudyTable& table) {
+  const auto rows = rows_per_case(table);
+  return rows ? std::optional(*rows * varied_case_count(table)) : std::nullopt;
+}
+
+KnownCells known_cells(const StudyTable& table, Index row) {
+  const auto rows = rows_per_case(table);
+  if (!rows) return {};
+  const auto [base, places] = combination_of(table, row / *rows);
+  KnownCells cells{{"case", base.spec.name}};
+  for (const auto& [variation, place] : places)
+    cells.emplace_back(variation.parameter, cell_of(variation.values, place));
+  const KnownCells more = table.observable->known(table, row % *rows);
+  cells.insert(cells.end(), more.begin(), more.end());
+  return cells;
+}
+
+Index varied_case_count(const StudyTable& table) {
+  Index combinations = places_together(table);
+  for (const Variation& variation : table.vary) combinations *= count(variation.values);
+  return combinations * count(table.cases);
+}
+
+VariedCase varied_case(const StudyTable& table, Index number) {
+  const auto [base, places] = combination_of(table, number);
+  VariedCase varied{base, {}};
+  for (const auto& [variation, place] : places) {
+    varied.cells.push_back(cell_of(variation.values, place));
+    override_case(varied.one.spec, variation.parameter, variation.values[at(place)]);
+  }
+  return varied;
+}
+
+Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor, Index first, LeadIn* lead_in) {
+  const std::optional<Index> rows = rows_per_case(table);
+  if (!rows && first > 0)
+    fail("table {}: expected to start at row 0, met {}: its rows are not known beforehand", table.name, first);
+  const Index cases = varied_case_count(table), total = cases * rows.value_or(1);
+  Index failed = 0;
+  bool stopped = false;
+  LeadIn own;
+  LeadIn& states = lead_in == nullptr ? own : *lead_in;
+  for (Index number = rows ? first / *rows : 0; number < cases && !stopped; ++number) {
+    const auto [one, cells] = varied_case(table, number);
+    const RowSink with_varied = [&sink, &varied = cells](const Row& row) {
+      Row full = row;
+      full.insert(full.begin() + 1, varied.begin(), varied.end());
+      sink(full);
+    };
+    const Monitor within = [&](Index done, Index) {
+      stopped = !report(monitor, number * *rows + done, total);
+      return !stopped;
+    };
+    try {
+      const Index known = rows ? std::max<Index>(first - number * *rows, 0) : 0;
+      failed += table.observable->run({one, table, states, with_varied, within, known});
+    } catch (const Error& error) {
+      fail("case {}: {}", one.spec.name, error.what());
+    }
+    if (!rows) stopped = !report(monitor, number + 1, total);
+  }
+  return failed;
+}
+
+std::string code_identity() {
+  std::string versions = fmt::format("nscdd {}\nbuild {}\n", version(), build_fingerprint());
+  for (const auto& [name, number] : dependency_versions()) versions += fmt::format("{} {}\n", name, number);
+  return versions;
+}
+
+WorkIdentity work_identity(const StudyTable& table) {
+  std::string cases;
+  for (const Case& one : table.cases) cases += case_text(one);
+  return {code_identity(), cases, options_text(table), effort_text(table.sweep.spectral)};
+}
+
+TableWork table_work(const StudyTable& table) {
+  return {work_identity(table), study_columns(table), row_count(table),
+          [&table](Index row) { return known_cells(table, row); }};
+}
+
+}  // namespace nscdd

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "files/resumable_table.hpp"
+#include "study/case/lead_in.hpp"
+#include <nscdd/study/sweep.hpp>
+
+namespace nscdd {
+
+struct StudyTable;
+struct ObservedCase;
+
+/// Cells of a row that are known before it is computed, by column: the case, varied parameters and the
+/// coordinates of its point.
+using KnownCells = std::vector<std::pair<std::string, Cell>>;
+
+/// What a table of a study measures: a file with its results, their columns and its record, and one word
+/// among the `observables`.
+struct Observable {
+  std::string_view name, summary;  ///< in study files and of `nscdd list`
+  /// Those keys of a study file that it looks at, of those that not every observable does.
+  std::array<std::string_view, 8> keys = {};
+  std::vector<Column> (*columns)(const StudyTable&) = nullptr;  ///< of its results, `case` the first
+  /// Computes the rows of one case from `first` on; returns how many did not converge.
+  Index (*run)(const ObservedCase&) = nullptr;
+  /// How many rows each case has, and what is known of one of them (counted within its case) but for the name
+  /// of the case. Null where the number is not known before the case is built.
+  Index (*rows)(const StudyTable&) = nullptr;
+  KnownCells (*known)(const StudyTable&, Index row) = nullptr;
+  bool moving = false;      ///< of cases that move
+  Index first_step = 1;     ///< smallest of `steps`: 1 where a step is examined, 0 where steps are done
+  bool own_solver = false;  ///< cases get there with their own solver only
+  /// Throws Error for a case that it cannot be had of, as far as that is known before it is built.
+  void (*check)(const CaseSpec&) = nullptr;
+
+  bool uses(std::string_view key) const { return std::find(keys.begin(), keys.end(), key) != keys.end(); }
+};
+
+namespace observables {
+extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, solver_indicators,
+    configuration, force_chains, predicted_observed, rate_at_solution, runs, switching, contact_solvers,
+    interface_iterations;
+
+/// Every observable, in the order of `nscdd list`.
+inline constexpr std::array all{&spectral_radius,
+                                &optimum,
+                                &observed_rate,
+                                &links,
+                                &grains,
+                                &indicators,
+                                &solver_indicators,
+                                &configuration,
+                                &force_chains,
+                                &predicted_observed,
+                                &rate_at_solution,
+                                &runs,
+                                &switching,
+                                &contact_solvers,
+                                &interface_iterations};
+}  // namespace observables
+
+/// A case parameter taken through a list of values, such as packing.grains.
+struct Variation {
+  std::string parameter;
+  std::vector<std::string> values;
+};
+
+/// One table of a study: cases x variations x sweep, through one observable.
+struct StudyTable {
+  std::string name;
+  const Observable* observable = &observables::spectral_radius;
+  std::vector<Case> cases;
+  /// Parameters that change at once, from one place of their lists (of equal lengths) to the next; for each
+  /// place there is every combination of `vary`.
+  std::vector<Variation> vary_together;
+  std::vector<Variation> vary;  ///< every combination, the last one running fastest
+  SweepParameters sweep;
+  std::uint64_t seed = 1;
+  std::vector<Index> steps{1};  ///< of a case that moves: the step examined (from 1), or steps done (from 0)
+  LeadInSolver lead_in = LeadInSolver::plain;          ///< of a case that moves: how it gets there
+  std::vector<std::string> contact_solvers = {"all"};  ///< by their names
+  bool large = false;                                  ///< run only where large tables are asked for
+  bool baseline = true;  ///< whether the study keeps one (a picture of thousands of disks does not)
+  /// What a comparison with the baseline allows for, times max(1, |number|), and for single columns instead
+  /// of it (the place of a flat minimum is known less well than its value).
+  double check_tolerance = 1e-8;
+  std::map<std::string, double> column_tolerance;
+  bool check_relative = false;  ///< times |number| alone, for columns that fall over decades
+};
+
+/// The work of an observable on one case of a table. The monitor counts the rows of the case, where their
+/// number is known.
+struct ObservedCase {
+  const Case& one;
+  const StudyTable& table;
+  LeadIn& lead_in;
+  const RowSink& sink;
+  const Monitor& monitor;
+  Index first = 0;  ///< row of the case to begin with
+};
+
+/// A study folder, resolved.
+struct Study {
+  std::string name;
+  std::string title;
+  std::vector<StudyTable> tables;
+};
+
+/// Columns of a study table: those of its observable, with one column per varied parameter (those of
+/// `vary_together` first) after `case`.
+std::vector<Column> study_columns(const StudyTable& table);
+
+/// 2 in the plane, 3 in space. Throws Error where a table of grains or contacts has cases of both. Where no case is
+/// resolved that knows, as while a study file is read, it is 3: in space a table has all columns that there may be.
+Index dimension_of(const StudyTable& table);
+
+/// Rows of a study table, where they are known before its cases are built: not so for links and grains.
+std::optional<Index> row_count(const StudyTable& table);
+
+/// What is known of a row (from 0). Nothing where the number of rows is not known.
+KnownCells known_cells(const StudyTable& table, Index row);
+
+/// The coordinates of a point of the sweep of a table, but for a relaxation that is the optimal one: what
+/// observables of sweeps know of a row.
+KnownCells known_of_point(const StudyTable& table, Index number);
+
+/// The cases of a table with every combination of its varied parameters, from 0, the combinations running
+/// fastest: the case and the cells of those parameters.
+struct VariedCase {
+  Case one;
+  Row cells;
+};
+Index varied_case_count(const StudyTable& table);
+VariedCase varied_case(const StudyTable& table, Index number);
+
+/// Rows of a study table from row `first` on, as they come; returns how many of them did not converge. No
+/// case is built whose rows are all known. Throws Error naming the case where one cannot be built, and for
+/// `first` > 0 where the number of rows is not known beforehand. The monitor counts rows (cases where the
+/// number of rows is not known). Tables that look at the same cases on the way may share the `lead_in`.
+Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {}, Index first = 0,
+                LeadIn* lead_in = nullptr);
+
+/// The program, its build and the libraries: what numbers depend on beside their input.
+std::string code_identity();
+
+/// What the rows of a table of a study come from, and the table as a resumable file takes it. `table` must
+/// outlive the latter.
+WorkIdentity work_identity(const StudyTable& table);
+TableWork table_work(const StudyTable& table);
+
+}  // namespace nscdd

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "two_stage/contact_order.hpp"
+
+#include "linalg/random.hpp"
+
+#include <bit>
+#include <numeric>
+
+namespace nscdd {
+namespace {
+
+// Contacts of a block: enough for out-of-order execution to find independent ones, few enough for the first cache.
+constexpr Index interleaved_block = 256;
+
+// Place of a cell of a 2^16 x 2^16 grid along Hilbert's curve.
+std::uint32_t hilbert_place(std::uint32_t x, std::uint32_t y) {
+  std::uint32_t place = 0;
+  for (std::uint32_t side = 1U << 15; side > 0; side /= 2) {
+    const bool right = (x & side) != 0, up = (y & side) != 0;
+    place += side * side * ((right ? 3U : 0U) ^ (up ? 1U : 0U));
+    if (!up) {  // turn the quadrant into the position of the first
+      if (right) {
+        x = ~x;
+        y = ~y;
+      }
+      std::swap(x, y);
+    }
+  }
+  return place;
+}
+
+// Place of a cell of a grid of 2^16 cubes a side along Hilbert's curve in space: the bits of its transposed coordinates
+// (J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707 (2004) 381-387).
+std::uint64_t hilbert_place(std::array<std::uint32_t, 3> cell) {
+  constexpr std::uint32_t top = 1U << 15;
+  for (std::uint32_t bit = top; bit > 1; bit /= 2)
+    for (std::uint32_t& one : cell) {
+      if ((one & bit) != 0) {
+        cell[0] ^= bit - 1;
+      } else {
+        const std::uint32_t exchanged = (cell[0] ^ one) & (bit - 1);
+        cell[0] ^= exchanged;
+        one ^= exchanged;
+      }
+    }
+  cell[1] ^= cell[0];
+  cell[2] ^= cell[1];
+  std::uint32_t turned = 0;
+  for (std::uint32_t bit = top; bit > 1; bit /= 2)
+    if ((cell[2] & bit) != 0) turned ^= bit - 1;
+  std::uint64_t place = 0;
+  for (std::uint32_t bit = top; bit > 0; bit /= 2)
+    for (const std::uint32_t one : cell) place = 2 * place + (((one ^ turned) & bit) != 0 ? 1 : 0);
+  return place;
+}
+
+std::vector<Index> along_curve(std::span<const std::array<double, 3>> points, int dimension) {
+  std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+  for (const auto& p : points)
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], p[k]);
+      high[k] = std::max(high[k], p[k]);
+    }
+  const double extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2], 1e-300});
+  const auto cell = [&](const std::array<double, 3>& p, std::size_t k) {
+    return static_cast<std::uint32_t>(std::clamp((p[k] - low[k]) / extent * 65535, 0.0, 65535.0));
+  };
+  std::vector<std::pair<std::uint64_t, Index>> places;
+  places.reserve(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const auto& p = points[k];
+    const std::uint64_t place =
+        dimension == 2 ? hilbert_place(cell(p, 0), cell(p, 1)) : hilbert_place({cell(p, 0), cell(p, 1), cell(p, 2)});
+    places.emplace_back(place, static_cast<Index>(k));
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<Index> order;
+  order.reserve(points.size());
+  for (const auto& [place, k] : places) order.push_back(k);
+  return order;
+}
+
+// The contacts in the given order, by blocks, those of a block by colours. No two of one colour share a free disk.
+template <int D>
+std::vector<Index> by_colour(std::vector<Index> order, const std::vector<GrainContact<D>>& contacts,
+                             const std::vector<GrainVelocity<D>>& bodies, Index block) {
+  // Bit c of used[i] says that colour c is taken at disk i within the present block. Disks have few contacts.
+  // If one has more than 64, the rest get the last colour, whose contacts may then share this disk.
+  constexpr int most = 63;
+  std::vector<std::uint64_t> used(bodies.size(), 0);
+  std::vector<Index> block_of(bodies.size(), -1);
+  std::vector<int> colours(contacts.size());
+  for (Index place = 0; place < count(order); ++place) {
+    const Index here = place / block;
+    const GrainContact<D>& contact = contacts[at(order[at(place)])];
+    std::uint64_t taken = 0;
+    const std::size_t ends[2] = {at(contact.a), at(contact.b)};
+    for (const std::size_t i : ends) {
+      if (block_of[i] != here) {
+        block_of[i] = here;
+        used[i] = 0;
+      }
+      if (bodies[i].inverse_mass > 0) taken |= used[i];
+    }
+    const int colour = std::min(most, std::countr_one(taken));
+    colours[at(order[at(place)])] = colour;
+    for (const std::size_t i : ends) used[i] |= std::uint64_t{1} << colour;
+  }
+  for (Index first = 0; first < count(order); first += block)
+    std::stable_sort(order.begin() + first, order.begin() + std::min(first + block, count(order)),
+                     [&](Index p, Index q) { return colours[at(p)] < colours[at(q)]; });
+  return order;
+}
+
+}  // namespace
+
+template <int D>
+std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
+                                 const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,
+                                 std::span<const std::array<double, 3>> points) {
+  std::vector<Index> result(contacts.size());
+  std::iota(result.begin(), result.end(), Index{0});
+  if (order == ContactOrder::coloured)
+    return by_colour(std::move(result), contacts, bodies, std::max<Index>(1, count(contacts)));
+  if (order == ContactOrder::interleaved) return by_colour(along_curve(points, D), contacts, bodies, interleaved_block);
+  if (order == ContactOrder::random) {
+    RandomStream stream(seed);
+    for (Index k = count(result) - 1; k > 0; --k) std::swap(result[at(k)], result[at(stream.below(k + 1))]);
+  } else if (order == ContactOrder::reverse) {
+    std::reverse(result.begin(), result.end());
+  }
+  return result;
+}
+
+template std::vector<Index> contact_order(Choice<ContactOrder>, const std::vector<GrainContact<2>>&,
+                                          const std::vector<GrainVelocity<2>>&, std::uint64_t,
+                                          std::span<const std::array<double, 3>>);
+template std::vector<Index> contact_order(Choice<ContactOrder>, const std::vector<GrainContact<3>>&,
+                                          const std::vector<GrainVelocity<3>>&, std::uint64_t,
+                                          std::span<const std::array<double, 3>>);
+
+}  // namespace nscdd

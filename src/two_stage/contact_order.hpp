@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/grain_contacts.hpp"
+#include "two_stage/step_solver.hpp"
+
+namespace nscdd {
+
+/// Permutation of the contacts: the order in which they are to lie in memory. `bodies`: velocities of the
+/// disks (driven ones may be shared within a colour). `points`: where the contacts are, m, all of them for
+/// `interleaved`.
+template <int D>
+std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
+                                 const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,
+                                 std::span<const std::array<double, 3>> points);
+
+}  // namespace nscdd

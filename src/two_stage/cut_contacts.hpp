@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "contact_solvers/contact_problem.hpp"
+#include "linalg/linear_iteration.hpp"
+#include "linalg/multifrontal/lu.hpp"
+#include "two_stage/step_solver.hpp"
+#include <nscdd/ddm/interface_operator.hpp>
+
+namespace nscdd {
+
+struct CutOptions {
+  InterfaceNetwork network = InterfaceNetwork::active;
+  double flexibility = 10;  ///< c: links of Stage 2 are so many times as flexible as those of Stage 1
+  double tolerance = 1e-6;  ///< on the jumps that a solution leaves, relative to those without interface impulses
+  Index maximum_iterations = 500;
+  InertiaMethod inertia = {};  ///< what factorises for P, see InterfaceOperator::solve
+};
+
+/// Linear systems  P r + Q W r = b  of the contacts of a step (see ContactMatrix) cut in the FETI way, with grains as
+/// unknowns. E = P^-1 Q are the impulses that velocities cause.
+///   Stage 1  K_E V_E = H_E P^-1 b - A_E^T F,  K_E = M_E + H_E E H_E^T: one factorised solve per subdomain
+///   Stage 2  S F = g by a Krylov method,  S = sum_E A_E K_E^-1 A_E^T, preconditioned by
+///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T
+/// where D is the diagonal of E: X_eta with eta = c alpha on the active contacts. In space D keeps the symmetric part
+/// of the tangential blocks of E, for a contact that slides resists across its direction and not along it. Then r =
+/// P^-1 b - E H_E^T V_E. No bit depends on the number of threads. Several processes each have their own subdomains with
+/// their contacts, and vectors of the whole interface: they make the same calls together. With no network in Stage 2
+/// the answers have the bits of one process; with one, the factor that they share rounds otherwise.
+template <int D>
+class CutContacts {
+ public:
+  /// `parts`: a decomposition of a problem with D columns per contact, normal and tangential, side by side. Of several
+  /// processes each has its own, see decompose_own, and its relations and vectors are those of its own contacts.
+  CutContacts(Decomposition parts, const CutOptions& options);
+
+  /// As ContactMatrix::factorise.
+  bool factorise(std::vector<ContactRelation<D>> relations);
+  /// As ContactMatrix::solve; the iterations may end before their tolerance, see `work`.
+  Vector solve(const Vector& b);
+
+  /// As ContactMatrix::determinant_sign, once something has been solved: that of Stage 1 times that of P^-1 S on the
+  /// largest Krylov space of Stage 2. An eigenvalue that no right-hand side has a part in is not seen.
+  int determinant_sign() const;
+  /// As ContactMatrix::take_operations, of Stage 1.
+  double take_operations();
+
+  const Decomposition& parts() const { return parts_; }
+  const std::vector<ContactRelation<D>>& relations() const { return relations_; }
+  Vector apply(const Vector& f) const;         ///< S F
+  Vector precondition(const Vector& g) const;  ///< P^-1 g
+  Matrix dense() const;                        ///< S
+  const std::optional<InterfaceOperator>& preconditioner() const { return preconditioner_; }
+
+  /// Counts since the beginning.
+  struct Work {
+    Index factorisations = 0, solves = 0, iterations = 0, most_iterations = 0, failures = 0;
+    double flops = 0;       ///< of Stage 1 in this process, when they were taken last
+    double path_flops = 0;  ///< the sum of the largest of all processes, as often as they were taken
+  };
+  const Work& work() const { return work_; }
+
+ private:
+  const Processes& processes() const { return parts_.interface.processes(); }
+  std::vector<Vector> velocities(const std::vector<Vector>& impulses) const;  // K_E^-1 of them
+
+  using Blocks = std::vector<Eigen::Matrix<double, D, D>>;
+  // Which zeros off the diagonal of blocks are stored.
+  enum class Zeros { stored, left_out };
+  SparseMatrix blocks_of(Index subdomain, const Blocks& blocks, Zeros zeros) const;
+  Decomposition stage_two() const;
+
+  Decomposition parts_;
+  CutOptions options_;
+  std::vector<std::vector<Index>> own_;  // for each column of H_E the component of the vectors of this process
+  std::vector<ContactRelation<D>> relations_;
+  Blocks e_;
+  std::vector<std::optional<SparseLu>> lu_;
+  std::optional<InterfaceOperator> preconditioner_;
+  bool symmetric_ = false;
+  IteratedSolution longest_;  // of the relations given last
+  Work work_;
+};
+extern template class CutContacts<2>;
+extern template class CutContacts<3>;
+
+/// Whether solutions get a step of iterative refinement: where P is small impulses are velocities over it, and so are
+/// their errors.
+enum class Refinement { none, one_step };
+
+/// These systems for a contact solver with the W = H^T M^-1 H of all contacts; `cut` must outlive them.
+/// `product`: W r.
+template <int D>
+Couplings<D> cut_couplings(CutContacts<D>& cut, Refinement refinement, std::function<Vector(const Vector&)> product) {
+  const auto solve = [&cut, refinement, product](const Vector& b) {
+    Vector r = cut.solve(b);
+    if (refinement == Refinement::one_step) r += cut.solve(rest_of(cut.relations(), b, r, product(r)));
+    return r;
+  };
+  return {.product = product,
+          .rest = [](const Vector& r) { return Vector(Vector::Zero(r.size())); },
+          .factorise = [&cut](std::vector<ContactRelation<D>> all) { return cut.factorise(std::move(all)); },
+          .solve = solve,
+          .take_operations = [&cut] { return cut.take_operations(); },
+          .determinant_sign = [&cut] { return cut.determinant_sign(); }};
+}
+
+}  // namespace nscdd

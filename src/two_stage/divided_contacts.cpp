@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "two_stage/divided_contacts.hpp"
+
+#include "linalg/threads.hpp"
+#include "mechanics/impulse_scale.hpp"
+
+namespace nscdd {
+namespace {
+
+constexpr Index contacts_for_threads = 4096;  // fewer take no longer than waking a thread does
+
+// Calls visit(contacts of a colour, k) for all contacts of a subdomain.
+template <class Colours, class Visit>
+void for_each_contact_of(Colours& colours, const Visit& visit) {
+  for (auto& colour : colours)
+    for (std::size_t k = 0; k < colour.numbers.size(); ++k) visit(colour, k);
+}
+
+template <int D>
+void append(const ContactRows<D>& from, std::size_t k, ContactRows<D>& to) {
+  to.friction = from.friction;
+  to.boundary_friction = from.boundary_friction;
+  to.rows.push_back(from.rows[k]);
+  to.impulses.push_back(from.impulses[k]);
+  if (!from.bias_t.empty()) to.bias_t.push_back(from.bias_t[k]);
+  if (!from.pull.empty()) to.pull.push_back(from.pull[k]);
+}
+
+// What grew has room for twice as much.
+template <int D>
+void shrink(std::vector<Index>& numbers, ContactRows<D>& contacts) {
+  numbers.shrink_to_fit();
+  contacts.rows.shrink_to_fit();
+  contacts.impulses.shrink_to_fit();
+  contacts.bias_t.shrink_to_fit();
+  contacts.pull.shrink_to_fit();
+}
+
+}  // namespace
+
+template <int D>
+DividedContacts<D>::DividedContacts(const StepProblem<D>& problem, GranularDecomposition<D> parts,
+                                    const ContactColours& colours)
+    : problem_(problem),
+      processes_(parts.interface.processes()),
+      coloured_(parts.subdomains.size()),
+      changed_(at(colours.number)),
+      shared_(parts.interface),
+      pull_(Vector::Zero(D * count(problem.contacts))) {
+  for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
+    GranularSubdomain<D>& subdomain = parts.subdomains[e];
+    coloured_[e].resize(at(colours.number));
+    for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
+      Coloured& own = coloured_[e][at(colours.of_contact[at(subdomain.numbers[k])])];
+      own.numbers.push_back(subdomain.numbers[k]);
+      append(subdomain.contacts, k, own.contacts);
+    }
+    bodies_.push_back(std::move(subdomain.bodies));
+    subdomain = {};
+    for (Coloured& own : coloured_[e]) shrink(own.numbers, own.contacts);
+  }
+  std::vector<std::vector<Index>> copy_of;  // of each body of a subdomain, -1 where there is but one
+  for (const auto& bodies : bodies_) copy_of.emplace_back(bodies.size(), -1);
+  for (Index k = 0; k < count(shared_.own()); ++k)
+    copy_of[at(shared_.own()[at(k)].subdomain)][at(shared_.own()[at(k)].grain)] = k;
+  for (std::size_t e = 0; e < coloured_.size(); ++e)
+    for (std::size_t colour = 0; colour < changed_.size(); ++colour)
+      for (const ContactRow<D>& row : coloured_[e][colour].contacts.rows)
+        for (const std::int32_t body : {row.a, row.b})
+          if (const Index k = copy_of[e][static_cast<std::size_t>(body)]; k >= 0) changed_[colour].push_back(k);
+  for (std::size_t c = 0; c < problem.contacts.size(); ++c) pull_[D * static_cast<Index>(c)] = problem.contacts[c].pull;
+}
+
+template <int D>
+void DividedContacts<D>::for_each_subdomain(const std::function<void(Index)>& work) const {
+  if (count(problem_.contacts) >= contacts_for_threads) return for_each_in_parallel(count(bodies_), work);
+  for (Index e = 0; e < count(bodies_); ++e) work(e);
+}
+
+template <int D>
+CopiesOfGrains<D> DividedContacts<D>::caused(const Vector& r) const {
+  CopiesOfGrains<D> velocities(bodies_.size());
+  for_each_subdomain([&](Index e) {
+    std::vector<GrainVelocity<D>>& own = velocities[at(e)];
+    for (const Index body : bodies_[at(e)])
+      own.push_back(with_unknowns(GrainUnknowns<D>{}, problem_.free[at(body)].inverse_mass));
+    for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
+      const ContactRow<D>& row = colour.contacts.rows[k];
+      const LocalVector<D> impulse = component<D>(r, colour.numbers[k]);
+      push(own[static_cast<std::size_t>(row.a)], impulse_on_grain(row.normal(), -1, impulse));
+      push(own[static_cast<std::size_t>(row.b)], impulse_on_grain(row.normal(), 1, impulse));
+    });
+  });
+  shared_.add_up(velocities);
+  return velocities;
+}
+
+template <int D>
+CopiesOfGrains<D> DividedContacts<D>::moved(const Vector& r) const {
+  CopiesOfGrains<D> velocities = caused(r);
+  for_each_subdomain([&](Index e) {
+    for (std::size_t i = 0; i < velocities[at(e)].size(); ++i) {
+      GrainVelocity<D>& v = velocities[at(e)][i];
+      GrainUnknowns<D> sum = unknowns(problem_.free[at(bodies_[at(e)][i])]);
+      const GrainUnknowns<D> own = unknowns(v);
+      for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += own[k];
+      v = with_unknowns(sum, v.inverse_mass);
+    }
+  });
+  return velocities;
+}
+
+template <int D>
+Vector DividedContacts<D>::relative_velocities(const CopiesOfGrains<D>& velocities) const {
+  Vector u(D * count(problem_.contacts));
+  for_each_subdomain([&](Index e) {
+    const std::vector<GrainVelocity<D>>& own = velocities[at(e)];
+    for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
+      const ContactRow<D>& row = colour.contacts.rows[k];
+      set_component(
+          u, colour.numbers[k],
+          relative_velocity(row.normal(), own[static_cast<std::size_t>(row.a)], own[static_cast<std::size_t>(row.b)]));
+    });
+  });
+  return u;
+}
+
+template <int D>
+Vector DividedContacts<D>::product(const Vector& r) const {
+  return relative_velocities(caused(r));
+}
+
+template <int D>
+Vector DividedContacts<D>::without_impulses() const {
+  Vector q = relative_velocities(moved(-pull_));
+  for (Index c = 0; c < count(problem_.contacts); ++c)
+    set_component(q, c, component<D>(q, c) + problem_.contacts[at(c)].bias);
+  return q;
+}
+
+template <int D>
+Vector DividedContacts<D>::swept(const Vector& r, Index sweeps, double omega) {
+  const Vector pulled = r - pull_;
+  CopiesOfGrains<D> velocities = moved(pulled);
+  for_each_subdomain([&](Index e) {
+    for_each_contact_of(coloured_[at(e)], [&](Coloured& colour, std::size_t k) {
+      colour.contacts.set_impulse(k, component<D>(pulled, colour.numbers[k]));
+    });
+  });
+  for (Index sweep = 0; sweep < sweeps; ++sweep)
+    for (std::size_t colour = 0; colour < changed_.size(); ++colour) {
+      for_each_subdomain([&](Index e) {
+        gauss_seidel_sweep(problem_.law, coloured_[at(e)][colour].contacts, velocities[at(e)], omega);
+      });
+      shared_.follow(changed_[colour], velocities);
+    }
+  Vector result(r.size());
+  for_each_subdomain([&](Index e) {
+    for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
+      set_component(result, colour.numbers[k], colour.contacts.impulse(k));
+    });
+  });
+  return result + pull_;
+}
+
+template <int D>
+std::vector<GrainVelocity<D>> DividedContacts<D>::velocities(const Vector& r) const {
+  const CopiesOfGrains<D> copies = moved(r - pull_);
+  std::vector<GrainVelocity<D>> result = problem_.free;
+  for (std::size_t e = 0; e < bodies_.size(); ++e)
+    for (std::size_t i = 0; i < bodies_[e].size(); ++i) result[at(bodies_[e][i])] = copies[e][i];
+  return result;
+}
+
+template <int D>
+ContactProblem<D> problem_of(DividedContacts<D>& contacts, const Partition& partition, CutContacts<D>& cut,
+                             Refinement refinement) {
+  const StepProblem<D>& step = contacts.problem();
+  const Index number = count(step.contacts);
+  ContactProblem<D> problem;
+  problem.q = contacts.without_impulses();
+  problem.friction.resize(number);
+  problem.speeds.resize(number);
+  problem.normal.resize(D * number);
+  for (Index c = 0; c < number; ++c) {
+    problem.friction[c] = step.contacts[at(c)].friction;
+    problem.speeds[c] = meeting_speed<D>(step.contacts[at(c)], step.free);
+    problem.normal.template segment<D>(D * c).setConstant(1 / step.contacts[at(c)].inverse_w.inverse_n);
+  }
+  problem.sums = ContactSums(partition.subdomain_of_contact, partition.subdomains, contacts.processes());
+  problem.product = [&contacts](const Vector& r) { return contacts.product(r); };
+  problem.diagonal = [&step](Index c) -> FullDelassus<D> {
+    const DiagonalDelassus& w = step.contacts[at(c)].inverse_w;
+    if constexpr (D == 2)
+      return {.nn = 1 / w.inverse_n, .tt = 1 / w.inverse_t};
+    else
+      return {.nn = 1 / w.inverse_n, .tt = {1 / w.inverse_t, 0, 1 / w.inverse_t}};
+  };
+  // A column of H has 2 x 5 entries for both directions in the plane and 2 x 15 in space, where a spin about the normal
+  // does nothing; H^T and H each take two operations for an entry.
+  problem.product_operations = 2.0 * 2 * (D == 2 ? 10 : 30) * contacts.processes().sum(static_cast<double>(number));
+  problem.sweeps = [&contacts](const FrictionSolverOptions& options) {
+    return [&contacts, omega = options.relaxation](const Vector& r, Index /*first*/, Index many) {
+      return contacts.swept(r, many, omega);
+    };
+  };
+  problem.couplings = [&cut, refinement, product = problem.product] { return cut_couplings(cut, refinement, product); };
+  return problem;
+}
+
+template class DividedContacts<2>;
+template class DividedContacts<3>;
+template ContactProblem<2> problem_of(DividedContacts<2>&, const Partition&, CutContacts<2>&, Refinement);
+template ContactProblem<3> problem_of(DividedContacts<3>&, const Partition&, CutContacts<3>&, Refinement);
+
+}  // namespace nscdd

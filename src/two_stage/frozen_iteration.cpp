@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "two_stage/frozen_iteration.hpp"
+
+#include "linalg/pencil.hpp"
+#include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
+
+namespace nscdd {
+namespace {
+
+constexpr double radius_tolerance = 1e-6;
+
+// One subdomain in y, and what its contacts and its neighbours add.
+struct LocalMaps {
+  FrozenNetwork network;
+  SparseMatrix gluing;  // M^-1/2 A^T
+};
+
+template <int D>
+LocalMaps local_maps(const GranularDecomposition<D>& parts, Index e, const std::vector<FrozenContact<D>>& frozen) {
+  constexpr Index unknowns = unknowns_of_grain<D>;
+  const GranularSubdomain<D>& subdomain = parts.subdomains[at(e)];
+  std::vector<FrozenContact<D>> own;
+  for (const Index contact : subdomain.numbers) own.push_back(frozen[at(contact)]);
+  LocalMaps maps{frozen_network(subdomain, own), {}};
+  const Vector& root = maps.network.root;
+  SparseEntries gluing;
+  for (const Tie& tie : parts.interface.ties(e))
+    for (Index k = 0; k < unknowns; ++k) {
+      const Index row = maps.network.rows[at(tie.grain)].first + k;
+      gluing.add(row, unknowns * tie.row + k, tie.sign / root[row]);
+    }
+  maps.gluing = gluing.matrix(root.size(), parts.interface_size());
+  return maps;
+}
+
+// Calls each(contact) for the contacts of a subdomain whose direction of sliding turns, by their places in it.
+template <int D, class Each>
+void for_each_turning(const GranularSubdomain<D>& subdomain, const std::vector<FrozenContact<D>>& frozen,
+                      const Each& each) {
+  for (std::size_t k = 0; k < subdomain.numbers.size(); ++k)
+    if (frozen[at(subdomain.numbers[k])].turning > 0) each(k);
+}
+
+// `across`: the impulses across the directions of sliding that turn, N s.
+template <int D>
+void sweep(const GranularSubdomain<D>& subdomain, const std::vector<FrozenContact<D>>& frozen,
+           std::vector<GrainVelocity<D>>& v, Vector& across) {
+  [[maybe_unused]] Index turned = 0;
+  for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
+    const FrozenContact<D>& now = frozen[at(subdomain.numbers[k])];
+    if (now.status == ContactStatus::open) continue;
+    const GrainContact<D> c = subdomain.contacts.contact(k, v);
+    LocalVector<D> change = -1.0 * c.inverse_w.solve(relative_velocity<D>(c, v));
+    if (now.status != ContactStatus::stick) {
+      const Tangent<D> stopping = change.t;
+      change.t = change.n * now.slope;
+      if constexpr (D == 3)
+        if (now.turning > 0) {  // r_e <- turning (r_e - v_e / W_tt)
+          const TangentVector side = side_of(now);
+          double& impulse = across[turned++];
+          const double next = now.turning * (impulse + dot(side, stopping));
+          change.t = change.t + (next - impulse) * side;
+          impulse = next;
+        }
+    }
+    apply_impulse(c, change, v);
+  }
+}
+
+}  // namespace
+
+template <int D>
+FrozenIteration<D>::FrozenIteration(GranularDecomposition<D> parts, std::vector<FrozenContact<D>> frozen, Index sweeps,
+                                    std::optional<InterfaceOperator> enriched, double relaxation)
+    : parts_(std::move(parts)),
+      resting_(parts_),
+      frozen_(std::move(frozen)),
+      sweeps_(sweeps),
+      enriched_(std::move(enriched)),
+      relaxation_(relaxation) {
+  for (GranularSubdomain<D>& subdomain : resting_.subdomains) {
+    subdomain.contacts = {};
+    for (GrainVelocity<D>& v : subdomain.velocities) v = {.inverse_mass = v.inverse_mass};
+  }
+  SparseEntries impulses, gluing;
+  Index size = 0, columns = 0;
+  std::vector<double> root, of_impulses;
+  std::vector<Index> turning;  // columns
+  for (Index e = 0; e < count(parts_.subdomains); ++e) {
+    const LocalMaps maps = local_maps(parts_, e, frozen_);
+    const FrozenNetwork& network = maps.network;
+    impulses.add_block(network.impulses, size, columns);
+    gluing.add_block(maps.gluing, size, 0);
+    for (const Index column : network.turning) turning.push_back(columns + column);
+    columns += network.impulses.cols();
+    size += network.root.size();
+    root.insert(root.end(), network.root.begin(), network.root.end());
+  }
+  Index row = size;
+  for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
+    for_each_turning(subdomain, frozen_, [&](std::size_t k) {
+      const GrainContact<D> c = subdomain.contacts.contact(k, subdomain.velocities);
+      root.push_back(1 / std::sqrt(c.inverse_w.inverse_t));
+      const FrozenContact<D>& now = frozen_[at(subdomain.numbers[k])];
+      impulses.add(row, turning[at(row - size)], std::sqrt(now.turning) * root.back());
+      ++row;
+    });
+  root_ = Vector::Map(root.data(), row);
+  impulses.add_block(gluing.matrix(row, parts_.interface_size()), 0, columns);
+  range_ = std::make_shared<RangeProjector>(impulses.matrix(row, columns + parts_.interface_size()));
+}
+
+template <int D>
+Vector FrozenIteration<D>::apply(const Vector& y, Index iterations) const {
+  GranularDecomposition<D> work = resting_;
+  const Vector velocities = y.cwiseQuotient(root_);
+  Index k = 0;
+  for (GranularSubdomain<D>& subdomain : work.subdomains)
+    for (GrainVelocity<D>& v : subdomain.velocities) {
+      if (v.inverse_mass == 0) continue;
+      GrainUnknowns<D> own;
+      for (double& one : own) one = velocities[k++];
+      v = with_unknowns(own, v.inverse_mass);
+    }
+  std::vector<Vector> across;
+  for (const GranularSubdomain<D>& subdomain : parts_.subdomains) {
+    Index size = 0;
+    for_each_turning(subdomain, frozen_, [&](std::size_t) { ++size; });
+    across.emplace_back(velocities.segment(k, size));
+    k += size;
+  }
+  for (Index i = 0; i < iterations; ++i) iterate(work, across);
+  Vector image(rows());
+  const Vector moved = free_velocities(work);
+  image.head(moved.size()) = moved;
+  k = moved.size();
+  for (const Vector& own : across) {
+    image.segment(k, own.size()) = own;
+    k += own.size();
+  }
+  return project(image.cwiseProduct(root_));
+}
+
+template <int D>
+Vector FrozenIteration<D>::coordinates(const GranularDecomposition<D>& parts) const {
+  const Vector velocities = free_velocities(parts);
+  Vector y(rows());
+  y.head(velocities.size()) = velocities;
+  if constexpr (D == 3) {
+    Index row = velocities.size();
+    for (const GranularSubdomain<3>& subdomain : parts.subdomains)
+      for_each_turning(subdomain, frozen_, [&](std::size_t k) {
+        y[row++] = dot(side_of(frozen_[at(subdomain.numbers[k])]), subdomain.contacts.impulse(k).t);
+      });
+  }
+  return y.cwiseProduct(root_);
+}
+
+template <int D>
+void FrozenIteration<D>::iterate(GranularDecomposition<D>& work, std::vector<Vector>& across) const {
+  for (std::size_t e = 0; e < work.subdomains.size(); ++e)
+    for (Index n = 0; n < sweeps_; ++n) sweep(parts_.subdomains[e], frozen_, work.subdomains[e].velocities, across[e]);
+  if (work.interface_size() == 0) return;
+  const Vector jumps = interface_jumps(work);
+  apply_interface_impulses(work,
+                           relaxation_ * (enriched_ ? enriched_->solve(jumps) : generic_interface_solve(work, jumps)));
+}
+
+template <int D>
+Matrix frozen_contraction(const GranularDecomposition<D>& parts, const std::vector<FrozenContact<D>>& frozen,
+                          const std::optional<InterfaceOperator>& enriched, double relaxation) {
+  const OneBlasThread serial_blas;
+  Matrix system = Matrix::Zero(parts.interface_size(), parts.interface_size());
+  for (Index e = 0; e < count(parts.subdomains); ++e) {
+    const LocalMaps maps = local_maps(parts, e, frozen);
+    const Matrix a(maps.gluing);
+    Matrix kept = a;
+    const FrozenNetwork& network = maps.network;
+    if (network.impulses.cols() > 0) {
+      Matrix w(network.resting.transpose() * network.impulses);
+      w.diagonal() += network.flexibility;
+      const double threshold = std::numeric_limits<double>::epsilon() * static_cast<double>(w.rows());
+      kept -= network.impulses * minimum_norm_map(w, threshold)(network.resting.transpose() * a);
+    }
+    system += a.transpose() * kept;
+  }
+  Matrix b = Matrix::Identity(system.rows(), system.cols());
+  for (Index k = 0; k < system.cols(); ++k) {
+    const Vector column = system.col(k);
+    b.col(k) -= relaxation * (enriched ? enriched->solve(column) : generic_interface_solve(parts, column));
+  }
+  return b;
+}
+
+MapRadius frozen_radius(const Matrix& contraction) {
+  return map_radius(contraction, {.tolerance = radius_tolerance}, UnitEigenvalues::passed_over);
+}
+
+template <int D>
+MapRadius frozen_radius(const FrozenIteration<D>& iteration, const ArpackOptions& options, Index power) {
+  const LinearMap map = [&](const Vector& y) { return iteration.apply(y, power); };
+  MapRadius radius = map_radius(iteration.rows(), map, {.tolerance = radius_tolerance, .arpack = options},
+                                UnitEigenvalues::passed_over);
+  if (power > 1) radius.value = std::pow(radius.value, 1 / static_cast<double>(power));
+  return radius;
+}
+
+template class FrozenIteration<2>;
+template class FrozenIteration<3>;
+template Matrix frozen_contraction(const GranularDecomposition<2>&, const std::vector<FrozenContact<2>>&,
+                                   const std::optional<InterfaceOperator>&, double);
+template Matrix frozen_contraction(const GranularDecomposition<3>&, const std::vector<FrozenContact<3>>&,
+                                   const std::optional<InterfaceOperator>&, double);
+template MapRadius frozen_radius(const FrozenIteration<2>&, const ArpackOptions&, Index);
+template MapRadius frozen_radius(const FrozenIteration<3>&, const ArpackOptions&, Index);
+
+}  // namespace nscdd

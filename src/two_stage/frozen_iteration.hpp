@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "linalg/range_projector.hpp"
+#include "two_stage/frozen_network.hpp"
+#include "two_stage/granular_two_stage.hpp"
+#include "two_stage/two_stage.hpp"
+
+namespace nscdd {
+
+/// Algorithm 1 near a solution. The statuses of the contacts are frozen (open: no impulse; stick: v = 0; slide: v_n = 0
+/// and an impulse on the edge of the cone). In the plane this edge is a line, n - s friction t with v_t of sign s. In
+/// space it is round, and what is meant is the tangent to first order: along n + friction d, and across d the impulse
+/// turns with the velocity. What remains is a linear iteration for the error of the velocities. `apply` is one
+/// iteration of the algorithm itself, without loads. So its spectral radius is the rate of convergence of a run, in the
+/// plane as long as the statuses stay, in space in the limit of small errors.
+///
+/// Errors are y = M^1/2 V of all subdomains (an entry for each unknown of a free body). In space an impulse that turns
+/// is not made anew by a sweep: a part of its error across d remains. So y goes on with W_tt^1/2 times that component
+/// of every contact that slides.
+///
+/// Errors lie in the range of M^-1/2 [G, A^T], which impulses can cause. Velocities that no impulse causes
+/// (mechanisms) would be eigenvalues 1 that no run meets, so every image is projected on that range. As n_GS
+/// grows, the radius tends to that of frozen_contraction.
+template <int D>
+class FrozenIteration {
+ public:
+  /// `parts`: the decomposition of the step (its velocities and impulses are not used); `frozen`: the contacts of the
+  /// step problem, see frozen_contacts; `sweeps`: n_GS; `enriched`: X_eta, empty for the generic algorithm.
+  FrozenIteration(GranularDecomposition<D> parts, std::vector<FrozenContact<D>> frozen, Index sweeps,
+                  std::optional<InterfaceOperator> enriched, double relaxation = 1);
+  Index rows() const { return root_.size(); }
+  /// So many iterations. The image is projected once: that costs as much as dozens of sweeps.
+  Vector apply(const Vector& y, Index iterations = 1) const;
+  Vector project(const Vector& y) const { return range_->apply(y); }
+  /// What y is of the velocities and impulses of the same decomposition: linear in both, so that an error is a
+  /// difference of two.
+  Vector coordinates(const GranularDecomposition<D>& parts) const;
+
+ private:
+  void iterate(GranularDecomposition<D>& work, std::vector<Vector>& across) const;
+
+  GranularDecomposition<D> parts_;
+  GranularDecomposition<D> resting_;  // the same at rest and without contacts: what an application changes
+  std::vector<FrozenContact<D>> frozen_;
+  Index sweeps_;
+  std::optional<InterfaceOperator> enriched_;
+  double relaxation_;
+  Vector root_;  // what every velocity, then every component of an impulse, is multiplied by in y
+  std::shared_ptr<const RangeProjector> range_;
+};
+
+/// The contraction of the interface with an exact Stage 1 at frozen statuses, n_Gamma x n_Gamma, dense:
+///     B = I - omega P^-1 sum_E A_E (I - Pi_E) M_E^-1 A_E^T,   Pi_E = M_E^-1 G_E (N_E^T M_E^-1 G_E + K_E)^+ N_E^T
+/// (docs/theory.md, section 9): G the directions of the impulses, N those in which contacts keep v = 0, K the
+/// flexibility with which impulses turn in space. If nothing slides, P B is symmetric.
+template <int D>
+Matrix frozen_contraction(const GranularDecomposition<D>& parts, const std::vector<FrozenContact<D>>& frozen,
+                          const std::optional<InterfaceOperator>& enriched, double relaxation = 1);
+
+/// The rate of a frozen map: its radius without unit eigenvalues, which are impulses that the networks carry
+/// either way. It is converged if its residual is at most 1e-6. Where moduli crowd at 1, a power of the map tells them
+/// apart sooner: `value` is the root of its radius, all else is of the power. An odd one keeps real eigenvalues apart.
+template <int D>
+MapRadius frozen_radius(const FrozenIteration<D>& iteration, const ArpackOptions& options = {}, Index power = 1);
+MapRadius frozen_radius(const Matrix& contraction);
+
+}  // namespace nscdd

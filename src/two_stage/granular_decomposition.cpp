@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "two_stage/granular_decomposition.hpp"
+
+#include "core/sum_of_parts.hpp"
+#include "linalg/threads.hpp"
+#include "mechanics/connectivity.hpp"
+#include "mechanics/impulse_scale.hpp"
+
+namespace nscdd {
+namespace {
+
+// Puts the contacts of one subdomain in sweep order and numbers its bodies in the order in which the sweep
+// meets them. Neighbours in the sweep are then neighbours in memory, however the packing numbers its grains.
+template <int D>
+void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice<ContactOrder> order,
+          std::uint64_t seed, std::vector<std::int32_t>& local) {
+  std::vector<GrainContact<D>> natural;
+  std::vector<std::array<double, 3>> points;
+  for (const Index c : subdomain.numbers) {
+    natural.push_back(problem.contacts[at(c)]);
+    points.push_back(problem.geometry[at(c)].point);
+  }
+  const std::vector<Index> numbers = std::exchange(subdomain.numbers, {});
+  subdomain.bodies.clear();
+  ContactRows<D>& rows = subdomain.contacts;
+  rows.friction = problem.friction;
+  rows.boundary_friction = problem.boundary_friction;
+  rows.rows.reserve(natural.size());
+  rows.impulses.reserve(natural.size());
+  const auto number = [&](std::int32_t body) {
+    std::int32_t& known = local[at(body)];
+    if (known < 0) {
+      known = static_cast<std::int32_t>(subdomain.bodies.size());
+      subdomain.bodies.push_back(body);
+    }
+    return known;
+  };
+  for (const Index k : contact_order(order, natural, problem.free, seed, points)) {
+    const GrainContact<D>& c = natural[at(k)];
+    const std::int32_t a = number(c.a), b = number(c.b);
+    if constexpr (D == 2)
+      rows.rows.push_back({a, b, c.normal[0], c.normal[1], c.bias.n});
+    else
+      rows.rows.push_back({a, b, c.normal[0], c.normal[1], c.normal[2], c.bias.n});
+    rows.impulses.push_back(swept(c.normal, c.impulse));
+    if (problem.tangential_bias) rows.bias_t.push_back(swept(c.normal, c.bias).t);
+    if (problem.pulls) rows.pull.push_back(c.pull);
+    subdomain.numbers.push_back(numbers[at(k)]);
+  }
+  for (const Index i : subdomain.bodies) {
+    subdomain.velocities.push_back(problem.free[at(i)]);
+    local[at(i)] = -1;  // for the next subdomain
+  }
+}
+
+// The grains of the subdomains by their numbers, and which of these are free.
+template <int D>
+Interface interface_of(const GranularDecomposition<D>& parts, const StepProblem<D>& problem,
+                       const std::vector<Index>& process_of, const Processes& processes) {
+  const auto number = [&](Index body) { return static_cast<Index>(problem.numbers[at(body)]); };
+  std::vector<std::vector<Index>> held;
+  for (const GranularSubdomain<D>& subdomain : parts.subdomains) {
+    held.emplace_back();
+    for (const Index body : subdomain.bodies) held.back().push_back(number(body));
+  }
+  const Index grains = problem.numbers.empty() ? 0 : problem.numbers.back() + 1;
+  std::vector<char> free(at(grains), 1);
+  for (Index body = 0; body < count(problem.free); ++body)
+    free[at(number(body))] = problem.free[at(body)].inverse_mass > 0;
+  if (!processes.alone())
+    return shared_interface(unknowns_of_grain<D>, grains, std::move(held), free, process_of, processes);
+  const std::vector<std::span<const Index>> known(held.begin(), held.end());
+  return {unknowns_of_grain<D>, grains, known, free};
+}
+
+// Added up subdomain by subdomain: no bit depends on the processes.
+template <int D>
+ImpulseScale scale_of(const StepProblem<D>& problem, const Partition& partition, const Processes& processes) {
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(4, partition.subdomains);
+  for (std::size_t c = 0; c < problem.contacts.size(); ++c) {
+    const ImpulseScale one = impulse_scale<D>(problem.law, problem.contacts[c], problem.free);
+    sums.col(partition.subdomain_of_contact[c]) += Eigen::Vector4d(one.alone, one.momenta, one.speeds, one.energies);
+  }
+  const Vector sum = sum_of_parts(std::move(sums), processes);
+  return {.alone = sum[0], .momenta = sum[1], .speeds = sum[2], .energies = sum[3]};
+}
+
+template <int D>
+const GrainVelocity<D>& copy_of(const GranularDecomposition<D>& parts, const GrainCopy& copy) {
+  return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
+}
+
+template <int D>
+auto unknowns_of_copies(const GranularDecomposition<D>& parts) {
+  return [&](Index e, Index grain) { return unknowns(copy_of(parts, {e, grain})); };
+}
+
+}  // namespace
+
+template <int D>
+GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,
+                                   Choice<ContactOrder> order, std::uint64_t seed,
+                                   const std::vector<Index>& process_of_subdomain, const Processes& processes) {
+  check(partition, count(problem.contacts));
+  GranularDecomposition<D> parts;
+  parts.contacts = count(problem.contacts);
+  parts.scale = scale_of(problem, partition, processes);
+  parts.subdomains.resize(at(partition.subdomains));
+  for (Index c = 0; c < count(problem.contacts); ++c)
+    parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);
+  std::vector<std::int32_t> local(problem.free.size(), -1);
+  for (GranularSubdomain<D>& subdomain : parts.subdomains) fill(subdomain, problem, order, seed, local);
+  parts.interface = interface_of(parts, problem, process_of_subdomain, processes);
+  // A grain shared by q subdomains weighs 1/q in each.
+  const auto copies = [&](Index number) { return static_cast<double>(parts.interface.multiplicity(number)); };
+  for (GranularSubdomain<D>& subdomain : parts.subdomains)
+    for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
+      subdomain.velocities[i].inverse_mass *= copies(problem.numbers[at(subdomain.bodies[i])]);
+  for (const Gluing& row : parts.interface.gluing()) {
+    const Index body = body_of(problem, row.grain);
+    parts.copy_mass.push_back(body < 0 ? 0 : 1 / (problem.free[at(body)].inverse_mass * copies(row.grain)));
+  }
+  if (!processes.alone()) parts.interface.meet_neighbours();
+  return parts;
+}
+
+template <int D>
+Vector interface_jumps(const GranularDecomposition<D>& parts) {
+  return parts.interface.exchange_with_neighbours(unknowns_of_copies(parts));
+}
+
+template <int D>
+Vector all_interface_jumps(const GranularDecomposition<D>& parts) {
+  return parts.interface.exchange(unknowns_of_copies(parts));
+}
+
+template <int D>
+Vector free_velocities(const GranularDecomposition<D>& parts) {
+  std::vector<double> values;
+  for (const GranularSubdomain<D>& subdomain : parts.subdomains)
+    for (const GrainVelocity<D>& v : subdomain.velocities) {
+      if (v.inverse_mass == 0) continue;
+      const GrainUnknowns<D> own = unknowns(v);
+      values.insert(values.end(), own.begin(), own.end());
+    }
+  return Vector::Map(values.data(), count(values));
+}
+
+template <int D>
+double glued_speed_squared(const GranularDecomposition<D>& parts, Index subdomain) {
+  double sum = 0;
+  Index before = -1;
+  for (const Tie& tie : parts.interface.ties(subdomain)) {  // two of them in a row have the same copy
+    if (tie.grain == std::exchange(before, tie.grain)) continue;
+    const GrainVelocity<D>& v = copy_of(parts, {subdomain, tie.grain});
+    sum += squared_velocity(v) + squared_rim(v);
+  }
+  return sum;
+}
+
+template <int D>
+Vector generic_interface_solve(const GranularDecomposition<D>& parts, const Vector& g) {
+  return parts.interface.solve_generic(
+      [&](Index row, Index k) { return parts.copy_mass[at(row)] * inertia_ratio<D>(k); }, g);
+}
+
+template <int D>
+void apply_interface_impulses(GranularDecomposition<D>& parts, const Vector& change) {
+  for_each_in_parallel(count(parts.subdomains), [&](Index e) {
+    for (const Tie& tie : parts.interface.ties(e)) {
+      GrainUnknowns<D> impulse;
+      for (Index k = 0; k < unknowns_of_grain<D>; ++k)
+        impulse[at(k)] = -tie.sign * change[unknowns_of_grain<D> * tie.row + k];
+      push(parts.subdomains[at(e)].velocities[at(tie.grain)], impulse);
+    }
+  });
+}
+
+template <int D>
+ReferenceProblem reference_problem(const StepProblem<D>& problem, Index grains) {
+  constexpr Index rows_of_grain = unknowns_of_grain<D>;
+  ReferenceProblem result;
+  result.dimension = D;
+  result.dofs_per_grain = rows_of_grain;
+  result.inertia = Vector::Ones(rows_of_grain * grains);
+  result.arriving_velocity = Vector::Zero(rows_of_grain * grains);
+  for (Index i = 0; i < grains; ++i) {
+    const GrainVelocity<D>& v = problem.free[at(i)];
+    if (v.inverse_mass == 0) continue;
+    const GrainUnknowns<D> own = unknowns(v);
+    const double mass = 1 / v.inverse_mass;
+    for (Index k = 0; k < rows_of_grain; ++k) {
+      result.inertia[rows_of_grain * i + k] = mass * inertia_ratio<D>(k);
+      result.arriving_velocity[rows_of_grain * i + k] = own[at(k)];
+    }
+  }
+  ConnectivityBuilder<D> h(rows_of_grain * grains, D * problem.contacts.size());
+  const auto rows = [&](Index body) {
+    return problem.free[at(body)].inverse_mass == 0 ? BodyRows{} : BodyRows{rows_of_grain * body};
+  };
+  for (const GrainContact<D>& c : problem.contacts)
+    for (const LocalVector<D>& direction : contact_directions<D>()) h.add(c.normal, rows(c.a), rows(c.b), direction);
+  result.h = h.matrix();
+  return result;
+}
+
+Partition partition_of_columns(const Partition& of_contacts, Index dimension) {
+  Partition result{.subdomains = of_contacts.subdomains, .subdomain_of_contact = {}};
+  result.subdomain_of_contact.reserve(at(dimension) * of_contacts.subdomain_of_contact.size());
+  for (const Index e : of_contacts.subdomain_of_contact)
+    result.subdomain_of_contact.insert(result.subdomain_of_contact.end(), at(dimension), e);
+  return result;
+}
+
+template GranularDecomposition<2> decompose(const StepProblem<2>&, const Partition&, Choice<ContactOrder>,
+                                            std::uint64_t, const std::vector<Index>&, const Processes&);
+template Vector interface_jumps(const GranularDecomposition<2>&);
+template Vector all_interface_jumps(const GranularDecomposition<2>&);
+template Vector free_velocities(const GranularDecomposition<2>&);
+template double glued_speed_squared(const GranularDecomposition<2>&, Index);
+template Vector generic_interface_solve(const GranularDecomposition<2>&, const Vector&);
+template void apply_interface_impulses(GranularDecomposition<2>&, const Vector&);
+template ReferenceProblem reference_problem(const StepProblem<2>&, Index);
+
+template GranularDecomposition<3> decompose(const StepProblem<3>&, const Partition&, Choice<ContactOrder>,
+                                            std::uint64_t, const std::vector<Index>&, const Processes&);
+template Vector interface_jumps(const GranularDecomposition<3>&);
+template Vector all_interface_jumps(const GranularDecomposition<3>&);
+template Vector free_velocities(const GranularDecomposition<3>&);
+template double glued_speed_squared(const GranularDecomposition<3>&, Index);
+template Vector generic_interface_solve(const GranularDecomposition<3>&, const Vector&);
+template void apply_interface_impulses(GranularDecomposition<3>&, const Vector&);
+template ReferenceProblem reference_problem(const StepProblem<3>&, Index);
+
+}  // namespace nscdd

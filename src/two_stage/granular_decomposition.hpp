@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/time_stepping.hpp"
+#include "two_stage/contact_order.hpp"
+#include <nscdd/ddm/interface_operator.hpp>
+
+namespace nscdd {
+
+/// One subdomain E of a step: its contacts in the order in which a sweep visits them, and the bodies that
+/// they touch. A shared grain has its share of mass.
+template <int D>
+struct GranularSubdomain {
+  std::vector<Index> bodies;   ///< of the step problem, in the order the sweep meets them
+  std::vector<Index> numbers;  ///< of the contacts in the step problem
+  ContactRows<D> contacts;
+  std::vector<GrainVelocity<D>> velocities;
+};
+
+/// A step cut in the FETI way: contacts are distributed, and shared free grains are split and glued by a
+/// chain of equalities. Driven bodies are not glued, because every subdomain knows their motion.
+template <int D>
+struct GranularDecomposition {
+  Index contacts = 0;  ///< of the step problem, all its subdomains together
+  std::vector<GranularSubdomain<D>> subdomains;
+  Interface interface;  ///< of StepProblem::numbers; unknowns are those of a grain, see GrainUnknowns
+  /// kg, for each row of the gluing that of either copy, the share of its grain; 0 of grains of other processes
+  std::vector<double> copy_mass;
+  ImpulseScale scale;  ///< of all contacts, of other processes too; of whole grains
+
+  Index interface_size() const { return interface.size(); }  ///< n_Gamma
+};
+
+/// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
+/// them. `order`, `seed`: see contact_order. Where several processes share the step, each has the problem of the
+/// contacts of its own subdomains, and gets these and the gluing of all; the subdomains of others are empty.
+/// `process_of_subdomain`: as `deal_out` has them. Throws Error if the partition does not fit.
+template <int D>
+GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,
+                                   Choice<ContactOrder> order, std::uint64_t seed,
+                                   const std::vector<Index>& process_of_subdomain = {},
+                                   const Processes& processes = {});
+
+/// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy; its neighbours take
+/// part.
+template <int D>
+Vector interface_jumps(const GranularDecomposition<D>& parts);
+/// The same of all grains; all processes take part.
+template <int D>
+Vector all_interface_jumps(const GranularDecomposition<D>& parts);
+
+/// Velocities x, y and rim of the free bodies of one subdomain after the other, m/s.
+template <int D>
+Vector free_velocities(const GranularDecomposition<D>& parts);
+
+/// Sum over the copies of shared grains in a subdomain of |V|^2, rim speed included.
+template <int D>
+double glued_speed_squared(const GranularDecomposition<D>& parts, Index subdomain);
+
+/// X_inf^-1 g, see Interface::solve_generic; the rims have their own inertia.
+template <int D>
+Vector generic_interface_solve(const GranularDecomposition<D>& parts, const Vector& g);
+
+/// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma.
+template <int D>
+void apply_interface_impulses(GranularDecomposition<D>& parts, const Vector& change);
+
+/// M and H of a step for the linear analysis. A grain has the rows of its unknowns (a disk x, y, rim with inertia m, m,
+/// m/2), empty ones in H if it is driven. Columns D c, ... are the normal and the tangential directions of contact
+/// c. The arriving velocity is V_free. The bodies of walls, which come after the disks, are left out.
+template <int D>
+ReferenceProblem reference_problem(const StepProblem<D>& problem, Index disks);
+
+/// The partition of the columns of reference_problem, of which a contact has as many as there are dimensions.
+Partition partition_of_columns(const Partition& of_contacts, Index dimension);
+
+}  // namespace nscdd

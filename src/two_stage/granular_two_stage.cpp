@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "two_stage/granular_two_stage.hpp"
+
+#include "core/sum_of_parts.hpp"
+#include "linalg/threads.hpp"
+
+#include <numeric>
+
+namespace nscdd {
+namespace {
+
+constexpr double rounding_of_impulses = 1e-24;  // squared, relative
+
+// The larger of both, but a value that is not a number remains: it must not pass for converged.
+double at_least(double floor, double value) { return value < floor ? floor : value; }
+
+// F over the mass of a copy, of each row of the gluing, m/s.
+template <int D>
+Vector speeds_of_interface_impulses(const GranularDecomposition<D>& parts, const Vector& f) {
+  Vector speeds = Vector::Zero(f.size());
+  for (Index row = 0; row < count(parts.copy_mass); ++row)
+    if (const double mass = parts.copy_mass[at(row)]; mass > 0)
+      for (Index k = unknowns_of_grain<D> * row; k < unknowns_of_grain<D> * (row + 1); ++k) speeds[k] = f[k] / mass;
+  return speeds;
+}
+
+double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt(change / whole); }
+
+}  // namespace
+
+ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, const Processes& processes) {
+  Eigen::MatrixXd numbers(9, count(of_subdomains));
+  for (Index e = 0; e < numbers.cols(); ++e) {
+    const ContactResidual& one = of_subdomains[at(e)];
+    numbers.col(e) << one.natural_map, one.impulses, one.violation, one.work, one.scale_work, one.scale_velocity,
+        static_cast<double>(one.active), static_cast<double>(one.stick), static_cast<double>(one.slide);
+  }
+  const Vector sum = sum_of_parts(std::move(numbers), processes);
+  return {.natural_map = sum[0],
+          .impulses = sum[1],
+          .violation = sum[2],
+          .work = sum[3],
+          .scale_work = sum[4],
+          .scale_velocity = sum[5],
+          .active = static_cast<Index>(sum[6]),
+          .stick = static_cast<Index>(sum[7]),
+          .slide = static_cast<Index>(sum[8])};
+}
+
+template <int D>
+GranularTwoStage<D>::GranularTwoStage(GranularDecomposition<D> parts, const ContactLaw& law, const StepSolver& solver,
+                                      std::optional<InterfaceOperator> enriched)
+    : parts_(std::move(parts)),
+      law_(law),
+      solver_(solver),
+      enriched_(std::move(enriched)),
+      impulse_floor_squared_(rounding_of_impulses * parts_.scale.momenta) {
+  if (enriched_ && !enriched_->parts().interface.same_rows(parts_.interface))
+    throw Error("enriched Stage 2: expected an operator of the gluing of this step, met another");
+}
+
+// n_GS sweeps; the change is that of all of them together.
+template <int D>
+SweepSums GranularTwoStage<D>::sweeps(GranularSubdomain<D>& subdomain) const {
+  if (subdomain.contacts.size() == 0) return {};  // another process has them
+  const bool compare = solver_.gauss_seidel_sweeps > 1;
+  std::vector<SweptVector<D>> before;
+  if (compare) before = subdomain.contacts.impulses;
+  SweepSums sums;
+  for (Index k = 0; k < solver_.gauss_seidel_sweeps; ++k)
+    sums = gauss_seidel_sweep(law_, subdomain.contacts, subdomain.velocities, solver_.contact_relaxation);
+  if (!compare) return sums;
+  const auto& now = subdomain.contacts.impulses;
+  sums.change = std::inner_product(now.begin(), now.end(), before.begin(), 0.0, std::plus<>{},
+                                   [](SweptVector<D> r, SweptVector<D> old) { return squared(r - old); });
+  return sums;
+}
+
+template <int D>
+void GranularTwoStage<D>::switch_models(const std::vector<RememberedModel>& before, double scale,
+                                        const Grains& grains) {
+  if (!before.empty() && before.size() != parts_.subdomains.size())
+    throw Error("models: expected one per subdomain of this step, met another number");
+  if (D == 3 && solver_.model == SwitchedModel::homogenised)
+    throw Error("solver.switch: expected none or linear with spheres in space, met homogenised");
+  for (Index e = 0; e < count(parts_.subdomains); ++e) {
+    SwitchRules rules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale), solver_.switch_cells};
+    if (solver_.model == SwitchedModel::homogenised)
+      for (const Index i : parts_.subdomains[at(e)].bodies) {
+        const bool grain = i < count(grains.radius);  // otherwise the body of a wall
+        rules.bodies.push_back({grain ? grains.centre[at(i)] : std::array{0.0, 0.0}, grain ? grains.radius[at(i)] : 0.0,
+                                parts_.interface.multiplicity(i) > 1});
+      }
+    switches_.emplace_back(parts_, e, law_, rules, before.empty() ? 0 : before[at(e)].standing);
+  }
+}
+
+template <int D>
+std::vector<SweepSums> GranularTwoStage<D>::stage_one() {
+  std::vector<SweepSums> sums(parts_.subdomains.size());
+  const auto discrete = [&](GranularSubdomain<D>& subdomain) { return sweeps(subdomain); };
+  for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
+    GranularSubdomain<D>& subdomain = parts_.subdomains[at(e)];
+    sums[at(e)] = switches_.empty()
+                      ? sweeps(subdomain)
+                      : switches_[at(e)].stage_one(subdomain, discrete, {parts_.interface, e, interface_impulses_});
+  });
+  sweeps_ += solver_.gauss_seidel_sweeps;
+  return sums;
+}
+
+template <int D>
+Index GranularTwoStage<D>::contact_updates() const {
+  Index contacts = 0;
+  for (const GranularSubdomain<D>& subdomain : parts_.subdomains) contacts += subdomain.contacts.size();
+  return sweeps_ * contacts;
+}
+
+template <int D>
+Vector GranularTwoStage<D>::summed(Eigen::MatrixXd parts) const {
+  return sum_of_parts(std::move(parts), parts_.interface.processes());
+}
+
+template <int D>
+double GranularTwoStage<D>::dot(const Vector& f, const Vector& g) const {
+  Eigen::MatrixXd parts(1, count(parts_.subdomains));
+  for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = parts_.interface.part_of_dot(e, f, g);
+  return summed(std::move(parts))[0];
+}
+
+template <int D>
+double GranularTwoStage<D>::glued_speed_squared() const {
+  Eigen::MatrixXd parts(1, count(parts_.subdomains));
+  for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = nscdd::glued_speed_squared(parts_, e);
+  return summed(std::move(parts))[0];
+}
+
+template <int D>
+bool GranularTwoStage<D>::enriched_now() const {
+  return enriched_ && (solver_.enrichment == Enrichment::every_iteration || iteration_ == 1);
+}
+
+template <int D>
+Vector GranularTwoStage<D>::preconditioned(const Vector& g) const {
+  return enriched_now() ? enriched_->solve(g) : generic_interface_solve(parts_, g);
+}
+
+template <int D>
+void GranularTwoStage<D>::correct(const Vector& change) {
+  interface_impulses_ += change;
+  apply_interface_impulses(parts_, change);
+}
+
+// One step of preconditioned conjugate gradients (Polak-Ribiere) on jumps = g_0 - S F. A trial Stage 1 at F +
+// d shows the curvature d.S d. The direction is reset if it is not conjugate.
+template <int D>
+Vector GranularTwoStage<D>::conjugate_step(const Vector& g, std::vector<SweepSums>& sums) {
+  const Vector z = preconditioned(g);
+  double beta = 0;
+  if (direction_.size() == g.size()) {
+    const double before = dot(last_jumps_, last_preconditioned_);
+    // With an inexact Stage 1 jumps may grow; then the last direction is forgotten.
+    if (before > 0 && dot(g, z) < before) beta = std::max(0.0, dot(g - last_jumps_, z) / before);
+  }
+  Vector d = z;
+  if (beta > 0) d += beta * direction_;
+  if (dot(d, g) <= 0) d = z;
+  correct(d);
+  sums = stage_one();
+  const double curvature = dot(d, g - interface_jumps(parts_));
+  // If statuses change, there may be no curvature at all. The plain step is safe.
+  const double length = curvature > 0 ? std::clamp(dot(d, g) / curvature, 0.1, 10.0) : 1.0;
+  correct((length - 1) * d);
+  direction_ = d;
+  last_jumps_ = g;
+  last_preconditioned_ = z;
+  return length * d;
+}
+
+template <int D>
+void GranularTwoStage<D>::iterate() {
+  ++iteration_;
+  std::vector<SweepSums> sums = stage_one();
+  const Interface& interface = parts_.interface;
+  const Index subdomains = count(parts_.subdomains);
+  Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(quantities, subdomains);
+  if (parts_.interface_size() > 0) {
+    const Vector pushed = speeds_of_interface_impulses(parts_, interface_impulses_);
+    const Vector g = enriched_now() ? all_interface_jumps(parts_) : interface_jumps(parts_);
+    for_each_in_parallel(subdomains, [&](Index e) {
+      parts(jumps, e) = interface.part_of_dot(e, g, g);
+      // Where copies rest, their velocities are what rounding leaves of M_E^-1 A_E^T F.
+      parts(speeds, e) = std::max(nscdd::glued_speed_squared(parts_, e),
+                                  rounding_of_impulses * interface.part_of_dot(e, pushed, pushed));
+    });
+    if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
+      Vector change;
+      if (solver_.interface_method == InterfaceMethod::conjugate_gradient) {
+        change = conjugate_step(g, sums);
+      } else {
+        change = solver_.interface_relaxation * preconditioned(g);
+        correct(change);
+      }
+      const Vector second = change - last_change_;
+      for_each_in_parallel(subdomains, [&](Index e) {
+        parts(interface_changes, e) = interface.part_of_dot(e, change, change);
+        parts(interface_second_changes, e) = interface.part_of_dot(e, second, second);
+        parts(interface_squares, e) = interface.part_of_dot(e, interface_impulses_, interface_impulses_);
+      });
+      last_change_ = std::move(change);
+    }
+  }
+  for (Index e = 0; e < subdomains; ++e) {
+    parts(changes, e) = sums[at(e)].change;
+    parts(impulses, e) = sums[at(e)].impulses;
+  }
+  last_parts_ = std::move(parts);
+}
+
+template <int D>
+IterationRecord GranularTwoStage<D>::record() const {
+  const Vector sum = summed(last_parts_);
+  const double interface = at_least(impulse_floor_squared_, sum[interface_squares]);
+  // Copies may come to rest, or an impact may set them going: the larger speed is the scale.
+  return {.iteration = iteration_,
+          .sweeps = sweeps_,
+          .zeta = ratio(sum[changes], at_least(impulse_floor_squared_, sum[impulses])),
+          .interface_change = ratio(sum[interface_changes], interface),
+          .interface_second_change = ratio(sum[interface_second_changes], interface),
+          .gluing = ratio(sum[jumps], at_least(free_speed_squared_, sum[speeds])),
+          .impulses = sum[impulses]};
+}
+
+template <int D>
+ContactResidual GranularTwoStage<D>::residual() const {
+  std::vector<ContactResidual> parts(parts_.subdomains.size());
+  for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
+    parts[at(e)] = contact_residual(law_, parts_.subdomains[at(e)].contacts, parts_.subdomains[at(e)].velocities);
+  });
+  ContactResidual sum = added_up(parts, parts_.interface.processes());
+  sum.scale = parts_.scale;
+  return sum;
+}
+
+template <int D>
+std::vector<RememberedModel> GranularTwoStage<D>::models() const {
+  std::vector<RememberedModel> result(switches_.size());
+  const auto discrete = [&](GranularSubdomain<D>& subdomain) { return sweeps(subdomain); };
+  for (Index e = 0; e < count(switches_); ++e)
+    result[at(e)] =
+        switches_[at(e)].report(parts_.subdomains[at(e)], discrete, {parts_.interface, e, interface_impulses_});
+  return result;
+}
+
+template class GranularTwoStage<2>;
+template class GranularTwoStage<3>;
+
+}  // namespace nscdd

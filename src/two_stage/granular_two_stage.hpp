@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "two_stage/model_switch.hpp"
+
+namespace nscdd {
+
+/// How one iteration went, [ADI12] eqs. (39), (40). |r| and |F| count as at least 1e-12 times the momenta of the bodies
+/// that meet (ImpulseScale): if contacts exchange less than that, nothing is left to converge.
+struct IterationRecord {
+  Index iteration = 0, sweeps = 0;  ///< from 1; Gauss-Seidel sweeps per subdomain so far
+  double zeta = 0;                  ///< |r_i - r_{i-1}| / |r_i| over all contacts
+  double interface_change = 0;      ///< Z = |F_i - F_{i-1}| / |F_i|; 0 without an interface
+  /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|. Impulses may drift within what networks carry: Z then stays, this falls.
+  double interface_second_change = 0;
+  double gluing = 0;    ///< |sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1
+  double impulses = 0;  ///< |r_i|^2, (N s)^2
+};
+
+/// The residual of all subdomains from that of each, added up in their order; those of other processes are empty.
+ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, const Processes& processes);
+
+/// Algorithm 1 of [ADI12] on the contact problem of one step; without an interface nonlinear Gauss-Seidel, bit by bit.
+///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
+///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
+/// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched). This is the paper's
+/// (16) for any law, see TwoStageIteration. No bit depends on the number of threads. Processes that share the
+/// subdomains construct it, iterate and ask for sums together: in the generic Stage 2 neighbours exchange jumps, and no
+/// bit depends on the number of processes; in the enriched one all do, and the factor that they share rounds otherwise.
+/// With conjugate gradients an iteration has a second, trial Stage 1: `sweeps` counts both, zeta is the change in the
+/// second alone.
+template <int D>
+class GranularTwoStage {
+ public:
+  /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))), or
+  /// nothing for the generic algorithm. Velocities must be those of the impulses: see `start`. Throws Error
+  /// if the operator was made for another gluing.
+  GranularTwoStage(GranularDecomposition<D> parts, const ContactLaw& law, const StepSolver& solver,
+                   std::optional<InterfaceOperator> enriched);
+
+  /// Sets V_E = M_E^-1 (F^d_E + H_E r_E - A_E^T F) for the impulses of the contacts and the gluing impulses
+  /// of the step before. A grain that other subdomains share now starts from zero.
+  void start(const std::vector<RememberedGluing>& gluing);
+
+  /// What the algorithm goes on from, z = (r, F_Gamma): D impulses of each contact in the numbers of the step problem,
+  /// then n_Gamma numbers. The velocities follow from it as in `start`. Conjugate gradients begin anew. Of one process
+  /// alone.
+  Vector state() const;
+  void restart(const Vector& z);
+
+  /// Where disks are, m, and how large.
+  struct Grains {
+    std::vector<std::array<double, 2>> centre;
+    std::span<const double> radius;
+  };
+  /// Lets subdomains become linear once their statuses have stood still, see ModelSwitch; after `start`. `before`: the
+  /// models of the step before, one per subdomain, empty if impulses start from zero. `scale`: W, 1/kg. `grains` are of
+  /// use to homogenised subdomains alone, which are in the plane.
+  void switch_models(const std::vector<RememberedModel>& before, double scale, const Grains& grains = {});
+
+  void iterate();
+
+  /// Of the last iteration, summed over all subdomains: iterations themselves need no such sum, which all processes
+  /// form together, so that whoever asks less often waits less often.
+  IterationRecord record() const;
+
+  /// Sums over all subdomains at the present velocities.
+  ContactResidual residual() const;
+
+  /// Of single contacts, in all sweeps so far of the subdomains of this process.
+  Index contact_updates() const;
+
+  /// Status of every contact of the step problem, in its numbers.
+  std::vector<ContactStatus> statuses() const;
+
+  /// Contacts of the step problem with their impulses, and velocities of its bodies. The velocity of a shared grain is
+  /// the mean of its copies.
+  struct Solution {
+    std::vector<GrainContact<D>> contacts;
+    std::vector<GrainVelocity<D>> velocities;
+  };
+  /// What the subdomains have found; processes that share the step tell each other the copies of shared grains. Gluing
+  /// and interface impulses, too, are those of all from then on, until the next iteration.
+  Solution gather(const StepProblem<D>& problem);
+
+  std::vector<RememberedGluing> gluing() const;
+  std::vector<RememberedModel> models() const;  ///< one per subdomain; empty unless models are switched
+
+  const Vector& interface_impulses() const { return interface_impulses_; }  ///< F_Gamma, n_Gamma
+  const GranularDecomposition<D>& parts() const { return parts_; }
+
+ private:
+  // What a record sums over the subdomains, squares all of them.
+  enum Quantity {
+    changes,
+    impulses,
+    jumps,
+    speeds,
+    interface_changes,
+    interface_second_changes,
+    interface_squares,
+    quantities
+  };
+  // Sums over the subdomains, one column each, in their order, whoever has them: no bit depends on the processes.
+  Vector summed(Eigen::MatrixXd parts) const;
+  double dot(const Vector& f, const Vector& g) const;
+  double glued_speed_squared() const;
+  void gather_interface_impulses();
+  SweepSums sweeps(GranularSubdomain<D>& subdomain) const;
+  std::vector<SweepSums> stage_one();
+  bool enriched_now() const;
+  Vector preconditioned(const Vector& jumps) const;
+  void correct(const Vector& change);
+  Vector conjugate_step(const Vector& jumps, std::vector<SweepSums>& sums);
+
+  GranularDecomposition<D> parts_;
+  ContactLaw law_;
+  StepSolver solver_;
+  std::optional<InterfaceOperator> enriched_;
+  Vector interface_impulses_ = Vector::Zero(parts_.interface_size()), last_change_ = interface_impulses_;
+  Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
+  std::vector<ModelSwitch<D>> switches_;                 // of the subdomains; empty unless models are switched
+  double free_speed_squared_ = glued_speed_squared();    // |V_free|^2 over the copies of shared grains
+  double impulse_floor_squared_ = 0;                     // impulses below it are rounding of the momenta
+  Index iteration_ = 0, sweeps_ = 0;
+  // Of the last record, a row per Quantity and a column per subdomain.
+  Eigen::MatrixXd last_parts_ = Eigen::MatrixXd::Zero(quantities, count(parts_.subdomains));
+};
+
+}  // namespace nscdd

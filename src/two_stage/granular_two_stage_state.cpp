@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the iterations of a step begin with, and what they leave: impulses, velocities and gluing of all subdomains.
+#include "mechanics/contact_blocks.hpp"
+#include "two_stage/granular_two_stage.hpp"
+
+namespace nscdd {
+namespace {
+
+constexpr auto other_steps =
+    "processes: expected the same step in all of them, met others: their processors may differ";
+
+// The copy of a shared grain as processes send it: its subdomain, the number of the grain, and its velocity.
+template <int D>
+constexpr Index numbers_per_copy = 2 + unknowns_of_grain<D>;
+
+template <int D>
+void pack_copies(Index e, const GranularSubdomain<D>& subdomain, const StepProblem<D>& problem,
+                 const Interface& interface, std::vector<double>& packed) {
+  for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
+    const std::size_t body = at(subdomain.bodies[i]);
+    const Index number = problem.numbers[body];
+    if (problem.free[body].inverse_mass == 0 || interface.multiplicity(number) == 1) continue;
+    const GrainUnknowns<D> v = unknowns(subdomain.velocities[i]);
+    packed.insert(packed.end(), {static_cast<double>(e), static_cast<double>(number)});
+    packed.insert(packed.end(), v.begin(), v.end());
+  }
+}
+
+// Adds to the velocity of a shared grain, at first V_free, its part of what one of its copies has gained.
+template <int D>
+void take_in_copy(const double* copy, const StepProblem<D>& problem, const Interface& interface,
+                  std::vector<GrainVelocity<D>>& velocities) {
+  const auto number = static_cast<Index>(copy[1]), body = body_of(problem, number);
+  if (body < 0) return;  // a grain of other processes
+  const double part = 1 / static_cast<double>(interface.multiplicity(number));
+  const GrainUnknowns<D> start = unknowns(problem.free[at(body)]);
+  GrainUnknowns<D> v = unknowns(velocities[at(body)]);
+  for (std::size_t k = 0; k < v.size(); ++k) v[k] += part * (copy[2 + k] - start[k]);
+  velocities[at(body)] = with_unknowns(v, velocities[at(body)].inverse_mass);
+}
+
+}  // namespace
+
+template <int D>
+void GranularTwoStage<D>::start(const std::vector<RememberedGluing>& gluing) {
+  for (GranularSubdomain<D>& subdomain : parts_.subdomains)
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+      if (const LocalVector<D> r = subdomain.contacts.impulse(k); carries(r))
+        apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r, subdomain.velocities);
+  if (gluing.empty()) return;
+  constexpr Index size = unknowns_of_grain<D>;
+  // Along the chain of a grain, F of a row is that of the row before plus the impulse on the copy between.
+  Vector f = Vector::Zero(parts_.interface_size());
+  auto old = gluing.begin();
+  const auto& rows = parts_.interface.gluing();
+  for (Index row = 0; row < count(rows);) {
+    const Index grain = rows[at(row)].grain, last = row + parts_.interface.multiplicity(grain) - 1;
+    while (old != gluing.end() && old->grain < grain) ++old;
+    const auto copies = parts_.interface.copies(grain);
+    const auto end = std::find_if(old, gluing.end(), [&](const auto& one) { return one.grain != grain; });
+    const bool shared_alike =
+        std::equal(old, end, copies.begin(), copies.end(),
+                   [](const RememberedGluing& one, const GrainCopy& copy) { return one.subdomain == copy.subdomain; });
+    for (const Index first = row; row < last; ++row) {
+      if (!shared_alike) continue;
+      const RememberedGluing& one = old[row - first];
+      for (Index k = 0; k < size; ++k) {
+        f[size * row + k] = one.impulse[at(k)];
+        if (row > first) f[size * row + k] += f[size * (row - 1) + k];
+      }
+    }
+  }
+  correct(f);
+}
+
+template <int D>
+Vector GranularTwoStage<D>::state() const {
+  Vector z(D * parts_.contacts + parts_.interface_size());
+  for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+      set_component<D>(z, subdomain.numbers[k], subdomain.contacts.impulse(k));
+  z.tail(parts_.interface_size()) = interface_impulses_;
+  return z;
+}
+
+template <int D>
+void GranularTwoStage<D>::restart(const Vector& z) {
+  for (GranularSubdomain<D>& subdomain : parts_.subdomains)
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
+      const LocalVector<D> before = subdomain.contacts.impulse(k), r = component<D>(z, subdomain.numbers[k]);
+      subdomain.contacts.set_impulse(k, r);
+      apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r - before, subdomain.velocities);
+    }
+  correct(z.tail(parts_.interface_size()) - interface_impulses_);
+  direction_.resize(0);
+}
+
+template <int D>
+std::vector<ContactStatus> GranularTwoStage<D>::statuses() const {
+  std::vector<ContactStatus> result(at(parts_.contacts), ContactStatus::open);
+  for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+      result[at(subdomain.numbers[k])] = status_of(law_, subdomain.contacts.contact(k, subdomain.velocities));
+  return result;
+}
+
+// Each process has the rows whose first copy is its own.
+template <int D>
+void GranularTwoStage<D>::gather_interface_impulses() {
+  const Interface& interface = parts_.interface;
+  const Processes& all = interface.processes();
+  constexpr Index size = unknowns_of_grain<D>;
+  const auto visit = [&](Index process, const auto& each) {
+    for (Index row = 0; row < count(interface.gluing()); ++row)
+      if (interface.process_of(interface.gluing()[at(row)].first.subdomain) == process)
+        for (Index k = 0; k < size; ++k) each(interface_impulses_[size * row + k]);
+  };
+  std::vector<double> own;
+  visit(all.rank, [&](double& number) { own.push_back(number); });
+  const std::vector<double> numbers = all.gather(own);
+  if (count(numbers) != interface.size()) throw Error(other_steps);
+  auto next = numbers.begin();
+  for (Index process = 0; process < all.size; ++process) visit(process, [&](double& number) { number = *next++; });
+}
+
+template <int D>
+typename GranularTwoStage<D>::Solution GranularTwoStage<D>::gather(const StepProblem<D>& problem) {
+  const Interface& interface = parts_.interface;
+  const Processes& all = interface.processes();
+  if (!all.alone()) gather_interface_impulses();
+  Solution result{problem.contacts, problem.free};
+  std::vector<double> packed;
+  for (Index e = 0; e < count(parts_.subdomains); ++e) {
+    const GranularSubdomain<D>& subdomain = parts_.subdomains[at(e)];
+    for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
+      GrainContact<D>& contact = result.contacts[at(subdomain.numbers[k])];
+      contact.impulse = in_frame(contact.normal, subdomain.contacts.impulses[k]);
+    }
+    for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
+      GrainVelocity<D>& v = result.velocities[at(subdomain.bodies[i])];
+      if (v.inverse_mass > 0 && interface.multiplicity(problem.numbers[at(subdomain.bodies[i])]) == 1)
+        v = with_unknowns(unknowns(subdomain.velocities[i]), v.inverse_mass);
+    }
+    pack_copies(e, subdomain, problem, interface, packed);
+  }
+  packed = all.gather(packed);
+  std::vector<const double*> copies;
+  for (Index k = 0; k < count(packed); k += numbers_per_copy<D>) copies.push_back(packed.data() + k);
+  // What copies gained adds up in the order of their subdomains, whoever has them.
+  std::stable_sort(copies.begin(), copies.end(), [](const double* a, const double* b) { return a[0] < b[0]; });
+  for (const double* copy : copies) take_in_copy(copy, problem, interface, result.velocities);
+  return result;
+}
+
+template <int D>
+std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
+  constexpr Index size = unknowns_of_grain<D>;
+  std::vector<RememberedGluing> result;
+  const auto& rows = parts_.interface.gluing();
+  for (Index row = 0; row < count(rows);) {  // A_E^T F: along a chain, F of the row after a copy less that before it
+    const Index grain = rows[at(row)].grain, first = row, last = row + parts_.interface.multiplicity(grain) - 1;
+    for (const GrainCopy& copy : parts_.interface.copies(grain)) {
+      RememberedGluing one{grain, copy.subdomain};
+      for (Index k = 0; k < size; ++k) {
+        if (row > first) one.impulse[at(k)] -= interface_impulses_[size * (row - 1) + k];
+        if (row < last) one.impulse[at(k)] += interface_impulses_[size * row + k];
+      }
+      result.push_back(one);
+      ++row;
+    }
+    row = last;
+  }
+  return result;
+}
+
+template void GranularTwoStage<2>::start(const std::vector<RememberedGluing>&);
+template Vector GranularTwoStage<2>::state() const;
+template void GranularTwoStage<2>::restart(const Vector&);
+template std::vector<ContactStatus> GranularTwoStage<2>::statuses() const;
+template GranularTwoStage<2>::Solution GranularTwoStage<2>::gather(const StepProblem<2>&);
+template std::vector<RememberedGluing> GranularTwoStage<2>::gluing() const;
+template void GranularTwoStage<3>::start(const std::vector<RememberedGluing>&);
+template Vector GranularTwoStage<3>::state() const;
+template void GranularTwoStage<3>::restart(const Vector&);
+template std::vector<ContactStatus> GranularTwoStage<3>::statuses() const;
+template GranularTwoStage<3>::Solution GranularTwoStage<3>::gather(const StepProblem<3>&);
+template std::vector<RememberedGluing> GranularTwoStage<3>::gluing() const;
+
+}  // namespace nscdd
