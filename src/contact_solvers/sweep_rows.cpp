@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact_solvers/sweep_rows.hpp"
 
-#include "linalg/random.hpp"
+#include "contact_solvers/contact_turns.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/gauss_seidel.hpp"
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
-// Places of a block: enough for out-of-order execution to find independent ones, few enough for the first cache.
-constexpr Index interleaved_block = 256;
 // Contacts of a colour that a thread takes at a time.
 constexpr Index places_at_a_time = 256;
 
@@ -35,34 +31,11 @@ std::vector<std::vector<Index>> coupled_contacts(const LocalFrictionProblem& pro
 template <int D>
 std::vector<Index> colours_of(const LocalFrictionProblem& problem, Index block) {
   const std::vector<std::vector<Index>> coupled = coupled_contacts<D>(problem);
-  std::vector<Index> colours(coupled.size()), taken;
-  for (Index c = 0; c < problem.contacts(); ++c) {
-    taken.clear();
-    for (const Index other : coupled[at(c)])
-      if (other < c && other / block == c / block) taken.push_back(colours[at(other)]);
-    std::sort(taken.begin(), taken.end());
-    for (const Index colour : taken)
-      if (colour == colours[at(c)]) ++colours[at(c)];
-  }
+  GreedyColours taken(problem.contacts());
+  std::vector<Index> colours;
+  for (Index c = 0; c < problem.contacts(); ++c)
+    colours.push_back(taken.take_least(coupled[at(c)], {&c, 1}, c / block));
   return colours;
-}
-
-// The contacts by blocks, those of a block by colours, those of a colour as they are numbered.
-std::vector<Index> by_colour(const std::vector<Index>& colours, Index block) {
-  std::vector<Index> order(colours.size());
-  std::iota(order.begin(), order.end(), Index{0});
-  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
-    return std::pair(a / block, colours[at(a)]) < std::pair(b / block, colours[at(b)]);
-  });
-  return order;
-}
-
-std::vector<Index> shuffled(Index contacts, Index seed) {
-  std::vector<Index> order(at(contacts));
-  std::iota(order.begin(), order.end(), Index{0});
-  RandomStream stream(static_cast<std::uint64_t>(seed));
-  for (Index k = contacts - 1; k > 0; --k) std::swap(order[at(k)], order[at(stream.below(k + 1))]);
-  return order;
 }
 
 template <bool relaxed, int D>
@@ -102,21 +75,19 @@ template <int D>
 SweepRows<D> sweep_rows(const LocalFrictionProblem& problem, SweepOrder order, Index seed) {
   const Index contacts = problem.contacts();
   SweepRows<D> rows;
-  if (order == SweepOrder::coloured || order == SweepOrder::interleaved) {
-    const Index block = order == SweepOrder::coloured ? std::max<Index>(1, contacts) : interleaved_block;
+  rows.contact =
+      order == SweepOrder::random ? random_order(contacts, static_cast<std::uint64_t>(seed)) : natural_order(contacts);
+  if (order == SweepOrder::reverse) std::ranges::reverse(rows.contact);
+  if (order == SweepOrder::interleaved)
+    sort_by_colour(rows.contact, colours_of<D>(problem, interleaved_block), interleaved_block);
+  if (order == SweepOrder::coloured) {
+    const Index block = std::max<Index>(1, contacts);
     const std::vector<Index> colours = colours_of<D>(problem, block);
-    rows.contact = by_colour(colours, block);
-    if (order == SweepOrder::coloured)
-      for (Index place = 0; place <= contacts; ++place)
-        if (place == 0 || place == contacts ||
-            colours[at(rows.contact[at(place)])] != colours[at(rows.contact[at(place - 1)])])
-          rows.first_of_colour.push_back(place);
-  } else if (order == SweepOrder::random) {
-    rows.contact = shuffled(contacts, seed);
-  } else {
-    rows.contact.resize(at(contacts));
-    std::iota(rows.contact.begin(), rows.contact.end(), Index{0});
-    if (order == SweepOrder::reverse) std::reverse(rows.contact.begin(), rows.contact.end());
+    sort_by_colour(rows.contact, colours, block);
+    for (Index place = 0; place <= contacts; ++place)
+      if (place == 0 || place == contacts ||
+          colours[at(rows.contact[at(place)])] != colours[at(rows.contact[at(place - 1)])])
+        rows.first_of_colour.push_back(place);
   }
   rows.w = ContactBlocks<D>(problem.w, rows.contact);
   rows.q = rows.in_order(problem.q);

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "two_stage/contact_order.hpp"
 
-#include "linalg/random.hpp"
-
-#include <bit>
-#include <numeric>
+#include "contact_solvers/contact_turns.hpp"
 
 namespace nscdd {
 namespace {
-
-// Contacts of a block: enough for out-of-order execution to find independent ones, few enough for the first cache.
-constexpr Index interleaved_block = 256;
 
 // Place of a cell of a 2^16 x 2^16 grid along Hilbert's curve.
 std::uint32_t hilbert_place(std::uint32_t x, std::uint32_t y) {
@@ -80,35 +74,21 @@ std::vector<Index> along_curve(std::span<const std::array<double, 3>> points, in
   return order;
 }
 
-// The contacts in the given order, by blocks, those of a block by colours. No two of one colour share a free disk.
+// The contacts in the given order, by blocks, those of a block by colours. No two of one colour share a free grain.
 template <int D>
 std::vector<Index> by_colour(std::vector<Index> order, const std::vector<GrainContact<D>>& contacts,
                              const std::vector<GrainVelocity<D>>& bodies, Index block) {
-  // Bit c of used[i] says that colour c is taken at disk i within the present block. Disks have few contacts.
-  // If one has more than 64, the rest get the last colour, whose contacts may then share this disk.
-  constexpr int most = 63;
-  std::vector<std::uint64_t> used(bodies.size(), 0);
-  std::vector<Index> block_of(bodies.size(), -1);
-  std::vector<int> colours(contacts.size());
+  constexpr Index last_turn = 63;  // all further colours share it: those of a grain with more than 64 contacts
+  GreedyColours taken(count(bodies));
+  std::vector<Index> colours(contacts.size()), ends;
   for (Index place = 0; place < count(order); ++place) {
-    const Index here = place / block;
     const GrainContact<D>& contact = contacts[at(order[at(place)])];
-    std::uint64_t taken = 0;
-    const std::size_t ends[2] = {at(contact.a), at(contact.b)};
-    for (const std::size_t i : ends) {
-      if (block_of[i] != here) {
-        block_of[i] = here;
-        used[i] = 0;
-      }
-      if (bodies[i].inverse_mass > 0) taken |= used[i];
-    }
-    const int colour = std::min(most, std::countr_one(taken));
-    colours[at(order[at(place)])] = colour;
-    for (const std::size_t i : ends) used[i] |= std::uint64_t{1} << colour;
+    ends.clear();
+    for (const Index end : {Index{contact.a}, Index{contact.b}})
+      if (bodies[at(end)].inverse_mass > 0) ends.push_back(end);
+    colours[at(order[at(place)])] = std::min(last_turn, taken.take_least(ends, ends, place / block));
   }
-  for (Index first = 0; first < count(order); first += block)
-    std::stable_sort(order.begin() + first, order.begin() + std::min(first + block, count(order)),
-                     [&](Index p, Index q) { return colours[at(p)] < colours[at(q)]; });
+  sort_by_colour(order, colours, block);
   return order;
 }
 
@@ -118,18 +98,13 @@ template <int D>
 std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
                                  const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,
                                  std::span<const std::array<double, 3>> points) {
-  std::vector<Index> result(contacts.size());
-  std::iota(result.begin(), result.end(), Index{0});
-  if (order == ContactOrder::coloured)
-    return by_colour(std::move(result), contacts, bodies, std::max<Index>(1, count(contacts)));
+  const Index size = count(contacts);
   if (order == ContactOrder::interleaved) return by_colour(along_curve(points, D), contacts, bodies, interleaved_block);
-  if (order == ContactOrder::random) {
-    RandomStream stream(seed);
-    for (Index k = count(result) - 1; k > 0; --k) std::swap(result[at(k)], result[at(stream.below(k + 1))]);
-  } else if (order == ContactOrder::reverse) {
-    std::reverse(result.begin(), result.end());
-  }
-  return result;
+  if (order == ContactOrder::random) return random_order(size, seed);
+  std::vector<Index> natural = natural_order(size);
+  if (order == ContactOrder::coloured) return by_colour(std::move(natural), contacts, bodies, std::max<Index>(1, size));
+  if (order == ContactOrder::reverse) std::ranges::reverse(natural);
+  return natural;
 }
 
 template std::vector<Index> contact_order(Choice<ContactOrder>, const std::vector<GrainContact<2>>&,

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+
+#include <span>
+#include <vector>
+
+/// The order in which a sweep visits contacts.
+namespace nscdd {
+
+/// Contacts of a block of an interleaved order: enough for out-of-order execution to find independent ones, few enough
+/// for the first cache.
+inline constexpr Index interleaved_block = 256;
+
+/// Greedy colours of contacts that share nodes, such as grains. In each block of contacts the colouring starts anew.
+class GreedyColours {
+ public:
+  explicit GreedyColours(Index nodes) : block_of_(at(nodes), 0) {}
+
+  /// The least colour that no contact of the block has yet marked at the nodes `seen`. It is marked at `marked`.
+  Index take_least(std::span<const Index> seen, std::span<const Index> marked, Index block = 0);
+
+ private:
+  void enter(std::span<const Index> nodes, Index block);
+
+  std::vector<Index> block_of_;                    // of each node, the block of its last contact
+  std::vector<std::vector<std::uint64_t>> words_;  // the colours taken at each node, 64 of them in a word
+};
+
+std::vector<Index> natural_order(Index contacts);
+std::vector<Index> random_order(Index contacts, std::uint64_t seed);
+
+/// Sorts each block of an order by the colours of its contacts; contacts of one colour keep their order.
+void sort_by_colour(std::vector<Index>& order, const std::vector<Index>& colours, Index block);
+
+}  // namespace nscdd
