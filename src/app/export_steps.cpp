@@ -4,7 +4,6 @@
 #include "app/step_range.hpp"
 #include "files/output_file.hpp"
 #include "files/output_folder.hpp"
-#include "formats/lmgc90/datbox_sphere_writer.hpp"
 #include "formats/lmgc90/datbox_writer.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "formats/vtk/vtk.hpp"
@@ -87,8 +86,7 @@ bool spins(const GranularState& state) {
 }
 
 // What LMGC90 begins with: the first of the steps. So does this program, where no grain spins in it.
-template <class Writer>
-void write_datbox(const Writer& writer, const TrajectoryStep& first, const Write& write) {
+void write_datbox(const DatboxWriter& writer, const TrajectoryStep& first, const Write& write) {
   write("BODIES.DAT", writer.bodies());
   write("BULK_BEHAV.DAT", writer.bulk());
   write("TACT_BEHAV.DAT", writer.tact());
@@ -98,10 +96,9 @@ void write_datbox(const Writer& writer, const TrajectoryStep& first, const Write
   write("Vloc_Rloc.INI", writer.vloc_rloc(first));
 }
 
-template <class Writer>
 int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
   const TrajectoryStep first = read_trajectory_step(chosen.trajectory, chosen.steps.front());
-  const Writer writer(rebuilt_simulation(chosen.trajectory, chosen.header, first.state));
+  const DatboxWriter writer(rebuilt_simulation(chosen.trajectory, chosen.header, first.state));
   make_folder(folder.string(), chosen.force);
   const auto into = [&](const char* name) -> Write {
     make_folder((folder / name).string(), chosen.force);
@@ -141,9 +138,7 @@ int export_steps(const StepsOptions& options, const std::string& trajectory, boo
     require_vtkhdf_name(options.vtkhdf);
   }
   const Chosen steps = chosen(trajectory, parse_step_range(options.range), force);
-  if (!options.lmgc90.empty())
-    return steps.header.system.dimension == 3 ? export_lmgc90<SphereDatboxWriter>(steps, options.lmgc90)
-                                              : export_lmgc90<DatboxWriter>(steps, options.lmgc90);
+  if (!options.lmgc90.empty()) return export_lmgc90(steps, options.lmgc90);
   return options.vtkhdf.empty() ? export_vtk(steps, options.vtk) : export_vtkhdf(steps, options.vtkhdf);
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
-#include "formats/lmgc90/datbox_input.hpp"
 #include "formats/lmgc90/datbox_text.hpp"
 #include "formats/lmgc90/datbox_writer.hpp"
 
@@ -22,6 +21,37 @@ std::string law_text(const char* name, const Interaction& interaction, double fr
   return fmt::format("$behav  lawty\n {}  {:30}{}\n\n", name, "IQS_CLB", datbox_named({{"fric=", friction}}));
 }
 
+// Why LMGC90 has no law like these; empty where it has one.
+std::string without_law(const Interaction& interaction) {
+  if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
+    return fmt::format("interaction.law: expected coulomb or frictionless, met {}", law);
+  if (interaction.restitution == 0 && interaction.tangential_restitution != 0)
+    return "interaction.tangential_restitution: expected 0 without normal restitution, as IQS_CLB has it";
+  return {};
+}
+
+std::string law_texts(const Interaction& interaction) {
+  const bool frictionless = to_string(interaction.law) == Frictionless::name;
+  return law_text(datbox_law_of_grains, interaction, frictionless ? 0 : interaction.friction) +
+         law_text(datbox_law_of_boundaries, interaction, frictionless ? 0 : interaction.friction_at_boundaries());
+}
+
+// That grains, contactors of the kind `grain`, see contactors of another kind.
+std::string sight_text(const char* body, const char* grain, const char* law, const char* contactor, const char* colour,
+                       double alert) {
+  return fmt::format(
+      "$seety\n cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert\n {}  {}  {}  {}  {}  {}  {}      {}\n\n",
+      body, grain, datbox_grains, law, body, contactor, colour, datbox_number(alert));
+}
+
+bool turns_about_one_axis(const Motion& motion) {
+  const Eigen::Vector3d first = spin_vector(
+      *std::ranges::max_element(motion.velocity, {}, [&](const RigidVelocity& v) { return spin_vector(v).norm(); }));
+  return std::ranges::none_of(motion.velocity, [&](const RigidVelocity& v) {
+    return first.cross(spin_vector(v)).norm() > 1e-12 * first.squaredNorm();
+  });
+}
+
 }  // namespace
 
 std::string datbox_number(double value) {
@@ -38,34 +68,62 @@ std::string datbox_named(std::initializer_list<std::pair<const char*, double>> v
   return text;
 }
 
-std::string without_datbox_law(const Interaction& interaction) {
-  if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
-    return fmt::format("interaction.law: expected coulomb or frictionless, met {}", law);
-  if (interaction.restitution == 0 && interaction.tangential_restitution != 0)
-    return "interaction.tangential_restitution: expected 0 without normal restitution, as IQS_CLB has it";
+std::string DatboxWriter::without_datbox() const {
+  if (const std::string reason = without_law(first_.dynamics.interaction); !reason.empty()) return reason;
+  for (const Body& body : bodies_) {
+    if (body.boundary < 0) continue;
+    const Boundary& boundary = first_.system.boundaries[at(body.boundary)];
+    if (!turns(boundary.motion)) continue;
+    const char* expected = nullptr;
+    if (body.wall >= 0 && !(planks_[at(body.wall)].thickness > 0))
+      expected = "a wall that turns about a point on it or behind it, as a plank does";
+    else if (body.wall < 0 && space_)
+      expected = "spheres of boundaries that do not turn";
+    else if (body.wall < 0 && boundary.orientation == Orientation::fixed)
+      expected = "disks that turn with their boundary, as a rigid body does";
+    else if (space_ && !turns_about_one_axis(boundary.motion))  // spins are along axes of the plank that turn with it
+      expected = "a wall that turns about one axis";
+    if (expected != nullptr) return fmt::format("boundary '{}': expected {}", boundary.name, expected);
+  }
   return {};
 }
 
-std::string datbox_law_texts(const Interaction& interaction) {
-  const bool frictionless = to_string(interaction.law) == Frictionless::name;
-  return law_text(datbox_law_of_grains, interaction, frictionless ? 0 : interaction.friction) +
-         law_text(datbox_law_of_boundaries, interaction, frictionless ? 0 : interaction.friction_at_boundaries());
+std::string DatboxWriter::tact() const {
+  const double alert = first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius);
+  const char *grain = space_ ? "SPHER" : "DISKx", *plank = space_ ? "PLANx" : "JONCx";
+  return "! File TACT_BEHAV\n\n" + law_texts(first_.dynamics.interaction) +
+         sight_text(kind(), grain, datbox_law_of_grains, grain, datbox_grains, alert) +
+         sight_text(kind(), grain, datbox_law_of_boundaries, grain, datbox_boundaries, alert) +
+         sight_text(kind(), grain, datbox_law_of_boundaries, plank, datbox_boundaries, alert);
 }
 
-std::string datbox_sight(const char* body, const char* grain, const char* law, const char* contactor,
-                         const char* colour, double alert) {
-  return fmt::format(
-      "$seety\n cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert\n {}  {}  {}  {}  {}  {}  {}      {}\n\n",
-      body, grain, datbox_grains, law, body, contactor, colour, datbox_number(alert));
+std::vector<DatboxWriter::Driven> DatboxWriter::driven_bodies() const {
+  std::vector<Driven> all;
+  for (Index number = 1; number <= count(bodies_); ++number) {
+    const Body& body = bodies_[at(number - 1)];
+    if (body.boundary < 0) continue;
+    const Motion& motion = first_.system.boundaries[at(body.boundary)].motion;
+    Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
+    if (body.wall >= 0) frame = node_of(body, first_.state).frame;
+    Driven one{number, motion.time, std::vector<std::vector<double>>(space_ ? 6 : 3)};
+    for (const RigidVelocity& v : motion.velocity.empty() ? std::vector<RigidVelocity>{{}} : motion.velocity) {
+      const Eigen::Vector3d spin = frame.transpose() * spin_vector(v);
+      const std::array<double, 6> in_space{v.x, v.y, v.z, spin[0], spin[1], spin[2]}, in_plane{v.x, v.y, v.spin};
+      for (std::size_t k = 0; k < one.velocity.size(); ++k)
+        one.velocity[k].push_back(space_ ? in_space[k] : in_plane[k]);
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
 }
 
-std::string datbox_driven_text(const char* body, const char* node, const std::vector<DatboxDriven>& driven) {
+std::string DatboxWriter::driven() const {
   std::string text = "! File DRV_DOF\n\n";
-  for (const DatboxDriven& one : driven) {
+  for (const Driven& one : driven_bodies()) {
     text += fmt::format(
         "$bdyty\n {}  {:7}\n$nodty\n {}      1\n"
         "$dofty  numbr [CT......+......AMP..*..cos.(..OMEGA.*.time.+.PHI..)]...*...[RAMPI.....+.....RAMP.*.time]\n",
-        body, one.body, node);
+        kind(), one.body, space_ ? "NO6xx" : "NO3xx");
     for (std::size_t dof = 0; dof < one.velocity.size(); ++dof) {
       const std::vector<double>& values = one.velocity[dof];
       text += fmt::format(" vlocy  {:5}", dof + 1);
@@ -80,9 +138,9 @@ std::string datbox_driven_text(const char* body, const char* node, const std::ve
   return text;
 }
 
-std::vector<std::pair<std::string, std::string>> datbox_tables(const std::vector<DatboxDriven>& driven) {
+std::vector<std::pair<std::string, std::string>> DatboxWriter::tables() const {
   std::vector<std::pair<std::string, std::string>> all;
-  for (const DatboxDriven& one : driven)
+  for (const Driven& one : driven_bodies())
     for (std::size_t dof = 0; dof < one.velocity.size(); ++dof) {
       const std::vector<double>& values = one.velocity[dof];
       if (is_constant(values)) continue;
@@ -96,47 +154,5 @@ std::vector<std::pair<std::string, std::string>> datbox_tables(const std::vector
     }
   return all;
 }
-
-std::string DatboxWriter::without_datbox() const {
-  if (const std::string reason = without_datbox_law(first_.dynamics.interaction); !reason.empty()) return reason;
-  for (std::size_t b = 0; b < first_.system.boundaries.size(); ++b) {
-    const Boundary& boundary = first_.system.boundaries[b];
-    if (!turns(boundary.motion)) continue;
-    if (wall_of_[b] >= 0 && !(thickness_[b] > 0))
-      return fmt::format("boundary '{}': expected a wall that turns about a point on it or behind it, as a plank does",
-                         boundary.name);
-    if (wall_of_[b] < 0 && boundary.orientation == Orientation::fixed)
-      return fmt::format("boundary '{}': expected disks that turn with their boundary, as a rigid body does",
-                         boundary.name);
-  }
-  return {};
-}
-
-std::string DatboxWriter::tact() const {
-  const double alert = first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius);
-  std::string text = "! File TACT_BEHAV\n\n" + datbox_law_texts(first_.dynamics.interaction);
-  text += datbox_sight("RBDY2", "DISKx", datbox_law_of_grains, "DISKx", datbox_grains, alert);
-  text += datbox_sight("RBDY2", "DISKx", datbox_law_of_boundaries, "DISKx", datbox_boundaries, alert);
-  return text + datbox_sight("RBDY2", "DISKx", datbox_law_of_boundaries, "JONCx", datbox_boundaries, alert);
-}
-
-std::vector<DatboxDriven> DatboxWriter::driven_bodies() const {
-  std::vector<DatboxDriven> all;
-  for (std::size_t b = 0; b < first_.system.boundaries.size(); ++b) {
-    const Motion& motion = first_.system.boundaries[b].motion;
-    DatboxDriven one{body_of_boundary(static_cast<Index>(b)), motion.time, {{}, {}, {}}};
-    for (const RigidVelocity& v : motion.velocity.empty() ? std::vector<RigidVelocity>{{}} : motion.velocity) {
-      one.velocity[0].push_back(v.x);
-      one.velocity[1].push_back(v.y);
-      one.velocity[2].push_back(v.spin);
-    }
-    all.push_back(std::move(one));
-  }
-  return all;
-}
-
-std::string DatboxWriter::driven() const { return datbox_driven_text("RBDY2", "NO3xx", driven_bodies()); }
-
-std::vector<std::pair<std::string, std::string>> DatboxWriter::tables() const { return datbox_tables(driven_bodies()); }
 
 }  // namespace nscdd

@@ -3,224 +3,281 @@
 
 #include "core/fail.hpp"
 #include "formats/lmgc90/datbox_text.hpp"
+#include "mechanics/contact_frame.hpp"
 
 #include <numbers>
 
 namespace nscdd {
-
-bool turns(const Motion& motion) {
-  return std::ranges::any_of(motion.velocity,
-                             [](const RigidVelocity& v) { return v.spin != 0 || v.spin_x != 0 || v.spin_y != 0; });
-}
-
 namespace {
 
-constexpr const char* ruler = "!-----------------------------------------------------------------------\n";
-const std::string indent(27, ' ');
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
 
-std::string head(const char* title, const GranularState& state) {
-  return fmt::format("\n! {}\n\n$steps{:9}{:14}time={}\n\n{}", title, state.step, "", datbox_number(state.time), ruler);
-}
+double area_of(double radius) { return std::numbers::pi * radius * radius; }
+double volume_of(double radius) { return 4.0 / 3 * std::numbers::pi * radius * radius * radius; }
 
-constexpr const char *grains = datbox_grains, *boundaries = datbox_boundaries, *grain_bulk = datbox_grains;
-
-const char* status_name(LocalVector<2> impulse, ContactStatus status) {
-  if (status == ContactStatus::open) return "noctc";
-  if (status == ContactStatus::stick) return "stick";
-  return impulse.t > 0 ? "slifw" : "slibw";  // LMGC90's tangential impulse has the other sign
-}
-
-// How far the point that a wall turns about lies behind it, m.
-double depth_of_centre(const GranularSystem& system, std::size_t wall) {
-  const Wall& one = system.walls[wall];
-  const std::array<double, 3>& centre = system.boundaries[at(one.boundary)].motion.centre;
-  return (one.point[0] - centre[0]) * one.normal[0] + (one.point[1] - centre[1]) * one.normal[1];
+// The first three numbers of a node stand beside its name.
+std::string node_line(const char* kind, const std::array<const char*, 3>& names, const Vector3& values) {
+  return fmt::format("$nodty\n {}      1", kind) + datbox_three(names, values).substr(13);
 }
 
 }  // namespace
 
-DatboxWriter::DatboxWriter(const Simulation& first) : first_(first) {
+bool turns(const Motion& motion) {
+  return std::ranges::any_of(motion.velocity, [](const RigidVelocity& v) { return spin_vector(v) != Vector3::Zero(); });
+}
+
+std::string datbox_three(const std::array<const char*, 3>& names, const Vector3& values) {
+  return fmt::format("{:27}{}\n", "",
+                     datbox_named({{names[0], values[0]}, {names[1], values[1]}, {names[2], values[2]}}));
+}
+
+std::string datbox_head(const char* title, Index step, double time) {
+  return fmt::format("\n! {}\n\n$steps{:9}{:14}time={}\n\n{}", title, step, "", datbox_number(time), datbox_ruler);
+}
+
+DatboxWriter::DatboxWriter(const Simulation& first)
+    : first_(first), space_(first.system.dimension == 3), planks_(first.system.walls.size()) {
   const GranularSystem& system = first_.system;
-  if (system.dimension != 2) fail("LMGC90: expected disks in the plane, met spheres in space");
-  constexpr Index most = 99'999;  // their numbers have five columns
-  if (const Index bodies = system.free_disks() + count(system.boundaries); bodies > most)
-    fail("LMGC90: expected at most {} bodies, met {}", most, bodies);
-  double mass = 0, area = 0, lowest = infinity, highest = -infinity, largest = 0;
-  std::vector<Index> disks_of(system.boundaries.size(), 0);
-  Index free = 0;
+  number_bodies();
+  for (const Wall& wall : system.walls)
+    if (wall.radius != 0)
+      fail("LMGC90: boundary '{}': expected walls that are planes, met a cylinder, which is not written",
+           system.boundaries[at(wall.boundary)].name);
+  double mass = 0, size = 0;
+  Vector3 low = Vector3::Constant(infinity), high = -low;
   for (std::size_t i = 0; i < system.radius.size(); ++i) {
-    const Index boundary = system.driven_by[i];
-    places_.push_back(boundary < 0 ? Place{++free, 1} : Place{body_of_boundary(boundary), ++disks_of[at(boundary)]});
-    largest = std::max(largest, system.radius[i]);
-    lowest = std::min({lowest, first_.state.x[i], first_.state.y[i]});
-    highest = std::max({highest, first_.state.x[i], first_.state.y[i]});
-    if (boundary >= 0) continue;
+    margin_ = std::max(margin_, system.radius[i]);
+    low = low.cwiseMin(centre(first_.state, i));
+    high = high.cwiseMax(centre(first_.state, i));
+    if (system.driven_by[i] >= 0) continue;
     mass += system.mass[i];
-    area += std::numbers::pi * system.radius[i] * system.radius[i];
+    size += space_ ? volume_of(system.radius[i]) : area_of(system.radius[i]);
   }
-  wall_of_.assign(system.boundaries.size(), -1);
-  thickness_.assign(system.boundaries.size(), largest);
-  for (std::size_t w = 0; w < system.walls.size(); ++w) {
-    places_.push_back({body_of_boundary(system.walls[w].boundary), 1});
-    const Index boundary = system.walls[w].boundary;
-    wall_of_[at(boundary)] = static_cast<Index>(w);
-    if (!turns(system.boundaries[at(boundary)].motion)) continue;
+  density_ = mass / size;
+  const double extent = space_ ? (high - low).norm() : high.head<2>().maxCoeff() - low.head<2>().minCoeff();
+  for (std::size_t w = 0; w < planks_.size(); ++w) lay_plank(w, extent + margin_);
+}
+
+void DatboxWriter::number_bodies() {
+  const GranularSystem& system = first_.system;
+  places_.resize(system.radius.size() + system.walls.size());
+  const auto add = [&](const Body& body) {
+    const Index number = count(bodies_) + 1;
+    Index contactor = 0;
+    for (const std::size_t i : body.grains) places_[i] = {number, ++contactor};
+    if (body.wall >= 0) places_[at(system.disks() + body.wall)] = {number, 1};
+    bodies_.push_back(body);
+  };
+  std::vector<Body> clusters(system.boundaries.size());  // of the boundaries, in the plane
+  for (std::size_t b = 0; b < clusters.size(); ++b) clusters[b].boundary = static_cast<Index>(b);
+  for (std::size_t i = 0; i < system.radius.size(); ++i)
+    if (system.driven_by[i] < 0)
+      add({.grains = {i}});
+    else
+      clusters[at(system.driven_by[i])].grains.push_back(i);
+  if (space_)
+    for (std::size_t i = 0; i < system.radius.size(); ++i)
+      if (system.driven_by[i] >= 0) add({.boundary = system.driven_by[i], .grains = {i}});
+  for (Index w = 0; w < count(system.walls); ++w) {
+    const Index boundary = system.walls[at(w)].boundary;
+    if (space_)
+      add({.boundary = boundary, .wall = w, .grains = {}});
+    else
+      clusters[at(boundary)].wall = w;
+  }
+  if (!space_)
+    for (const Body& body : clusters) add(body);
+  constexpr Index most = 99'999;  // their numbers have five columns
+  if (count(bodies_) > most) fail("LMGC90: expected at most {} bodies, met {}", most, bodies_.size());
+}
+
+// Walls have no ends: a plank reaches beyond all grains of the first step by the size of the packing. Where it does not
+// turn its middle lies before that of the grains, wherever the point is that the wall is described by.
+void DatboxWriter::lay_plank(std::size_t wall, double beyond) {
+  const Wall& one = first_.system.walls[wall];
+  const Motion& motion = first_.system.boundaries[at(one.boundary)].motion;
+  Plank& plank = planks_[wall];
+  const Vector3 normal = datbox_vector(one.normal);
+  if (space_) {
+    const Vector3 along = datbox_vector(tangents_of(one.normal).first).normalized();
+    plank.frame << along, normal.cross(along), normal;
+  }
+  plank.thickness = margin_;
+  if (turns(motion)) {
     // A wall that turns about a point on it is a plank so thin that its seven digits tell no difference.
-    const double thin = 1e-7 * largest, depth = depth_of_centre(system, w);
-    thickness_[at(boundary)] = depth > -thin ? std::max(depth, thin) : 0;
+    const double thin = 1e-7 * margin_, depth = (datbox_vector(one.point) - datbox_vector(motion.centre)).dot(normal);
+    plank.thickness = depth > -thin ? std::max(depth, thin) : 0;
   }
-  density_ = mass / area;
-  margin_ = largest;
-  lay_planks(highest - lowest);
+  const Node node = plank_node(wall, first_.state.poses[at(one.boundary)]);
+  Vector3 from = Vector3::Constant(infinity), to = -from;
+  for (std::size_t i = 0; i < first_.system.radius.size(); ++i) {
+    const Vector3 place = node.frame.transpose() * (centre(first_.state, i) - node.place);
+    from = from.cwiseMin(place);
+    to = to.cwiseMax(place);
+  }
+  if (!turns(motion)) {
+    plank.shift_along = (from[0] + to[0]) / 2;
+    plank.shift_across = (from[1] + to[1]) / 2;
+  }
+  plank.length = std::max(std::abs(from[0] - plank.shift_along), std::abs(to[0] - plank.shift_along)) + beyond;
+  plank.width = std::max(std::abs(from[1] - plank.shift_across), std::abs(to[1] - plank.shift_across)) + beyond;
 }
 
-// Walls have no ends: a plank reaches beyond all disks of the first step by the size of the packing. Where it does not
-// turn its middle lies before that of the disks, wherever the point is that the wall is described by.
-void DatboxWriter::lay_planks(double size) {
-  const GranularState& state = first_.state;
-  half_length_.assign(wall_of_.size(), 0);
-  shift_.assign(wall_of_.size(), 0);
-  for (Index b = 0; b < count(wall_of_); ++b) {
-    if (wall_of_[at(b)] < 0) continue;
-    const auto [x, y, angle] = position(b, state.poses[at(b)]);
-    double low = infinity, high = -infinity;
-    for (std::size_t i = 0; i < state.x.size(); ++i) {
-      const double along = (state.x[i] - x) * std::cos(angle) + (state.y[i] - y) * std::sin(angle);
-      low = std::min(low, along);
-      high = std::max(high, along);
-    }
-    if (!turns(first_.system.boundaries[at(b)].motion)) shift_[at(b)] = (low + high) / 2;
-    half_length_[at(b)] = std::max(std::abs(low - shift_[at(b)]), std::abs(high - shift_[at(b)])) + size + margin_;
-  }
+Vector3 DatboxWriter::centre(const GranularState& state, std::size_t grain) const {
+  return {state.x[grain], state.y[grain], space_ ? state.z[grain] : 0};
 }
 
-// A plank lies behind the face that is the wall. The node of a body is the point that it turns about: a plank that
-// turns is so thick that its middle lies there. The others are shifted along the wall, see lay_planks. (The node of
-// several disks must not be 0: LMGC90 would work out another one.)
-std::array<double, 3> DatboxWriter::position(Index boundary, const Pose& pose) const {
-  const Index number = wall_of_[at(boundary)];
-  if (number < 0) {
-    constexpr double almost_none = 1e-30;
-    return {pose.x, pose.y, pose.x == 0 && pose.y == 0 && pose.angle == 0 ? almost_none : pose.angle};
+Vector3 DatboxWriter::velocity_at(const Vector3& point, const RigidVelocity& velocity, const Pose& pose) const {
+  if (space_) return datbox_vector(velocity_of_point(velocity, pose, Direction<3>{point[0], point[1], point[2]}));
+  const Direction<2> v = velocity_of_point(velocity, pose, Direction<2>{point[0], point[1]});
+  return {v[0], v[1], 0};
+}
+
+// A plank lies behind the face that is the wall. Its node is the point that it turns about: a plank that turns is so
+// thick that its middle lies there. The others are shifted along the wall, see lay_plank.
+DatboxWriter::Node DatboxWriter::plank_node(std::size_t wall, const Pose& pose) const {
+  const Plank& plank = planks_[wall];
+  const Motion& motion = first_.system.boundaries[at(first_.system.walls[wall].boundary)].motion;
+  const Wall& still = first_.system.walls[wall];
+  const Wall now = space_ ? moved<3>(still, motion, pose) : moved<2>(still, motion, pose);
+  Node node{{pose.x, pose.y, pose.z}, pose.turn.toRotationMatrix() * plank.frame};
+  if (!space_) {
+    node.angle = std::atan2(-now.normal[0], now.normal[1]);
+    node.frame << Vector3(std::cos(node.angle), std::sin(node.angle), 0), Vector3::UnitZ(), datbox_vector(now.normal);
   }
-  const Motion& motion = first_.system.boundaries[at(boundary)].motion;
-  const Wall wall = moved<2>(first_.system.walls[at(number)], motion, pose);
-  const double thickness = thickness_[at(boundary)], angle = std::atan2(-wall.normal[0], wall.normal[1]);
-  if (turns(motion)) return {pose.x, pose.y, angle};
-  const double shift = shift_[at(boundary)];
-  return {wall.point[0] - thickness * wall.normal[0] + shift * std::cos(angle),
-          wall.point[1] - thickness * wall.normal[1] + shift * std::sin(angle), angle};
+  if (!turns(motion))
+    node.place = datbox_vector(now.point) - plank.thickness * node.frame.col(2) +
+                 plank.shift_along * node.frame.col(0) + plank.shift_across * node.frame.col(1);
+  return node;
+}
+
+// The angle of a node of several disks must not be 0: LMGC90 would work out another node.
+DatboxWriter::Node DatboxWriter::node_of(const Body& body, const GranularState& state) const {
+  if (body.wall >= 0) return plank_node(at(body.wall), state.poses[at(body.boundary)]);
+  if (space_) {
+    const std::size_t i = body.grains[0];
+    const Eigen::Quaterniond turn(state.turn_w[i], state.turn_x[i], state.turn_y[i], state.turn_z[i]);
+    return {centre(state, i), turn.toRotationMatrix()};
+  }
+  if (body.boundary < 0) return {centre(state, body.grains[0]), Matrix3::Identity()};
+  constexpr double almost_none = 1e-30;
+  const Pose& pose = state.poses[at(body.boundary)];
+  return {{pose.x, pose.y, 0},
+          Matrix3::Identity(),
+          pose.x == 0 && pose.y == 0 && pose.angle == 0 ? almost_none : pose.angle};
 }
 
 std::string DatboxWriter::bodies() const {
   const GranularSystem& system = first_.system;
-  const GranularState& state = first_.state;
   std::string text = "! File BODIES\n\n";
-  const auto begin = [&](Index body, double average, double gyration, const std::array<double, 3>& place) {
-    text +=
-        fmt::format("$bdyty\n RBDY2{:7}\n$blmty\n PLAIN      1  behav  {}{}\n$nodty\n NO3xx      1{:14}{}\n$tacty\n",
-                    body, grain_bulk, datbox_named({{"avrd=", average}, {"gyrd=", gyration}}), "",
-                    datbox_named({{"coo1=", place[0]}, {"coo2=", place[1]}, {"coo3=", place[2]}}));
-  };
-  for (std::size_t i = 0; i < state.x.size(); ++i) {
-    if (!system.free(static_cast<Index>(i))) continue;
-    const double radius = system.radius[i];
-    begin(places_[i].body, std::sqrt(system.mass[i] / (density_ * std::numbers::pi)), radius / std::numbers::sqrt2,
-          {state.x[i], state.y[i], 0});
-    text += fmt::format(" DISKx      1  color  {}{}\n$$$$$$\n\n", grains, datbox_named({{"byrd=", radius}}));
-  }
-  for (Index b = 0; b < count(system.boundaries); ++b) {
-    const std::array<double, 3> place = position(b, state.poses[at(b)]);
-    const double thickness = thickness_[at(b)], c = std::cos(place[2]), sine = std::sin(place[2]);
-    begin(body_of_boundary(b), margin_, margin_, place);
-    if (wall_of_[at(b)] >= 0)
-      text += fmt::format(" JONCx      1  color  {}{}\n", boundaries,
-                          datbox_named({{"ax1 =", half_length_[at(b)]}, {"ax2 =", thickness}}));
-    for (std::size_t i = 0; i < state.x.size(); ++i) {
-      if (system.driven_by[i] != b) continue;
-      const double x = state.x[i] - place[0], y = state.y[i] - place[1];  // in the axes of the body
-      text += fmt::format(" DISKb  {:5}  color  {}{}\n{}{}\n", places_[i].contactor, boundaries,
-                          datbox_named({{"byrd=", system.radius[i]}}), indent,
-                          datbox_named({{"coo1=", c * x + sine * y}, {"coo2=", c * y - sine * x}}));
+  for (Index number = 1; number <= count(bodies_); ++number) {
+    const Body& body = bodies_[at(number - 1)];
+    const Node node = node_of(body, first_.state);
+    const bool grain = space_ ? body.wall < 0 : body.boundary < 0;  // else its own radii have no effect
+    const double radius = grain ? system.radius[body.grains[0]] : margin_;
+    const double size = body.boundary < 0 ? system.mass[body.grains[0]] / density_ : volume_of(radius);
+    text += fmt::format("$bdyty\n {}{:{}}\n$blmty\n PLAIN      1  behav  {}", kind(), number, space_ ? 9 : 7,
+                        datbox_grains);
+    if (space_) {
+      const double average = grain ? std::cbrt(0.75 * size / std::numbers::pi) : margin_;
+      text += datbox_named({{"avrd=", average}}) + "\n" +
+              datbox_three({"I1  =", "I2  =", "I3  ="}, Vector3::Constant(grain ? 0.4 * radius * radius * size : 0)) +
+              node_line("NO6xx", datbox_coordinates, node.place) +
+              datbox_three({"coo4=", "coo5=", "coo6="}, Vector3::Zero());
+    } else {
+      const double average = grain ? std::sqrt(system.mass[body.grains[0]] / (density_ * std::numbers::pi)) : margin_;
+      text += datbox_named({{"avrd=", average}, {"gyrd=", grain ? radius / std::numbers::sqrt2 : margin_}}) + "\n" +
+              node_line("NO3xx", datbox_coordinates, {node.place[0], node.place[1], node.angle});
     }
-    text += "$$$$$$\n\n";
+    text += "$tacty\n" + contactors(body, node) + "$$$$$$\n\n";
+  }
+  return text;
+}
+
+std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
+  const char* colour = body.boundary < 0 ? datbox_grains : datbox_boundaries;
+  std::string text;
+  if (body.wall >= 0) {
+    const Plank& plank = planks_[at(body.wall)];
+    if (!space_)
+      return fmt::format(" JONCx      1  color  {}{}\n", colour,
+                         datbox_named({{"ax1 =", plank.length}, {"ax2 =", plank.thickness}}));
+    return fmt::format(" PLANx      1  color  {}{}\n{:29}localframe\n", colour,
+                       datbox_named({{"axe1=", plank.length}, {"axe2=", plank.width}, {"axe3=", plank.thickness}}),
+                       "") +
+           datbox_three({"alp1=", "alp2=", "alp3="}, node.frame.col(0)) +
+           datbox_three({"bet1=", "bet2=", "bet3="}, node.frame.col(1)) +
+           datbox_three({"gam1=", "gam2=", "gam3="}, node.frame.col(2)) +
+           datbox_three(datbox_coordinates, Vector3::Zero());
+  }
+  for (const std::size_t i : body.grains) {
+    const bool cluster = !space_ && body.boundary >= 0;
+    text += fmt::format(" {}  {:5}  color  {}{}\n",
+                        space_    ? "SPHER"
+                        : cluster ? "DISKb"
+                                  : "DISKx",
+                        places_[i].contactor, colour, datbox_named({{"byrd=", first_.system.radius[i]}}));
+    if (!cluster) continue;
+    const double x = first_.state.x[i] - node.place[0], y = first_.state.y[i] - node.place[1];
+    const double c = std::cos(node.angle), sine = std::sin(node.angle);  // into the axes of the body
+    text += fmt::format("{:27}{}\n", "", datbox_named({{"coo1=", c * x + sine * y}, {"coo2=", c * y - sine * x}}));
   }
   return text;
 }
 
 std::string DatboxWriter::bulk() const {
-  const auto [x, y] = gravity_of<2>(first_.dynamics.time);
+  Vector3 gravity = Vector3::Zero();
+  if (space_) {
+    gravity = datbox_vector(gravity_of<3>(first_.dynamics.time));
+  } else {
+    const auto [x, y] = gravity_of<2>(first_.dynamics.time);
+    gravity << x, y, 0;
+  }
   return fmt::format("! File BEHAVIOUR\n\n$gravy\n{:17}{}\n\n$behav  lawty\n {}  {:30}{}\n", "",
-                     datbox_named({{"grv1=", x}, {"grv2=", y}, {"grv3=", 0}}), grain_bulk, "RIGID",
-                     datbox_named({{"Umas=", density_}}));
+                     datbox_named({{"grv1=", gravity[0]}, {"grv2=", gravity[1]}, {"grv3=", gravity[2]}}), datbox_grains,
+                     "RIGID", datbox_named({{"Umas=", density_}}));
 }
 
 std::string DatboxWriter::dof(const TrajectoryStep& step) const {
   const GranularSystem& system = first_.system;
   const GranularState& state = step.state;
-  std::string text = head("DOF", state);
-  const auto add = [&](Index body, const std::array<double, 3>& x, const std::array<double, 3>& v) {
-    text += fmt::format("$bdyty\n RBDY2  {:7}\n$nodty\n NO3xx      1{:14}{}\n{}{}\n$$$$$$\n\n", body, "",
-                        datbox_named({{"X(1)=", x[0]}, {"X(2)=", x[1]}, {"X(3)=", x[2]}}), indent,
-                        datbox_named({{"V(1)=", v[0]}, {"V(2)=", v[1]}, {"V(3)=", v[2]}}));
-  };
-  for (std::size_t i = 0; i < state.x.size(); ++i)
-    if (system.free(static_cast<Index>(i)))
-      add(places_[i].body, {state.x[i] - first_.state.x[i], state.y[i] - first_.state.y[i], state.angle[i]},
-          {state.velocity_x[i], state.velocity_y[i], state.spin[i]});
-  const std::vector<RigidVelocity> velocities = boundary_velocities(system, state.time);
-  for (Index b = 0; b < count(system.boundaries); ++b) {
-    const std::array<double, 3> start = position(b, first_.state.poses[at(b)]), now = position(b, state.poses[at(b)]);
-    const Direction<2> v = velocity_of_point(velocities[at(b)], state.poses[at(b)], Direction<2>{now[0], now[1]});
-    const double turned = state.poses[at(b)].angle - first_.state.poses[at(b)].angle;
-    add(body_of_boundary(b), {now[0] - start[0], now[1] - start[1], turned}, {v[0], v[1], velocities[at(b)].spin});
+  const std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
+  std::string text = datbox_head("DOF", state.step, state.time);
+  for (Index number = 1; number <= count(bodies_); ++number) {
+    const Body& body = bodies_[at(number - 1)];
+    const auto b = static_cast<std::size_t>(body.boundary);
+    const Node now = node_of(body, state);
+    const Matrix3& frame = now.frame;
+    const Vector3 moved = now.place - node_of(body, first_.state).place;
+    Vector3 velocity, spin = Vector3::Zero();
+    double turned = 0;  // in the plane
+    if (body.boundary < 0) {
+      const std::size_t i = body.grains[0];
+      velocity << state.velocity_x[i], state.velocity_y[i], space_ ? state.velocity_z[i] : 0;
+      spin << (space_ ? state.spin_x[i] : 0), (space_ ? state.spin_y[i] : 0), state.spin[i];
+      if (!space_) turned = state.angle[i];
+    } else {
+      velocity = velocity_at(now.place, motions[b], state.poses[b]);
+      if (!space_ || body.wall >= 0 || system.boundaries[b].orientation == Orientation::turning)
+        spin = spin_vector(motions[b]);
+      turned = state.poses[b].angle - first_.state.poses[b].angle;
+    }
+    text += fmt::format("$bdyty\n {}  {:7}\n", kind(), number);
+    if (space_)
+      text += node_line("NO6xx", {"X(1)=", "X(2)=", "X(3)="}, moved) +
+              datbox_three({"X(4)=", "X(5)=", "X(6)="}, {0, 0, 0}) +
+              datbox_three({"V(1)=", "V(2)=", "V(3)="}, velocity) +
+              datbox_three({"V(4)=", "V(5)=", "V(6)="}, frame.transpose() * spin) +
+              datbox_three({"a(1)=", "a(2)=", "a(3)="}, frame.col(0)) +
+              datbox_three({"b(1)=", "b(2)=", "b(3)="}, frame.col(1)) +
+              datbox_three({"g(1)=", "g(2)=", "g(3)="}, frame.col(2));
+    else
+      text += node_line("NO3xx", {"X(1)=", "X(2)=", "X(3)="}, {moved[0], moved[1], turned}) +
+              datbox_three({"V(1)=", "V(2)=", "V(3)="}, {velocity[0], velocity[1], spin[2]});
+    text += "$$$$$$\n\n";
   }
-  return text + ruler;
-}
-
-std::string DatboxWriter::contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const {
-  const GranularSystem& system = first_.system;
-  const GranularState& state = step.state;
-  const StepContact& g = c.geometry;
-  const bool wall = g.b >= system.disks();
-  const auto velocity = [&](Index body) -> GrainVelocity<2> {
-    if (body < system.disks())
-      return {state.velocity_x[at(body)], state.velocity_y[at(body)], system.radius[at(body)] * state.spin[at(body)]};
-    const Index boundary = system.walls[at(body - system.disks())].boundary;
-    const RigidVelocity rigid = boundary_velocities(system, state.time)[at(boundary)];
-    const std::array<double, 2> v =
-        velocity_of_point(rigid, state.poses[at(boundary)], Direction<2>{g.point[0], g.point[1]});
-    return {v[0], v[1], 0};
-  };
-  const LocalVector<2> v = relative_velocity(Direction<2>{g.normal[0], g.normal[1]}, velocity(g.a), velocity(g.b));
-  // The point on the candidate a: from the foot on a wall, or from the middle of two centres.
-  const double distance = wall ? g.gap : (g.gap + system.radius[at(g.b)] - system.radius[at(g.a)]) / 2;
-  const double h = first_.dynamics.time.step;
-  const Place &a = places_[at(g.a)], &b = places_[at(g.b)];
-  const bool of_boundary = wall || !system.free(g.a) || !system.free(g.b);
-  return fmt::format(
-      "$icdan  {}  {:7}\n cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus   iadj\n"
-      " RBDY2  {:5}  DISKx  {:5}  {}  RBDY2  {:5}  {}  {:5}  {}  {:5}\n{}{}\n{}{}\n{}{}\n{}{}\n{}{}\n\n",
-      wall ? "DKJCx" : "DKDKx", number, a.body, a.contactor,
-      of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains, b.body, wall ? "JONCx" : "DISKx", b.contactor,
-      status_name(c.impulse, c.status), b.body, indent,
-      datbox_named({{"rlt/H", -c.impulse.t / h}, {"rln/H", c.impulse.n / h}, {"rls/H", 0}}), indent,
-      datbox_named({{"vlt =", -v.t}, {"vln =", v.n}, {"vls =", 0}}), indent, datbox_named({{"gapTT", g.gap}}), indent,
-      datbox_named({{"n(1)=", -g.normal[0]}, {"n(2)=", -g.normal[1]}, {"n(3)=", 0}}), indent,
-      datbox_named({{"coo1=", g.point[0] - distance * g.normal[0]},
-                    {"coo2=", g.point[1] - distance * g.normal[1]},
-                    {"coo3=", 0}}));
-}
-
-std::string DatboxWriter::vloc_rloc(const TrajectoryStep& step) const {
-  std::string text = head("Vloc_Rloc", step.state);
-  Index number = 0;
-  for (const bool wall : {false, true}) {
-    number = 0;
-    for (const TrajectoryContact& c : step.contacts)
-      if ((c.geometry.b >= first_.system.disks()) == wall) text += contact(step, c, ++number);
-  }
-  return text;
+  return text + datbox_ruler;
 }
 
 }  // namespace nscdd

@@ -1,61 +1,98 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "formats/lmgc90/datbox_input.hpp"
+#include "simulation/simulation.hpp"
 #include "simulation/trajectory_step.hpp"
 
 namespace nscdd {
 
-/// Whether something driven by the motion turns at any time.
-bool turns(const Motion& motion);
-
-/// Steps of a run as LMGC90 has them: what it writes into its folder OUTBOX, and as DATBOX what it would begin with
-/// from the first of them. Bodies are the free disks (one disk DISKx each), then the boundaries: disks as one body of
-/// disks DISKb, a wall as a plank JONCx. Numbers have seven digits (D14.7).
+/// Steps of a run as LMGC90 has them: its output folder OUTBOX, and the DATBOX that starts from the first step. Numbers
+/// have seven digits (D14.7).
+///
+/// In the plane (RBDY2) the bodies are the free disks, one DISKx each, then the boundaries: disks as one body of disks
+/// DISKb, a wall as a plank JONCx. In space (RBDY3) they are the free spheres, then the spheres of boundaries, one
+/// SPHER each, then the walls as planks PLANx. The frames of bodies in space are the columns alpha, beta and gamma of
+/// DOF, which turn with them; gamma of a plank is the normal of its wall. Spins V(4) to V(6) are along these columns.
 class DatboxWriter {
  public:
-  /// `first`: the simulation in its first state, which displacements count from.
+  /// `first`: the simulation in its first state, which displacements count from. Throws Error for too many bodies and
+  /// for walls that are cylinders.
   explicit DatboxWriter(const Simulation& first);
 
   std::string bodies() const;  ///< BODIES.OUT
   std::string bulk() const;    ///< BULK_BEHAV.OUT: the density that goes with the radii of BODIES.OUT, and gravity
   /// DOF.OUT.k: displacements and velocities at the end of the step. A boundary has its velocity at that time.
   std::string dof(const TrajectoryStep& step) const;
-  /// Vloc_Rloc.OUT.k: the contacts that led to the end of the step. n goes from the antagonist to the candidate, which
-  /// is the disk of the lower number, or the disk at a wall, and t is n turned by -90 degrees. Impulses over the step h
-  /// are forces (N), on the candidate. Velocities of the contact are those at the end of the step.
+  /// Vloc_Rloc.OUT.k: the contacts that led to the end of the step, those of two grains, then those with a wall. n goes
+  /// from the antagonist to the candidate, which is the grain of the lower number, or the grain at a wall. In the plane
+  /// t is n turned by -90 degrees, in space s is t x n. Impulses over the step h are forces (N) on the candidate.
+  /// Velocities of the contact are those at the end of the step.
   std::string vloc_rloc(const TrajectoryStep& step) const;
 
-  /// Why the files that follow would be those of another case; empty where they are not: a law that LMGC90 does not
-  /// have by the names read here, disks of a boundary that turns while they do not, a wall that turns about a point
-  /// in front of it.
+  /// Why a DATBOX would be that of another case; empty where it is not: a law that LMGC90 does not have by the names
+  /// read here, disks that do not turn with their boundary, spheres of a boundary that turns, a wall that turns about a
+  /// point in front of it, or in space about an axis that turns.
   std::string without_datbox() const;
   std::string tact() const;  ///< TACT_BEHAV.DAT: one law between grains, one at boundaries, and who sees whom
-  /// DRV_DOF.DAT: velocities of the boundaries by formula where they are constant, else by a table (evolution).
+  /// DRV_DOF.DAT: velocities of the driven bodies by formula where they are constant, else by a table (evolution).
   std::string driven() const;
   /// These tables, by the names of their files. Behind its last row LMGC90 goes on in a straight line, so that the last
   /// two rows have one velocity.
   std::vector<std::pair<std::string, std::string>> tables() const;
 
  private:
-  /// The body, from 1, and its contactor, from 1, that a disk or wall belongs to.
+  struct Body {
+    Index boundary = -1;                // that drives it; -1: free
+    Index wall = -1;                    // which it is; -1: none
+    std::vector<std::size_t> grains{};  // its contactors
+  };
+  // The number of a body and of a contactor in it, both from 1.
   struct Place {
     Index body = 0, contactor = 1;
   };
-  void lay_planks(double size);
-  std::vector<DatboxDriven> driven_bodies() const;
-  Index body_of_boundary(Index boundary) const { return first_.system.free_disks() + boundary + 1; }
-  std::array<double, 3> position(Index boundary, const Pose& pose) const;
-  std::string contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const;
+  // A wall as a body, m.
+  struct Plank {
+    Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  // at time 0, in space
+    double thickness = 0, length = 0, width = 0;          // halves; thickness 0: none is possible
+    double shift_along = 0, shift_across = 0;             // of its middle, from the point of the wall
+  };
+  // Where the node of a body is. `angle`: of its axes, rad, in the plane.
+  struct Node {
+    Eigen::Vector3d place;
+    Eigen::Matrix3d frame;
+    double angle = 0;
+  };
+  // A driven body, and the velocities of its degrees of freedom at the times of its motion, s; at rest no time.
+  struct Driven {
+    Index body = 0;
+    std::vector<double> time;
+    std::vector<std::vector<double>> velocity;
+  };
+
+  void number_bodies();
+  void lay_plank(std::size_t wall, double beyond);
+  Eigen::Vector3d centre(const GranularState& state, std::size_t grain) const;
+  Eigen::Vector3d velocity_at(const Eigen::Vector3d& point, const RigidVelocity& velocity, const Pose& pose) const;
+  Node plank_node(std::size_t wall, const Pose& pose) const;
+  Node node_of(const Body& body, const GranularState& state) const;
+  std::string contactors(const Body& body, const Node& node) const;
+  std::string disk_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const;
+  std::string sphere_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number, bool wide) const;
+  std::vector<Driven> driven_bodies() const;
+  const char* kind() const { return space_ ? "RBDY3" : "RBDY2"; }
 
   Simulation first_;
-  std::vector<Place> places_;   // of the disks, then of the walls
-  std::vector<Index> wall_of_;  // of each boundary, -1 for one of disks
-  // Of each boundary, m: half the thickness and length of its plank, and how far its middle lies along the wall from
-  // the point of the wall.
-  std::vector<double> thickness_, half_length_, shift_;
-  double density_ = 1;  // kg/m^2
-  double margin_ = 1;   // m, the largest radius
+  bool space_;
+  std::vector<Body> bodies_;
+  std::vector<Place> places_;  // of the grains, then of the walls
+  std::vector<Plank> planks_;  // of the walls
+  double density_ = 1;         // kg/m^2, in space kg/m^3
+  double margin_ = 0;          // m, the largest radius
 };
+
+inline Eigen::Vector3d spin_vector(const RigidVelocity& v) { return {v.spin_x, v.spin_y, v.spin}; }
+
+/// Whether something driven by the motion turns at any time.
+bool turns(const Motion& motion);
 
 }  // namespace nscdd

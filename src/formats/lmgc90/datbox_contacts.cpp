@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/lmgc90/datbox_text.hpp"
+#include "formats/lmgc90/datbox_writer.hpp"
+#include "mechanics/contact_frame.hpp"
+
+namespace nscdd {
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+
+std::array<double, 3> numbers(const Vector3& a) { return {a[0], a[1], a[2]}; }
+
+const char* status_name(LocalVector<2> impulse, ContactStatus status) {
+  if (status == ContactStatus::open) return "noctc";
+  if (status == ContactStatus::stick) return "stick";
+  return impulse.t > 0 ? "slifw" : "slibw";  // LMGC90's tangential impulse has the other sign
+}
+
+std::string gap_line(const char* name, double gap) { return fmt::format("{:27}{}\n", "", datbox_named({{name, gap}})); }
+
+// The tangent that LMGC90 takes for two spheres, which its impulses t and s go with. (Where exactly one component of
+// the normal is 0 its formula is not orthogonal to the normal: another one stands here.)
+Vector3 tangent_of(const Vector3& n) {
+  const Index zeros = (n.array() == 0).count();
+  if (zeros == 2) return {n[2], n[0], n[1]};
+  if (zeros == 1) return datbox_vector(tangents_of(numbers(n)).first);
+  return Vector3(-n[1] * n[2], -n[2] * n[0], 2 * n[0] * n[1]).normalized();
+}
+
+}  // namespace
+
+std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const {
+  const GranularSystem& system = first_.system;
+  const GranularState& state = step.state;
+  const StepContact& g = c.geometry;
+  const bool wall = g.b >= system.disks();
+  const auto velocity = [&](Index body) -> GrainVelocity<2> {
+    if (body < system.disks())
+      return {state.velocity_x[at(body)], state.velocity_y[at(body)], system.radius[at(body)] * state.spin[at(body)]};
+    const Index boundary = system.walls[at(body - system.disks())].boundary;
+    const RigidVelocity rigid = boundary_velocities(system, state.time)[at(boundary)];
+    const Vector3 v = velocity_at(datbox_vector(g.point), rigid, state.poses[at(boundary)]);
+    return {v[0], v[1], 0};
+  };
+  const LocalVector<2> v = relative_velocity(Direction<2>{g.normal[0], g.normal[1]}, velocity(g.a), velocity(g.b));
+  // The point on the candidate a: from the foot on a wall, or from the middle of two centres.
+  const double distance = wall ? g.gap : (g.gap + system.radius[at(g.b)] - system.radius[at(g.a)]) / 2;
+  const double h = first_.dynamics.time.step;
+  const Place &a = places_[at(g.a)], &b = places_[at(g.b)];
+  const bool of_boundary = wall || !system.free(g.a) || !system.free(g.b);
+  return fmt::format(
+             "$icdan  {}  {:7}\n cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus   iadj\n"
+             " RBDY2  {:5}  DISKx  {:5}  {}  RBDY2  {:5}  {}  {:5}  {}  {:5}\n",
+             wall ? "DKJCx" : "DKDKx", number, a.body, a.contactor,
+             of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains, b.body, wall ? "JONCx" : "DISKx",
+             b.contactor, status_name(c.impulse, c.status), b.body) +
+         datbox_three({"rlt/H", "rln/H", "rls/H"}, {-c.impulse.t / h, c.impulse.n / h, 0}) +
+         datbox_three({"vlt =", "vln =", "vls ="}, {-v.t, v.n, 0}) + gap_line("gapTT", g.gap) +
+         datbox_three({"n(1)=", "n(2)=", "n(3)="}, {-g.normal[0], -g.normal[1], 0}) +
+         datbox_three(datbox_coordinates,
+                      {g.point[0] - distance * g.normal[0], g.point[1] - distance * g.normal[1], 0}) +
+         "\n";
+}
+
+std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number,
+                                         bool wide) const {
+  const GranularSystem& system = first_.system;
+  const GranularState& state = step.state;
+  const StepContact& g = c.geometry;
+  const bool wall = g.b >= system.disks();
+  const std::size_t plank = wall ? at(g.b - system.disks()) : 0;
+  const Vector3 towards_b = datbox_vector(g.normal), n = -towards_b;
+  Vector3 t = tangent_of(n);
+  if (wall) {  // the first axis of the plank, when the contact was found
+    const Vector3 along = plank_node(plank, state.poses[at(system.walls[plank].boundary)]).frame.col(0);
+    t = (along - along.dot(n) * n).normalized();
+  }
+  const Vector3 s = t.cross(n);
+  // Where the velocity of a body counts: its point at the contact.
+  const std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
+  const auto velocity = [&](Index body, double lever) -> Vector3 {
+    if (body >= system.disks() || !system.free(body)) {
+      const Index b = body >= system.disks() ? system.walls[plank].boundary : system.driven_by[at(body)];
+      const Vector3 point = body >= system.disks() ? datbox_vector(g.point) : centre(state, at(body));
+      const bool turning = body >= system.disks() || system.boundaries[at(b)].orientation == Orientation::turning;
+      const Vector3 moved = velocity_at(point, motions[at(b)], state.poses[at(b)]);
+      if (body >= system.disks() || !turning) return moved;
+      return moved + spin_vector(motions[at(b)]).cross(lever * towards_b);
+    }
+    const auto i = at(body);
+    return Vector3(state.velocity_x[i], state.velocity_y[i], state.velocity_z[i]) +
+           Vector3(state.spin_x[i], state.spin_y[i], state.spin[i]).cross(lever * towards_b);
+  };
+  const double radius_a = system.radius[at(g.a)], radius_b = wall ? 0 : system.radius[at(g.b)];
+  const Vector3 v = velocity(g.a, radius_a) - velocity(g.b, -radius_b);
+  const Vector3 r = -datbox_vector(along_axes(g.normal, c.local<3>())) / first_.dynamics.time.step;  // on a
+  // The middle between the two faces: from the foot on a wall, or from the middle of two centres.
+  const Vector3 point = datbox_vector(g.point) + n * (wall ? 0.5 * g.gap : 0.5 * (radius_b - radius_a));
+  const bool of_boundary = wall || !system.free(g.a) || !system.free(g.b);
+  const Index body_a = places_[at(g.a)].body, body_b = places_[at(g.b)].body;
+  const int digits = wide ? 7 : 5;
+  const std::string blanks(wide ? 4 : 2, ' ');
+  std::string text =
+      fmt::format("$icdan  {}  {:7}\n cdbdy{}numbr  cdtac{}numbr  CDVER  behav  anbdy{}numbr  antac{}numbr  sttus\n",
+                  wall ? "SPPLx" : "SPSPx", number, blanks, blanks, blanks, blanks);
+  text += fmt::format(" RBDY3  {:{}}  SPHER  {:{}}         {}  RBDY3  {:{}}  {}  {:{}}  {}", body_a, digits, 1, digits,
+                      of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains, body_b, digits,
+                      wall ? "PLANx" : "SPHER", 1, digits,
+                      c.status == ContactStatus::open    ? "noctc"
+                      : c.status == ContactStatus::stick ? "stick"
+                                                         : "slide");
+  if (!wall) text += fmt::format("  {:{}}", body_b, digits);
+  text += "\n" + datbox_three({"rls/H", "rlt/H", "rln/H"}, {r.dot(s), r.dot(t), r.dot(n)}) +
+          datbox_three({"vls =", "vlt =", "vln ="}, {v.dot(s), v.dot(t), v.dot(n)}) + gap_line("gTT =", g.gap) +
+          datbox_three({"s(1)=", "s(2)=", "s(3)="}, s) + datbox_three({"t(1)=", "t(2)=", "t(3)="}, t) +
+          datbox_three({"n(1)=", "n(2)=", "n(3)="}, n) + datbox_three(datbox_coordinates, point) + "\n";
+  return text;
+}
+
+std::string DatboxWriter::vloc_rloc(const TrajectoryStep& step) const {
+  std::string text = datbox_head("Vloc_Rloc", step.state.step, step.state.time);
+  const auto at_wall = [&](const TrajectoryContact& c) { return c.geometry.b >= first_.system.disks(); };
+  // Beyond so many contacts LMGC90 has wider columns for those of two spheres.
+  constexpr Index most = 99'999;
+  const bool wide = count(step.contacts) - std::ranges::count_if(step.contacts, at_wall) > most;
+  for (const bool wall : {false, true}) {
+    Index number = 0;
+    for (const TrajectoryContact& c : step.contacts)
+      if (at_wall(c) == wall)
+        text += space_ ? sphere_contact(step, c, ++number, wide && !wall) : disk_contact(step, c, ++number);
+  }
+  return text;
+}
+
+}  // namespace nscdd
