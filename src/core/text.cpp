@@ -102,10 +102,14 @@ void require_utf8(std::string_view text, std::string_view name) {
   if (utf32 || utf16) fail("{}: expected UTF-8, met {}; save the text as UTF-8", name, utf32 ? "UTF-32" : "UTF-16");
 }
 
-TextLines::TextLines(std::string_view text) : rest_(text), end_(text.find('\n') == text.npos ? '\r' : '\n') {
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-  if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
+char line_end_of(std::string_view text) { return text.find('\n') == text.npos ? '\r' : '\n'; }
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
+
+TextLines::TextLines(std::string_view text) : rest_(without_byte_order_mark(text)), end_(line_end_of(text)) {}
 
 bool TextLines::next() {
   line_ = {};

@@ -23,8 +23,13 @@ std::string printable(std::string_view text);
 /// byte order mark or a NUL byte among them.
 void require_utf8(std::string_view text, std::string_view name);
 
-/// The lines of a text that other programs wrote, one at a time. They end in a line feed, with or without a carriage
-/// return, or in a text without line feeds in a carriage return. A byte order mark of UTF-8 is left out.
+/// The character that ends the lines of a text: a line feed or, in a text without any, a carriage return.
+char line_end_of(std::string_view text);
+
+std::string_view without_byte_order_mark(std::string_view text);  ///< of UTF-8
+
+/// The lines of a text that other programs wrote, one at a time. They end as line_end_of says, a line feed with or
+/// without a carriage return before it. A byte order mark is left out.
 class TextLines {
  public:
   explicit TextLines(std::string_view text);

@@ -207,7 +207,7 @@ class StrictTable {
 inline toml::table parse_toml(std::string_view text, const std::string& file) {
   require_utf8(text, file);
   std::string content(text);
-  if (content.find('\n') == content.npos) std::ranges::replace(content, '\r', '\n');
+  std::ranges::replace(content, line_end_of(content), '\n');
   try {
     return toml::parse(content, file);
   } catch (const toml::parse_error& error) {

@@ -21,9 +21,8 @@ bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c
 class Words {
  public:
   Words(std::string_view text, std::string name)
-      : rest_(text), name_(std::move(name)), end_(text.find('\n') == text.npos ? '\r' : '\n') {
+      : rest_(without_byte_order_mark(text)), name_(std::move(name)), end_(line_end_of(text)) {
     require_utf8(text, name_);
-    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // a byte order mark
   }
 
   // `what` the word should be, for errors.
