@@ -201,6 +201,8 @@ struct ImpulseScale {
   double speeds = 0;    ///< the sum of s^2, (m/s)^2
   double energies = 0;  ///< the sum of s^2/W_nn, J
 
+  /// Squared impulses below this part of `momenta` are rounding.
+  static constexpr double squared_rounding = 1e-24;
   /// max(|r^1|, p), N s: velocities that impulses must change are no larger than those of the bodies.
   double driving() const { return std::sqrt(std::max(alone, momenta)); }
 };

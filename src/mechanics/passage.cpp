@@ -6,9 +6,6 @@
 namespace nscdd {
 namespace {
 
-// A step that is called safe keeps overlaps to this part of what is accepted.
-constexpr double safe_part = 0.9;
-
 // A vector of a boundary as it turned with it to the end of the path.
 template <int D>
 Direction<D> turned_on(const Direction<D>& arm, const Pose& before, const Pose& after) {

@@ -7,6 +7,10 @@
 
 namespace nscdd {
 
+/// A step that is called safe keeps overlaps and moves to this part of what is accepted: in the next run speeds are not
+/// quite the same.
+inline constexpr double safe_part = 0.9;
+
 /// What happened to two bodies on their way.
 template <int D>
 struct Passage {

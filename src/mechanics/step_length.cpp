@@ -5,9 +5,6 @@
 namespace nscdd {
 namespace {
 
-// A step found short enough is that of a later run, in which speeds are not quite the same.
-constexpr double safe_part = 0.9;
-
 // Whether bodies came together on their way, rather than that they overlapped before or that contacts did not hold.
 bool is_of_step(const DeepOverlap& one, const GranularSystem& system, const GranularState& state,
                 const Interaction& interaction, const TimeStepping& scheme) {

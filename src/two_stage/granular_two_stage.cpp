@@ -9,8 +9,6 @@
 namespace nscdd {
 namespace {
 
-constexpr double rounding_of_impulses = 1e-24;  // squared, relative
-
 // The larger of both, but a value that is not a number remains: it must not pass for converged.
 double at_least(double floor, double value) { return value < floor ? floor : value; }
 
@@ -54,7 +52,7 @@ GranularTwoStage<D>::GranularTwoStage(GranularDecomposition<D> parts, const Cont
       law_(law),
       solver_(solver),
       enriched_(std::move(enriched)),
-      impulse_floor_squared_(rounding_of_impulses * parts_.scale.momenta) {
+      impulse_floor_squared_(ImpulseScale::squared_rounding * parts_.scale.momenta) {
   if (enriched_ && !enriched_->parts().interface.same_rows(parts_.interface))
     throw Error("enriched Stage 2: expected an operator of the gluing of this step, met another");
 }
@@ -191,7 +189,7 @@ void GranularTwoStage<D>::iterate() {
       parts(jumps, e) = interface.part_of_dot(e, g, g);
       // Where copies rest, their velocities are what rounding leaves of M_E^-1 A_E^T F.
       parts(speeds, e) = std::max(nscdd::glued_speed_squared(parts_, e),
-                                  rounding_of_impulses * interface.part_of_dot(e, pushed, pushed));
+                                  ImpulseScale::squared_rounding * interface.part_of_dot(e, pushed, pushed));
     });
     if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
       Vector change;

@@ -21,8 +21,6 @@ bool turns(const GranularSubdomain<D>& subdomain, const std::vector<ContactStatu
   return false;
 }
 
-constexpr double squared_rounding = 1e-24;  // of impulses, relative to the momenta of the copies
-
 // Keeps the larger distances between the velocities of a model and those of the law on the copies of shared grains.
 template <int D>
 void compare(RememberedModel& record, const std::vector<GrainVelocity<D>>& model,
@@ -54,7 +52,7 @@ void compare(RememberedModel& record, const std::vector<GrainVelocity<D>>& model
     if (part > 0) kept = std::max(kept, std::sqrt(part / of));
   };
   keep_larger(record.velocity_distance, gap, static_cast<double>(copies));
-  keep_larger(record.impulse_distance, impulse, std::max(whole, squared_rounding * momenta));
+  keep_larger(record.impulse_distance, impulse, std::max(whole, ImpulseScale::squared_rounding * momenta));
 }
 
 }  // namespace
