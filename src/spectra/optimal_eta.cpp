@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/scalar.hpp"
-#include "spectra/continuation.hpp"
+#include "spectra/spectrum_memory.hpp"
 #include <nscdd/spectra/optimal_eta.hpp>
 
 #include <fmt/format.h>
@@ -51,7 +51,7 @@ class Spectra {
   InterfaceFamily family_;
   InterfaceOperator system_;
   SpectralOptions options_;
-  Continuation memory_;
+  SpectrumMemory memory_;
   double last_residual_ = 0;
   std::string last_failure_;
 };

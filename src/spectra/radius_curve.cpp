@@ -3,7 +3,7 @@
 
 #include "ddm/stiffest.hpp"
 #include "linalg/moebius.hpp"
-#include "spectra/continuation.hpp"
+#include "spectra/spectrum_memory.hpp"
 
 namespace nscdd {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/stiffest.hpp"
 #include "linalg/threads.hpp"
-#include "spectra/continuation.hpp"
+#include "spectra/spectrum_memory.hpp"
 
 namespace nscdd {
 namespace {
@@ -208,7 +208,7 @@ bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index
 // Interface impulses that the networks can carry in more than one way give lambda = 0, a unit eigenvalue
 // each. Their number comes from ranks, which small eigenvalues do not disturb. A shift next to 0 must count
 // the same number; if it does not, one of the two is wrong and nothing is proved.
-SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory) {
+SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
   std::optional<RigidLimit>& limit = memory.limit;
   if (!limit || &limit->met.parts() != &b.system.parts())
     limit.emplace(
@@ -275,7 +275,7 @@ std::optional<EndGuess> PencilMemory::expected(const PencilPoint& point, End Vis
   return EndGuess{lambda, side};
 }
 
-SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory) {
+SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
   const double epsilon = b.system.eta();
   if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.eta())
     return no_error_left(b.rows(), options.eigenvalues);

@@ -3,8 +3,8 @@
 #include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
-#include "spectra/continuation.hpp"
 #include "spectra/first_answer.hpp"
+#include "spectra/spectrum_memory.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -31,7 +31,7 @@ std::pair<double, double> rayleigh(const Vector& x, const LinearMap& s, const In
   return {lambda, solved ? std::sqrt(std::max(0.0, r.dot(y)) / norm) : infinity};
 }
 
-SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory) {
+SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
   const Index n = b.rows(), unit_multiplicity = b.system.nullity();
   if (unit_multiplicity > 0 && n > dense_kernel_limit)
     return not_converged(
@@ -197,7 +197,7 @@ SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options) {
 namespace {
 
 SpectralRadius radius_by(SpectralSolver solver, const Contraction& b, const SpectralOptions& options,
-                         Continuation& memory) {
+                         SpectrumMemory& memory) {
   if (solver == SpectralSolver::dense) return dense_radius(b, options);
   if (solver == SpectralSolver::arpack) return arpack_radius(b, options, memory);
   if (solver == SpectralSolver::slepc) return slepc_radius(b, options);
@@ -206,7 +206,7 @@ SpectralRadius radius_by(SpectralSolver solver, const Contraction& b, const Spec
 
 }  // namespace
 
-SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options, Continuation* memory) {
+SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory* memory) {
   const OneBlasThread serial_blas;
   const Index n = b.rows();
   if (n == 0) {
@@ -216,7 +216,7 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
   }
   const SolverChoice choice = choose_solver(n, options, b.system.parts().interface.processes().alone());
   const auto solve = [&](SpectralSolver solver) {
-    Continuation none;  // what a fallback finds does not depend on the points before
+    SpectrumMemory none;  // what a fallback finds does not depend on the points before
     return radius_by(solver, b, options, memory != nullptr && solver == choice.solver ? *memory : none);
   };
   const auto answers = [&](const SpectralRadius& one) { return one.converged && (!options.certify || one.certified); };

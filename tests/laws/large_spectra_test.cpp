@@ -6,7 +6,7 @@
 #include "linalg/multifrontal/factor.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
-#include "spectra/continuation.hpp"
+#include "spectra/spectrum_memory.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
@@ -116,7 +116,7 @@ TEST_CASE("800 to 2 000 interface unknowns: shift-invert and ARPACK against the 
                           lattice_in_grid(3000, {12, 1}), with_unequal_masses(random_lattice(32, 50, 40, {8, 8}), 9)}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
-    Continuation memory;
+    SpectrumMemory memory;
     for (const auto& [epsilon, eta] : {std::pair{0.01, infinity}, {1.0, 0.2}}) {
       const Contraction b{family.at(eta), family.at(epsilon)};
       CAPTURE(b.rows());

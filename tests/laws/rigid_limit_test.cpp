@@ -10,7 +10,7 @@
 #include "linalg/random.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_entries.hpp"
-#include "spectra/continuation.hpp"
+#include "spectra/spectrum_memory.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
@@ -55,7 +55,7 @@ Decomposition with_contacts_given_twice(Decomposition parts, double turn) {
   return parts;
 }
 
-SpectralRadius shift_inverted(const Contraction& b, Continuation* memory = nullptr) {
+SpectralRadius shift_inverted(const Contraction& b, SpectrumMemory* memory = nullptr) {
   const SpectralOptions options{.solver = SpectralSolver::shift_invert};
   return memory == nullptr ? judged_radius(b, options) : spectral_radius(b, options, memory);
 }
@@ -192,7 +192,7 @@ TEST_CASE("rigid limit of redundant packings: shift-invert proves what the dense
                           random_fcc(31, 8, 8, 7, GridPartitioner{{2, 2, 2}})}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
-    Continuation memory;
+    SpectrumMemory memory;
     for (const double eta : {0.1, infinity}) {
       CAPTURE(eta);
       const Contraction b{family.at(eta), family.at(0)};
@@ -208,7 +208,7 @@ TEST_CASE("rigid limit of redundant packings: shift-invert proves what the dense
 
 TEST_CASE("rigid limit along eta: what does not depend on it is found once, and the points help each other") {
   const InterfaceFamily family(build(hexagons(24, 24, {4, 1})).parts);
-  Continuation memory;
+  SpectrumMemory memory;
   Index warm = 0, cold = 0;
   for (double eta = 0.05; eta < 0.5; eta *= 1.3) {
     CAPTURE(eta);
@@ -226,7 +226,7 @@ TEST_CASE("rigid limit along eta: what does not depend on it is found once, and 
 TEST_CASE("rigid limit: a number of unit eigenvalues that no count next to zero confirms is no result") {
   const InterfaceFamily family(build(hexagons(24, 24, {4, 1})).parts);
   const Contraction b{family.at(infinity), family.at(0)};
-  Continuation memory;
+  SpectrumMemory memory;
   const SpectralRadius right = shift_inverted(b, &memory);
   REQUIRE(right.converged);
   REQUIRE(right.unit_multiplicity > 1);
@@ -242,7 +242,7 @@ TEST_CASE("rigid limit: a number of unit eigenvalues that no count next to zero 
 TEST_CASE("rigid limit along eta: a point that cannot be proved spoils none of the others") {
   const InterfaceFamily family(build(hexagons(384, 12, {32, 1})).parts);
   const auto at = [&](double eta) { return Contraction{family.at(eta), family.at(0)}; };
-  Continuation memory;
+  SpectrumMemory memory;
   const SpectralRadius hardest = shift_inverted(at(1e-9), &memory);
   CHECK_FALSE(hardest.converged);
   CHECK(hardest.unit_multiplicity == 465);

@@ -5,7 +5,7 @@
 #include "../support/judged_radius.hpp"
 #include "../support/problems.hpp"
 #include "ddm/rigid_system.hpp"
-#include "spectra/continuation.hpp"
+#include "spectra/spectrum_memory.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>

@@ -3,7 +3,7 @@
 // row a table starts from.
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
-#include "spectra/continuation.hpp"
+#include "spectra/spectrum_memory.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/sweep.hpp>
 
@@ -71,7 +71,7 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
     for (const std::vector<Point>& path : every_path()) {
       const bool certify = !certified_before;
       certified_before = certify;
-      Continuation memory, matrix_free_memory;
+      SpectrumMemory memory, matrix_free_memory;
       for (const auto& [epsilon, eta] : path) {
         CAPTURE(epsilon);
         CAPTURE(eta);
@@ -111,7 +111,7 @@ TEST_CASE("slopes of the ends are those of the dense spectra on both sides") {
        std::vector<Point>{{0.03, infinity}, {2.0, infinity}, {0.03, 0.4}, {2.0, 0.4}, {0.2, 8.0}}) {
     CAPTURE(epsilon);
     CAPTURE(eta);
-    Continuation memory;
+    SpectrumMemory memory;
     spectral_radius({family.at(eta), family.at(epsilon)}, shift_invert, &memory);
     const PencilMemory::Visited& met = memory.flexible.visited.back();
     const auto check = [&](const SpectralRadius& before, const SpectralRadius& after, double smallest, double largest) {
@@ -134,7 +134,7 @@ TEST_CASE("ARPACK warm-started agrees with ARPACK from its fixed vector, with le
   for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
-    Continuation memory;
+    SpectrumMemory memory;
     for (double exponent = -2; exponent <= 1; exponent += 0.1) {
       const Contraction b{family.at(infinity), family.at(std::pow(10, exponent))};
       const SpectralRadius warm = spectral_radius(b, {.solver = SpectralSolver::arpack}, &memory);
@@ -158,7 +158,7 @@ TEST_CASE("ARPACK: an end that was not found leaves the start of the next point 
   SpectralOptions hopeless = options;  // one restart of few vectors
   hopeless.arpack.basis = 5;
   hopeless.arpack.maximum_restarts = 1;
-  Continuation memory;
+  SpectrumMemory memory;
   REQUIRE(spectral_radius(at(0.1), options, &memory).converged);
   const Vector smallest = memory.smallest, largest = memory.largest;
   REQUIRE(smallest.size() == family.at(0.1).rows());
@@ -168,7 +168,7 @@ TEST_CASE("ARPACK: an end that was not found leaves the start of the next point 
   // What failed is as if it had not been tried.
   CHECK(memory.smallest == smallest);
   CHECK(memory.largest == largest);
-  Continuation straight;
+  SpectrumMemory straight;
   straight.smallest = smallest;
   straight.largest = largest;
   const SpectralRadius after = spectral_radius(at(0.11), options, &memory);
@@ -182,7 +182,7 @@ TEST_CASE("warm starts are not caught by a mode that is no longer the end, certi
   Case one = lattice_in_grid(10000, {1, 1});
   one.spec.partition = MetisPartitioner{.metis = 16};
   const InterfaceFamily family(build(one).parts);
-  Continuation memory, matrix_free_memory;
+  SpectrumMemory memory, matrix_free_memory;
   for (const double exponent : {0.0, 1.0, 2.0, 3.0, 4.0}) {
     const double epsilon = 0.04 * std::pow(25.0, exponent / 7);
     CAPTURE(epsilon);
@@ -200,7 +200,7 @@ TEST_CASE("warm starts are not caught by a mode that is no longer the end, certi
 
 TEST_CASE("warm starts save work along a fine sweep") {
   const InterfaceFamily family(build(lattice_in_grid(400, {8, 1})).parts);
-  Continuation memory;
+  SpectrumMemory memory;
   Index warm = 0, cold = 0;
   for (double exponent = -2; exponent <= 0; exponent += 0.1) {
     const Contraction b{family.at(infinity), family.at(std::pow(10, exponent))};
@@ -211,7 +211,7 @@ TEST_CASE("warm starts save work along a fine sweep") {
 }
 
 TEST_CASE("a memory used for another packing, or another set of contacts, is not believed") {
-  Continuation memory;
+  SpectrumMemory memory;
   for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}),
                           random_fcc(22, 5, 5, 4, GridPartitioner{{2, 2, 2}}), random_lattice(22, 9, 8, {3, 2})}) {
     const Model model = build(one);

@@ -104,13 +104,13 @@ struct SpectralRadius {
   Vector mode_min, mode_max;  ///< interface impulses of the two ends (empty where unknown)
 };
 
-struct Continuation;  // what one point of a sweep leaves to the next; beside its source
+struct SpectrumMemory;  // what one point of a sweep leaves to the next; beside its source
 
 /// In the rigid limit shift-invert works on the contacts that are independent within their subdomain; the unit
 /// eigenvalues are counted from ranks (by shifts near 0 above 10^6 contacts); the matrix-free solver finds the unit
 /// eigenspace densely (up to 4 000 unknowns). What was not reached is reported with converged = false.
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
-                               Continuation* memory = nullptr);
+                               SpectrumMemory* memory = nullptr);
 
 /// The same spectrum under another relaxation omega: eigenvalues 1 - omega (1 - mu) for the mu of `plain`
 /// (omega = 1), unit eigenvalues of the rigid limit excepted.

@@ -2,7 +2,7 @@
 #include "study/linear/curve.hpp"
 
 #include "ddm/stiffest.hpp"
-#include "spectra/continuation.hpp"
+#include "spectra/spectrum_memory.hpp"
 #include "study/linear/sweep_points.hpp"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ struct Work {
   const Decomposition& parts;
   InterfaceFamily stage_two, stage_one;
   SpectralOptions options;
-  Continuation memory = {};
+  SpectrumMemory memory = {};
 
   Work(const Model& model, const CurveParameters& asked)
       : parameters(asked),

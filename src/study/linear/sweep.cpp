@@ -3,7 +3,7 @@
 #include "linalg/sparse_entries.hpp"
 #include "linalg/sparse_rank.hpp"
 #include "mechanics/active_set.hpp"
-#include "spectra/continuation.hpp"
+#include "spectra/spectrum_memory.hpp"
 #include "study/linear/sweep_points.hpp"
 #include "two_stage/two_stage.hpp"
 #include <nscdd/study/sweep.hpp>
@@ -48,7 +48,7 @@ class Spectra {
  private:
   OperatorStore preconditioners_, systems_;
   SpectralOptions options_;
-  Continuation memory_;
+  SpectrumMemory memory_;
   SpectralRadius current_;
   Index number_ = -1;
 };

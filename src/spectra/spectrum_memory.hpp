@@ -34,7 +34,8 @@ struct RigidLimit {
   bool confirmed = true;        ///< an inertia count of `system` next to 0 agrees with it
 };
 
-struct Continuation {
+/// What one point of a sweep leaves to the next.
+struct SpectrumMemory {
   PencilMemory flexible, rigid;  ///< of epsilon > 0, and of the rigid limit
   Vector smallest, largest;      ///< interface impulses at the ends that the matrix-free solver found last, or empty
   std::optional<RigidLimit> limit;
@@ -48,7 +49,7 @@ struct Continuation {
 
 /// Both ends by shift-invert and from the dense pencil, for omega = 1. The other solvers, and the choice of one, are in
 /// spectral_radius.cpp.
-SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory);
+SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory);
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options);
 
 /// Fills in everything that follows from the two ends of the spectrum of B outside ker S.
