@@ -143,7 +143,7 @@ class ContactProblem:
         """Solves it, with the arguments of `nscdd solve`. How it ended, `status` of the result says.
 
         solver   "auto", "continuation", "newton", "nlgs", "admm" or "apgd"
-        guess    impulses to start from, 2c numbers
+        guess    impulses to start from, 2c or 3c numbers
         callback is shown the solution at every check; where it returns False, the solver stops
 
         Solvers that factorise are faster where the problem has bodies.

@@ -69,7 +69,7 @@ const ResultColumns<StepReport>& step_columns() {
         {"no_room", "1", "1 where impulses grew and contacts close nevertheless: boundaries may leave no room, or 0",
          [](const Step& step) { return Index{step.no_room}; }},
         {"contacts", "1", "considered in the step", &Step::contacts},
-        {"interface_size", "1", "n_Gamma, 3 per gluing", &Step::interface_size},
+        {"interface_size", "1", "n_Gamma, 3 per gluing, in space 6", &Step::interface_size},
         {"overlap_maximum", "m", "largest overlap when contacts are found",
          [](const Step& step) { return step.overlap.maximum; }},
         {"overlap_mean", "m", "mean over the contacts that overlap then",
