@@ -144,7 +144,7 @@ TEST_CASE("case file: an empty one") {
 
 TEST_CASE("case file: its packing file is missing or malformed") {
   const Session session;
-  session.file("cases/one.toml", "[packing]\nfile = \"grains.csv\"\n[partition]\ngrid = [1, 1]\n");
+  session.file("cases/one.toml", case_text("grains.csv"));
   check_refused(session, "inspect cases/one.toml", {"cases/one.toml:2", "packing.file", "grains.csv"});
   session.file("cases/grains.csv", "x,y,radius\n0,0,-1\n");
   check_refused(session, "inspect cases/one.toml", {"cases/one.toml:2", "grains.csv:2", "radius"});

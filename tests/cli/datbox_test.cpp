@@ -2,7 +2,6 @@
 // A DATBOX of LMGC90: read as a packing and as a case that moves, equal to the case that it was written from.
 #include "formats/lmgc90/datbox.hpp"
 
-#include "../support/moving_case.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 #include <nscdd/formats/packing_file.hpp>
@@ -17,12 +16,10 @@ using namespace nscdd::testing;
 
 namespace {
 
-std::string path_of(const Session& session, const std::string& name) { return (session.folder / name).string(); }
-
 // By a writer of its own, which knows the formats of LMGC90 but nothing of this program but its trajectories.
 void write_datbox(const Session& session, const std::string& run, const std::string& folder) {
   const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/cli/write_datbox.py").string() + "' '" +
-                              path_of(session, run) + "' '" + path_of(session, folder) + "'";
+                              session.path(run) + "' '" + session.path(folder) + "'";
   REQUIRE(std::system(command.c_str()) == 0);
 }
 
@@ -92,9 +89,9 @@ const std::string spheres =
 
 // The largest differences of places (m) and velocities (m/s) of free disks in a step of two runs.
 std::array<double, 2> difference(const Session& session, const std::string& a, const std::string& b, Index step) {
-  const GranularSystem system = read_trajectory_header(path_of(session, a)).system;
-  const GranularState p = read_trajectory_step(path_of(session, a), step).state;
-  const GranularState q = read_trajectory_step(path_of(session, b), step).state;
+  const GranularSystem system = read_trajectory_header(session.path(a)).system;
+  const GranularState p = read_trajectory_step(session.path(a), step).state;
+  const GranularState q = read_trajectory_step(session.path(b), step).state;
   REQUIRE(p.x.size() == q.x.size());
   std::array<double, 2> largest{};
   for (std::size_t i = 0; i < p.x.size(); ++i) {
@@ -115,7 +112,7 @@ TEST_CASE("DATBOX: a run from it is that of the case it was written from, to its
   answer(session, "simulate box.toml -o run.h5");
   write_datbox(session, "run.h5", "box/DATBOX");
   answer(session, "simulate box/DATBOX --steps 15 -o back.h5");
-  const GranularSystem system = read_trajectory_header(path_of(session, "back.h5")).system;
+  const GranularSystem system = read_trajectory_header(session.path("back.h5")).system;
   CHECK(system.free_disks() == 60);
   CHECK(system.boundaries.size() == 3);
   CHECK(system.walls.size() == 1);
@@ -127,8 +124,8 @@ TEST_CASE("DATBOX: a run from it is that of the case it was written from, to its
     CHECK(velocities < 1e-3);
   }
   // They do move, by far more than that.
-  const GranularState end = read_trajectory_step(path_of(session, "run.h5"), 15).state;
-  const GranularState begin = read_trajectory_step(path_of(session, "run.h5"), 0).state;
+  const GranularState end = read_trajectory_step(session.path("run.h5"), 15).state;
+  const GranularState begin = read_trajectory_step(session.path("run.h5"), 0).state;
   double moved = 0;
   for (std::size_t i = 0; i < end.x.size(); ++i) moved = std::max(moved, std::abs(end.x[i] - begin.x[i]));
   CHECK(moved > 1e-3);
@@ -163,7 +160,7 @@ velocity = [0.5, -1]
   answer(session, "simulate ball.toml -o run.h5");
   write_datbox(session, "run.h5", "DATBOX");
   answer(session, "simulate DATBOX/ --steps 30 --set dynamics.step=0.01 -o back.h5");
-  const GranularState end = read_trajectory_step(path_of(session, "run.h5"), 30).state;
+  const GranularState end = read_trajectory_step(session.path("run.h5"), 30).state;
   CHECK(end.velocity_y[0] > -1);  // it came back from the floor
   CHECK(end.spin[0] != 0);
   for (const Index step : {1, 10, 30}) {
@@ -178,8 +175,8 @@ TEST_CASE("DATBOX: read wherever a packing is") {
   session.file("box.toml", box_case());
   answer(session, "simulate box.toml --steps 1 -o run.h5");
   write_datbox(session, "run.h5", "box/DATBOX");
-  const Packing packing = read_packing(path_of(session, "box"));
-  const GranularSystem system = read_trajectory_header(path_of(session, "run.h5")).system;
+  const Packing packing = read_packing(session.path("box"));
+  const GranularSystem system = read_trajectory_header(session.path("run.h5")).system;
   REQUIRE(packing.size() == 60);  // without what is driven
   for (std::size_t i = 0; i < 60; ++i) {
     CHECK(packing.mass[i] == doctest::Approx(system.mass[i]).epsilon(1e-6));
@@ -191,8 +188,8 @@ TEST_CASE("DATBOX: read wherever a packing is") {
   CHECK(swept.text(0, "case") == "box");
   CHECK(swept.number(0, "grains") == static_cast<double>(packing.size()));
   answer(session, "generate box/DATBOX -o packing.csv");
-  CHECK(read_packing(path_of(session, "packing.csv")).x == packing.x);
-  session.file("mine.toml", "[packing]\nfile = \"box/DATBOX\"\n[partition]\ngrid = [2, 1]\n");
+  CHECK(read_packing(session.path("packing.csv")).x == packing.x);
+  session.file("mine.toml", case_text("box/DATBOX", "2, 1"));
   CHECK(value(remarked(session, "inspect mine.toml", remark), "contacts") == swept.text(0, "contacts"));
 }
 
@@ -203,7 +200,7 @@ TEST_CASE("export --lmgc90: places, velocities and forces obey Newton's law by t
   const Outcome outcome = session.run(words("export run.h5 --lmgc90 out --steps 10:15"));
   CHECK(contains(outcome.standard_output, "out: 6 steps (10:15)"));
   const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/cli/check_outbox.py").string() + "' '" +
-                              path_of(session, "run.h5") + "' '" + path_of(session, "out/OUTBOX") + "' 12";
+                              session.path("run.h5") + "' '" + session.path("out/OUTBOX") + "' 12";
   CHECK(std::system(command.c_str()) == 0);
   check_refused(session, "export run.h5 --lmgc90 out", {"out", "--force"});
   check_refused(session, "export run.h5 --lmgc90 new --vtk pictures", {"--lmgc90"});
@@ -227,11 +224,11 @@ TEST_CASE("export --lmgc90: the folder reads back to the case that it was writte
     CHECK(session.has("out/DATBOX/" + file));
   CHECK(contains(session.read("out/DATBOX/DRV_DOF.DAT"), "evolution velocity_"));
   answer(session, "simulate out --steps 15 -o back.h5");
-  const GranularSystem before = read_trajectory_header(path_of(session, "run.h5")).system,
-                       after = read_trajectory_header(path_of(session, "back.h5")).system;
+  const GranularSystem before = read_trajectory_header(session.path("run.h5")).system,
+                       after = read_trajectory_header(session.path("back.h5")).system;
   REQUIRE(after.boundaries.size() == before.boundaries.size());
   REQUIRE(after.walls.size() == before.walls.size());
-  const Interaction interaction = datbox_dynamics(read_datbox(path_of(session, "out"))).interaction;
+  const Interaction interaction = datbox_dynamics(read_datbox(session.path("out"))).interaction;
   CHECK(interaction.friction == 0.3);
   CHECK(interaction.boundary_friction == 0.5);
   CHECK(interaction.restitution == (contains(text, "restitution") ? 0.4 : 0));
@@ -252,8 +249,8 @@ TEST_CASE("export --lmgc90: the folder reads back to the case that it was writte
   }
   // Once more from what was read: the same folder, to the digits of its numbers.
   answer(session, "export back.h5 --lmgc90 again");
-  const Packing once = datbox_packing(read_datbox(path_of(session, "out")), DatboxDisks::all),
-                twice = datbox_packing(read_datbox(path_of(session, "again")), DatboxDisks::all);
+  const Packing once = datbox_packing(read_datbox(session.path("out")), DatboxDisks::all),
+                twice = datbox_packing(read_datbox(session.path("again")), DatboxDisks::all);
   REQUIRE(once.size() == twice.size());
   for (std::size_t i = 0; i < once.x.size(); ++i) {
     CHECK(once.radius[i] == twice.radius[i]);
@@ -268,9 +265,9 @@ TEST_CASE("export --lmgc90: the folder reads back to the case that it was writte
                  "later/DATBOX: disks spin in step 15, which nscdd simulate does not begin with"));
   CHECK(contains(session.read("later/DATBOX/DOF.INI"), "$steps       15"));
   CHECK(session.run(words("simulate later -o later.h5")).exit_code == 2);  // as the export said: disks spin by then
-  CHECK(read_packing(path_of(session, "later")).size() == 60);
-  const GranularState end = read_trajectory_step(path_of(session, "run.h5"), 15).state;
-  const Packing later = datbox_packing(read_datbox(path_of(session, "later")), DatboxDisks::all);
+  CHECK(read_packing(session.path("later")).size() == 60);
+  const GranularState end = read_trajectory_step(session.path("run.h5"), 15).state;
+  const Packing later = datbox_packing(read_datbox(session.path("later")), DatboxDisks::all);
   REQUIRE(later.size() == static_cast<Index>(end.x.size()));
   CHECK(std::ranges::any_of(end.poses, [](const Pose& pose) { return std::abs(pose.angle) > 1e-4; }));
   for (std::size_t i = 0; i < end.x.size(); ++i) {  // those of the side that has turned, too
@@ -325,7 +322,7 @@ TEST_CASE("export --lmgc90: spheres obey Newton's law by the files alone") {
   CHECK(contains(outcome.standard_error, "out/DATBOX: spheres spin in step 10"));
   const std::string command = "/usr/bin/python3 -B '" +
                               (source_folder() / "tests/cli/check_outbox_in_space.py").string() + "' '" +
-                              path_of(session, "run.h5") + "' '" + path_of(session, "out/OUTBOX") + "' 12";
+                              session.path("run.h5") + "' '" + session.path("out/OUTBOX") + "' 12";
   CHECK(std::system(command.c_str()) == 0);
 }
 
@@ -336,11 +333,11 @@ TEST_CASE("export --lmgc90: a folder of spheres reads back to the case that it w
   answer(session, "export run.h5 --lmgc90 out");
   CHECK(contains(session.read("out/DATBOX/DRV_DOF.DAT"), "evolution velocity_63_1.dat"));
   answer(session, "simulate out --steps 15 --set dynamics.step=0.005 -o back.h5");
-  const GranularSystem before = read_trajectory_header(path_of(session, "run.h5")).system,
-                       after = read_trajectory_header(path_of(session, "back.h5")).system;
+  const GranularSystem before = read_trajectory_header(session.path("run.h5")).system,
+                       after = read_trajectory_header(session.path("back.h5")).system;
   REQUIRE(after.dimension == 3);
   REQUIRE(after.walls.size() == before.walls.size());
-  const Interaction interaction = datbox_dynamics(read_datbox(path_of(session, "out"))).interaction;
+  const Interaction interaction = datbox_dynamics(read_datbox(session.path("out"))).interaction;
   CHECK(interaction.friction == 0.3);
   CHECK(interaction.boundary_friction == 0.5);
   for (std::size_t w = 0; w < before.walls.size(); ++w) {
@@ -362,8 +359,8 @@ TEST_CASE("export --lmgc90: a folder of spheres reads back to the case that it w
   }
   for (const Index step : {1, 5, 15}) {
     CAPTURE(step);
-    const GranularState p = read_trajectory_step(path_of(session, "run.h5"), step).state,
-                        q = read_trajectory_step(path_of(session, "back.h5"), step).state;
+    const GranularState p = read_trajectory_step(session.path("run.h5"), step).state,
+                        q = read_trajectory_step(session.path("back.h5"), step).state;
     REQUIRE(p.x.size() == q.x.size());
     double places = 0, velocities = 0;
     for (std::size_t i = 0; i < p.x.size(); ++i) {
@@ -377,7 +374,7 @@ TEST_CASE("export --lmgc90: a folder of spheres reads back to the case that it w
     CHECK(velocities < 1e-2);
   }
   // The linear study, and a packing that it is: without what is driven.
-  const Packing packing = read_packing(path_of(session, "out"));
+  const Packing packing = read_packing(session.path("out"));
   CHECK(packing.dimension() == 3);
   CHECK(packing.size() == 59);
   const std::string remark = "coordinates with 7 significant digits";

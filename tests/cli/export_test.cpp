@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd export: trajectories for ParaView, steps as contact problems that solve to what the run found.
-#include "../support/moving_case.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
@@ -21,13 +20,6 @@ using namespace nscdd::testing;
 
 namespace {
 
-std::string path_of(const Session& session, const std::string& name) { return (session.folder / name).string(); }
-
-// A box of 30 grains with a floor of disks and walls that turn.
-std::string small_case() {
-  return replaced(replaced(moving_case(), "grains = 120", "grains = 30"), "steps = 20", "steps = 12");
-}
-
 // So far that what the run found is the solution to rounding.
 const std::string tightly = " --criterion natural_map --tolerance 1e-13 --iterations 200000";
 
@@ -39,7 +31,7 @@ double residual_of_run(const std::string& report) {
   return 1;
 }
 
-FclibFile fclib(const Session& session, const std::string& name) { return read_fclib(path_of(session, name)); }
+FclibFile fclib(const Session& session, const std::string& name) { return read_fclib(session.path(name)); }
 
 // Exports, solves, and gives both: the solution of the run and the one found.
 std::pair<FclibFile, FclibFile> solved_again(const Session& session, const std::string& options) {
@@ -80,14 +72,14 @@ std::map<std::string, Arrays> read_by_vtk(const std::filesystem::path& collectio
 
 TEST_CASE("export --fclib: solved again, a step gives the velocities of the run") {
   const Session session;
-  session.file("box.toml", small_case());
+  session.file("box.toml", small_moving_case());
   answer(session, "simulate box.toml --algorithm nlgs -o run.h5" + tightly);
   std::filesystem::remove(session.folder / "box.toml");  // the trajectory alone is enough
   for (const int step : {3, 12}) {                       // in the first two all grains fall: impulses are rounding
     CAPTURE(step);
     const auto [run, solved] = solved_again(session, "--fclib " + std::to_string(step));
     CHECK(*run.info.title == "box, step " + std::to_string(step));
-    const TrajectoryStep kept = read_trajectory_step(path_of(session, "run.h5"), step);
+    const TrajectoryStep kept = read_trajectory_step(session.path("run.h5"), step);
     REQUIRE(global(run).contacts() == count(kept.contacts));
     REQUIRE(global(run).mass.rows() == 3 * 30);
     CHECK(run.solution->v[4] == kept.state.velocity_y[1]);
@@ -98,7 +90,7 @@ TEST_CASE("export --fclib: solved again, a step gives the velocities of the run"
     // M v = H r + f holds for the run with its own impulses and the spins it has.
     CHECK((body_velocities(global(run), run.solution->r) - run.solution->v).norm() < 1e-12 * run.solution->v.norm());
   }
-  const TrajectoryHeader header = read_trajectory_header(path_of(session, "run.h5"));
+  const TrajectoryHeader header = read_trajectory_header(session.path("run.h5"));
   const Vector mass = global(fclib(session, "p.hdf5")).mass.diagonal();
   CHECK(mass[3] == doctest::Approx(header.system.mass[1]));
   CHECK(mass[5] == doctest::Approx(header.system.mass[1] * std::pow(header.system.radius[1], 2) / 2));
@@ -106,7 +98,7 @@ TEST_CASE("export --fclib: solved again, a step gives the velocities of the run"
 
 TEST_CASE("network of a contact problem: every contact with its bodies and its subdomain of METIS") {
   const Session session;
-  session.file("box.toml", small_case());
+  session.file("box.toml", small_moving_case());
   answer(session, "simulate box.toml --algorithm nlgs -o run.h5");
   answer(session, "export run.h5 --fclib 12 -o p.hdf5");
   const CsvTable contacts = table(session, "network p.hdf5 --subdomains metis:3");
@@ -134,7 +126,7 @@ TEST_CASE("network of a contact problem: every contact with its bodies and its s
 
 TEST_CASE("export --fclib: impulses agree where they are unique") {
   const Session session;
-  std::string text = replaced(small_case(), "friction = 0.3", "law = \"frictionless\"");
+  std::string text = replaced(small_moving_case(), "friction = 0.3", "law = \"frictionless\"");
   session.file("box.toml", text);
   answer(session, "simulate box.toml --algorithm nlgs --steps 4 -o run.h5" + tightly);
   const auto [run, solved] = solved_again(session, "--fclib 4");
@@ -145,7 +137,7 @@ TEST_CASE("export --fclib: impulses agree where they are unique") {
 
 TEST_CASE("export --fclib: restitution and friction of boundaries are in the problem") {
   const Session session;
-  session.file("box.toml", replaced(small_case(), "friction = 0.3",
+  session.file("box.toml", replaced(small_moving_case(), "friction = 0.3",
                                     "friction = 0.3\nboundary_friction = 0.1\nrestitution = 0.5\n"
                                     "tangential_restitution = 0.2"));
   answer(session, "simulate box.toml --algorithm nlgs -o run.h5" + tightly);
@@ -157,7 +149,7 @@ TEST_CASE("export --fclib: restitution and friction of boundaries are in the pro
 
 TEST_CASE("export --local: the same problem, reduced") {
   const Session session;
-  session.file("box.toml", small_case());
+  session.file("box.toml", small_moving_case());
   answer(session, "simulate box.toml --algorithm nlgs --steps 3 -o run.h5" + tightly);
   answer(session, "export run.h5 --fclib 3 -o global.hdf5");
   answer(session, "export run.h5 --fclib 3 --local -o local.hdf5");
@@ -177,8 +169,8 @@ TEST_CASE("export --subdomain: with its interface impulses a part moves as in th
   const Session session;
   session.file("box.toml", moving_case());
   answer(session, "simulate box.toml --algorithm generic --subdomains 2x2 --steps 4 -o run.h5" + tightly);
-  const TrajectoryHeader header = read_trajectory_header(path_of(session, "run.h5"));
-  const TrajectoryStep kept = read_trajectory_step(path_of(session, "run.h5"), 4);
+  const TrajectoryHeader header = read_trajectory_header(session.path("run.h5"));
+  const TrajectoryStep kept = read_trajectory_step(session.path("run.h5"), 4);
   std::map<Index, double> mass;
   std::map<Index, int> copies;
   Index contacts = 0;
@@ -213,9 +205,9 @@ TEST_CASE("export --subdomain: with its interface impulses a part moves as in th
 
 TEST_CASE("export --fclib: a step without the state before it, or that is not kept itself") {
   const Session session;
-  session.file("box.toml", small_case());
+  session.file("box.toml", small_moving_case());
   answer(session, "simulate box.toml --save-every 5 -o run.h5");
-  CHECK(trajectory_steps(path_of(session, "run.h5")) == std::vector<Index>{0, 5, 10, 12});
+  CHECK(trajectory_steps(session.path("run.h5")) == std::vector<Index>{0, 5, 10, 12});
   CHECK(answer(session, "export run.h5 --fclib 6 -o six.hdf5").find("step 6 is not kept") != std::string::npos);
   CHECK_FALSE(fclib(session, "six.hdf5").solution);
   check_refused(session, "export run.h5 --fclib 5 -o five.hdf5",
@@ -230,15 +222,15 @@ TEST_CASE("export --fclib: a step without the state before it, or that is not ke
 
 TEST_CASE("export --vtk: VTK reads the kept steps as the trajectory has them") {
   const Session session;
-  session.file("box.toml", small_case());
+  session.file("box.toml", small_moving_case());
   answer(session, "simulate box.toml --subdomains 2x1 -o run.h5");
   const std::string text = answer(session, "export run.h5 --vtk pictures/all --steps 0:12:4");
   CHECK(text.find("4 steps (0:12:4)") != std::string::npos);
   auto pictures = read_by_vtk(session.folder / "pictures/all/run.pvd");
   REQUIRE(pictures.size() == 4);
   CHECK(pictures["step-000000.vtp"]["counts"][2] == 0);
-  const TrajectoryStep kept = read_trajectory_step(path_of(session, "run.h5"), 12);
-  const GranularSystem system = read_trajectory_header(path_of(session, "run.h5")).system;
+  const TrajectoryStep kept = read_trajectory_step(session.path("run.h5"), 12);
+  const GranularSystem system = read_trajectory_header(session.path("run.h5")).system;
   Arrays& a = pictures["step-000012.vtp"];
   CHECK(a["time"] == std::vector<double>{kept.state.time});
   CHECK(a["field/TimeValue"] == std::vector<double>{kept.state.time});
@@ -276,8 +268,8 @@ TEST_CASE("export --vtk: VTK reads the kept steps as the trajectory has them") {
 
 TEST_CASE("export: bad input is refused, and nothing is written") {
   const Session session;
-  session.file("box.toml", small_case());
-  session.file("sticky.toml", replaced(small_case(), "friction = 0.3", "law = \"cohesive\"\ncohesion = 1"));
+  session.file("box.toml", small_moving_case());
+  session.file("sticky.toml", replaced(small_moving_case(), "friction = 0.3", "law = \"cohesive\"\ncohesion = 1"));
   session.file("old.hdf5", "precious");
   session.file("text.h5", "no trajectory\n");
   answer(session, "simulate box.toml --steps 2 -o run.h5");

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A run as one VTKHDF file: the same pictures, number by number, as VTK reads from the .vtp files of the run.
-#include "../support/moving_case.hpp"
 #include "session.hpp"
 
 #include <doctest/doctest.h>
@@ -12,11 +11,6 @@
 using namespace nscdd::testing;
 
 namespace {
-
-// A box of 30 grains with a floor of disks and walls that turn.
-std::string small_case() {
-  return replaced(replaced(moving_case(), "grains = 120", "grains = 30"), "steps = 20", "steps = 12");
-}
 
 constexpr int not_known = 77;  // exit code of read_vtk.py where VTK is too old for the file
 
@@ -67,7 +61,7 @@ void check_same_pictures(const Session& session, const std::string& collection, 
 
 TEST_CASE("export --vtkhdf: one file has every step as its .vtp file has it") {
   const Session session;
-  session.file("box.toml", small_case());
+  session.file("box.toml", small_moving_case());
   answer(session, "simulate box.toml --subdomains 2x1 -o run.h5");
   answer(session, "export run.h5 --vtk all");
   CHECK(answer(session, "export run.h5 --vtkhdf run.vtkhdf") == "run.vtkhdf: 13 steps (0:12), 54 disks\n");
@@ -121,7 +115,7 @@ to = [1, 0]
 
 TEST_CASE("export --vtkhdf: whole or absent, and nothing is replaced in silence") {
   const Session session;
-  session.file("box.toml", small_case());
+  session.file("box.toml", small_moving_case());
   session.file("old.vtkhdf", "precious");
   answer(session, "simulate box.toml --steps 3 -o run.h5");
   check_refused(session, "export run.h5 --vtkhdf old.vtkhdf", {"old.vtkhdf", "exists already"});

@@ -41,9 +41,7 @@ TEST_CASE("generate: a case by name and by file, masses where it has them") {
   const CsvTable disks = read_table(without_remarks(session.read("disks.csv")));
   REQUIRE(disks.rows.size() == 12);
   CHECK(disks.number(11, "mass") == 1);
-  session.file("own.toml",
-               "[packing]\ngenerator = \"hexagonal\"\ncolumns = 5\nrows = 4\nvacancies = 0.25\n"
-               "[partition]\ngrid = [1, 1]\n");
+  session.file("own.toml", case_text("hexagonal\ncolumns = 5\nrows = 4\nvacancies = 0.25"));
   const CsvTable own = read_table(without_remarks(answer(session, "generate own.toml -o -")));
   CHECK(own.rows.size() == 15);
   CHECK(own.columns == Texts{"x", "y", "radius"});
@@ -71,7 +69,7 @@ TEST_CASE("generate: CSV and HDF5 are the same packing wherever one is read") {
   CHECK(answer(session, "sweep bed.csv" + options) == answer(session, "sweep bed.h5" + options));
   answer(session, "generate bed.h5 -o again.csv");
   CHECK(without_remarks(session.read("again.csv")) == without_remarks(session.read("bed.csv")));
-  session.file("cases/bed.toml", "[packing]\nfile = \"../bed.h5\"\n[partition]\ngrid = [2, 1]\n");
+  session.file("cases/bed.toml", case_text("../bed.h5", "2, 1"));
   CHECK(answer(session, "sweep cases/bed.toml --epsilon 0,1 --csv -") == answer(session, "sweep bed.h5" + options));
   CHECK(answer(session, "inspect bed.h5") == answer(session, "inspect bed.csv"));
 }
@@ -88,8 +86,7 @@ TEST_CASE("generate: the known cases of disorder are there, and their active set
 
 TEST_CASE("generate: what makes no packing is refused") {
   const Session session;
-  session.file("bad.toml",
-               "[packing]\ngenerator = \"deposit\"\ndistribution = \"gauss\"\n[partition]\ngrid = [1, 1]\n");
+  session.file("bad.toml", case_text("deposit\ndistribution = \"gauss\""));
   check_refused(session, "generate", {"SPEC"});
   check_refused(session, "generate deposit", {"--output"});
   check_refused(session, "generate deposit strip -o a.csv", {"strip"});
@@ -168,7 +165,7 @@ TEST_CASE("generate: a progress bar where standard error is a terminal") {
 TEST_CASE("packing file: HDF5 that is none is refused wherever a packing is read") {
   const Session session;
   session.file("text.h5", "x,y,radius\n0,0,1\n");
-  session.file("own.toml", "[packing]\nfile = \"text.h5\"\n[partition]\ngrid = [1, 1]\n");
+  session.file("own.toml", case_text("text.h5"));
   answer(session, "sweep disks4 --epsilon 1 --csv a.csv --hdf5 sweep.h5");
   for (const std::string& verb : Texts{"inspect ", "network ", "generate -o b.csv ", "sweep --epsilon 1 --csv - "}) {
     check_refused(session, verb + "text.h5", {"text.h5", "HDF5"});

@@ -44,8 +44,7 @@ TEST_CASE("memory: where copies of grains abound the estimate is no less than wh
 
 TEST_CASE("memory: spectra in space take no more than the estimate, and no tenth of it") {
   const Session session;
-  session.file("fcc.toml",
-               "[packing]\ngenerator = \"fcc\"\ncolumns = 12\nrows = 12\nlayers = 12\n[partition]\ngrid = [2, 2, 2]\n");
+  session.file("fcc.toml", case_text("fcc\ncolumns = 12\nrows = 12\nlayers = 12", "2, 2, 2"));
   for (const std::string point : {"--epsilon 1 --eta inf", "--epsilon 1 --eta 0.1", "--epsilon 0 --eta inf",
                                   "--epsilon 1 --eta inf --subdomains 4x4x4"}) {
     CAPTURE(point);
@@ -61,8 +60,7 @@ TEST_CASE("memory: spectra in space take no more than the estimate, and no tenth
 
 TEST_CASE("memory: ranks in space take no more than the estimate, and no tenth of it") {
   const Session session;
-  session.file("fcc.toml",
-               "[packing]\ngenerator = \"fcc\"\ncolumns = 14\nrows = 14\nlayers = 14\n[partition]\ngrid = [2, 2, 2]\n");
+  session.file("fcc.toml", case_text("fcc\ncolumns = 14\nrows = 14\nlayers = 14", "2, 2, 2"));
   const std::string line = "inspect fcc.toml --memory-limit ";
   const Outcome outcome = session.run(words(line + "8"));
   REQUIRE(outcome.exit_code == 0);

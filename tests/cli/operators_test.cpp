@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd export --operators: what SciPy reads is what the formulas say, and has the radii of nscdd sweep.
-#include "../support/moving_case.hpp"
 #include "session.hpp"
 
 #include <doctest/doctest.h>
@@ -36,8 +35,7 @@ std::map<std::string, double> read_by_scipy(const Session& session, const std::s
 void compare(const std::string& options, std::initializer_list<std::string> solvers) {
   CAPTURE(options);
   const Session session;
-  session.file("fcc.toml",
-               "[packing]\ngenerator = \"fcc\"\ncolumns = 4\nrows = 3\nlayers = 3\n[partition]\ngrid = [2, 1, 2]\n");
+  session.file("fcc.toml", case_text("fcc\ncolumns = 4\nrows = 3\nlayers = 3", "2, 1, 2"));
   answer(session, "export " + options + " --operators all");
   const CsvTable swept = table(session, "sweep " + options);
   const double radius = swept.number(0, "spectral_radius");

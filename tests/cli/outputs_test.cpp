@@ -103,7 +103,7 @@ TEST_CASE("output: --force replaces an existing file") {
 TEST_CASE("output: --force replaces no file that the work is made from") {
   const Session session;
   session.file("in.csv", row_of_three());
-  session.file("grid.toml", "[packing]\nfile = \"in.csv\"\n[partition]\ngrid = [2, 1]\n");
+  session.file("grid.toml", case_text("in.csv", "2, 1"));
   session.file("study/study.toml", "[[table]]\nname = \"baseline\"\ncases = \"disks4\"\nepsilon = \"1\"\n");
   session.file("study/baseline.csv", "precious");
   session.file("slow-impulses.csv", row_of_three());
@@ -123,7 +123,7 @@ TEST_CASE("output: --force replaces no file that the work is made from") {
 TEST_CASE("output: --force replaces no file of the case that a packing is settled from, at any depth") {
   const Session session;
   session.file("grains.csv", row_of_three());
-  session.file("first.toml", "[packing]\nfile = \"grains.csv\"\n[partition]\ngrid = [1, 1]\n");
+  session.file("first.toml", case_text("grains.csv"));
   session.file("second.toml", "[packing]\nsettled = \"first.toml\"\n[partition]\ngrid = [1, 1]\n");
   session.file("third.toml", "[packing]\nsettled = \"second.toml\"\n[partition]\ngrid = [1, 1]\n");
   for (const std::string input : {"grains.csv", "first.toml", "second.toml", "third.toml"})

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd report: the data of its pages against the tables of other verbs, refusals, and that a page stands alone.
 // What a browser makes of the pages is tested in tests/report/.
-#include "../support/moving_case.hpp"
 #include "formats/report/run_report.hpp"
 #include "session.hpp"
 
@@ -132,9 +131,8 @@ std::vector<Value> unpacked(const Json& array) {
 
 TEST_CASE("report: spheres have their z, radii of the sweep, and modes of three components") {
   const Session session;
-  session.file("fcc.toml",
-               "[packing]\ngenerator = \"fcc\"\ncolumns = 3\nrows = 3\nlayers = 3\n[partition]\ngrid = [2, 2, 2]\n"
-               "[loads]\ncompression = [1.0, 0.5, 0.25]\n");
+  session.file("fcc.toml", case_text("fcc\ncolumns = 3\nrows = 3\nlayers = 3", "2, 2, 2",
+                                     "[loads]\ncompression = [1.0, 0.5, 0.25]\n"));
   answer(session, "report fcc.toml --epsilon 0.1,1 --eta 0.3,inf --no-optimum -o page.html");
   const Json data = data_of(session.read("page.html"));
   CHECK(data["dimension"] == 3);

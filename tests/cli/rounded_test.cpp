@@ -68,7 +68,7 @@ TEST_CASE("a rounded packing has the contacts and the radii of the exact one, an
 TEST_CASE("text and HDF5 files, cases and studies know the digits of their packing") {
   const Session session;
   session.file("rounded.txt", lattice(0.5, 0, " ", "# six digits\n", six_digits));
-  session.file("rounded.toml", "[packing]\nfile = \"rounded.txt\"\n[partition]\ngrid = [2, 1]\n");
+  session.file("rounded.toml", case_text("rounded.txt", "2, 1"));
   const std::string remark = "coordinates with 6 significant digits tell gaps to";
   CHECK(value(remarked(session, "inspect rounded.txt", remark), "contacts") == "161");
   CHECK(value(remarked(session, "inspect rounded.toml", remark), "contacts") == "161");
@@ -77,7 +77,7 @@ TEST_CASE("text and HDF5 files, cases and studies know the digits of their packi
   session.file("work/study.toml",
                "title = \"rounded\"\n[[table]]\nname = \"one\"\ncases = [\"rounded.toml\"]\nepsilon = \"1\"\n"
                "[[table]]\nname = \"two\"\ncases = [\"rounded.toml\"]\nobservable = \"grains\"\n");
-  session.file("work/rounded.toml", "[packing]\nfile = \"../rounded.txt\"\n[partition]\ngrid = [2, 1]\n");
+  session.file("work/rounded.toml", case_text("../rounded.txt", "2, 1"));
   const Outcome run = session.run(words("run work --output results"));
   CHECK(run.exit_code == 0);
   CAPTURE(run.standard_error);

@@ -25,12 +25,7 @@ const std::string small_study =
     "epsilon = 0\n"
     "vary = { \"packing.grains\" = [4, 6] }\n";
 
-const std::string small_case =
-    "[packing]\n"
-    "generator = \"strip\"\n"
-    "grains = 5\n"
-    "[partition]\n"
-    "grid = [2, 1]\n";
+const std::string small_case = case_text("strip\ngrains = 5", "2, 1");
 
 // A study folder with the baseline that its own run gives.
 void write_study(const Session& session) {

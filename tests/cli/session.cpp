@@ -94,12 +94,6 @@ void check_refused(const Session& session, const std::string& line, std::initial
 
 std::string row_of_three() { return "x,y,radius\n0,0,0.5\n1,0,0.5\n2,0,0.5\n9,9,0.5\n"; }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto position = text.find(from);
-  REQUIRE(position != std::string::npos);
-  return text.replace(position, from.size(), to);
-}
-
 std::string value(const std::string& report, const std::string& name) {
   std::istringstream lines(report);
   for (std::string line; std::getline(lines, line);)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "../support/moving_case.hpp"
 #include "../support/run_program.hpp"
+#include "../support/spoilt.hpp"
 
 #include <initializer_list>
 #include <string>
@@ -15,6 +17,7 @@ struct Session {
 
   void file(const std::string& name, const std::string& content) const { write_file(folder / name, content); }
   bool has(const std::string& name) const { return std::filesystem::exists(folder / name); }
+  std::string path(const std::string& name) const { return (folder / name).string(); }
   std::string read(const std::string& name) const { return read_file(folder / name); }
   Outcome run(const std::vector<std::string>& arguments, const RunOptions& options = {}) const {
     return run_program(folder.path(), arguments, options);
@@ -54,8 +57,5 @@ void check_refused(const Session& session, const std::string& line, std::initial
 
 /// Three touching disks in a row and one that touches nothing, as a packing file.
 std::string row_of_three();
-
-/// Text with its first `from` replaced; fails the test where there is none.
-std::string replaced(std::string text, const std::string& from, const std::string& to);
 
 }  // namespace nscdd::testing

@@ -90,7 +90,7 @@ TEST_CASE("text packings are read as CSV is, and one whose z differs is in space
   session.file("p.csv", "x,y,radius\n0,0,0.5\n1,0,0.5\n2,0,0.5\n1,1,0.5\n");
   session.file("p.txt", "# x y r\n0 0 0.5\n1 0 0.5\n2 0 0.5\n1 1 0.5\n");
   session.file("q.dat", "#format x_y_z_r\n0 0 3 0.5\n1 0 3 0.5\n2 0 3 0.5\n1 1 3 0.5\n");
-  session.file("case.toml", "[packing]\nfile = \"p.txt\"\n[partition]\ngrid = [2, 1]\n");
+  session.file("case.toml", case_text("p.txt", "2, 1"));
   session.file("space.txt", "0 0 0 0.5\n0 0 1 0.5\n0 1 0 0.5\n");
   session.file("space.csv", "x,y,radius,z\n0,0,0.5,0\n0,0,0.5,1\n0,1,0.5,0\n");
   const auto radius = [&](const std::string& name) {

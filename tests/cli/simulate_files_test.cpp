@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd simulate: links to a trajectory, names beside it, the table that a restart goes on with.
-#include "../support/moving_case.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 #include <nscdd/core/table.hpp>

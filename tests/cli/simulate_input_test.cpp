@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd simulate: what is refused, when, by which name; files of others; what a restart leaves to be read.
-#include "../support/moving_case.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 #include <nscdd/core/table.hpp>

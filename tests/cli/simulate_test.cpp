@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd simulate: what it prints and writes, going on, breakdowns, bad input, settled packings.
-#include "../support/moving_case.hpp"
 #include "files/csv.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
@@ -16,11 +15,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string path_of(const Session& session, const std::string& name) { return (session.folder / name).string(); }
-
 // Final states are the same to the last bit.
 void check_same_end(const Session& session, const std::string& one, const std::string& two) {
-  const auto a = nscdd::read_last_step(path_of(session, one)), b = nscdd::read_last_step(path_of(session, two));
+  const auto a = nscdd::read_last_step(session.path(one)), b = nscdd::read_last_step(session.path(two));
   CHECK(a.state.step == b.state.step);
   CHECK(a.state.x == b.state.x);
   CHECK(a.state.y == b.state.y);
@@ -52,7 +49,7 @@ struct MovingSession : Session {
 
 // The cache of settled packings, in a folder of the test's own.
 struct OwnCache {
-  explicit OwnCache(const Session& session) { ::setenv("NSCDD_CACHE", path_of(session, "cache").c_str(), 1); }
+  explicit OwnCache(const Session& session) { ::setenv("NSCDD_CACHE", session.path("cache").c_str(), 1); }
   ~OwnCache() { ::unsetenv("NSCDD_CACHE"); }
 };
 
@@ -79,7 +76,7 @@ TEST_CASE("simulate: overlaps above a tenth of a radius are noticed, above a hal
   CHECK(crushed.exit_code == 1);
   CHECK(contains(crushed.standard_error, "expected an overlap of at most 0.5 of the smaller radius"));
   CHECK(contains(crushed.standard_error, "disk 0 and the wall of boundary '"));
-  const auto last = nscdd::read_last_step(path_of(session, "crushed.h5"));
+  const auto last = nscdd::read_last_step(session.path("crushed.h5"));
   CHECK(last.state.step > 40);
   CHECK(last.state.step < 400);
 }
@@ -136,7 +133,7 @@ TEST_CASE("simulate: says how the run went, one row per iteration") {
                               "quad_dv", "mean_dv_over_r", "active", "stick", "slide", "status_changes", "seconds"});
   CHECK(rows.text(rows.rows.size() - 1, "step") == "5");
   for (std::size_t k = 0; k < rows.rows.size(); ++k) CHECK(rows.number(k, "iteration") <= 7);
-  CHECK(nscdd::read_summary(path_of(session, "run.h5"), "iterations").size() == 5);
+  CHECK(nscdd::read_summary(session.path("run.h5"), "iterations").size() == 5);
   CHECK(content_of(session.folder.path()).size() == 3);
 }
 
@@ -150,8 +147,8 @@ TEST_CASE("simulate: options reach the solver, threads leave every bit") {
                                           "--tolerance 0.1", "--iterations 5", "--set interaction.friction=0"}) {
     CAPTURE(options);
     answer(session, "simulate shear.toml --steps 3 --force -o other.h5 " + options);
-    CHECK(nscdd::read_last_step(path_of(session, "other.h5")).state.x !=
-          nscdd::read_last_step(path_of(session, "one.h5")).state.x);
+    CHECK(nscdd::read_last_step(session.path("other.h5")).state.x !=
+          nscdd::read_last_step(session.path("one.h5")).state.x);
   }
 }
 
@@ -163,7 +160,7 @@ TEST_CASE("simulate: 50 steps and a restart to 100 are 100, bit for bit, rows in
   answer(session, "simulate shear.toml --convergence parts.csv -o parts.h5 --steps 100 --restart");
   check_same_end(session, "whole.h5", "parts.h5");
   CHECK(without_seconds(session.read("parts.csv")) == without_seconds(session.read("whole.csv")));
-  CHECK(nscdd::trajectory_steps(path_of(session, "parts.h5")).size() == 101);
+  CHECK(nscdd::trajectory_steps(session.path("parts.h5")).size() == 101);
   const std::string again = answer(session, "simulate shear.toml -o parts.h5 --steps 100 --restart");
   CHECK(contains(again, "0 steps in this run, 100 of 100 in all"));
 }
@@ -180,8 +177,8 @@ TEST_CASE("simulate: a restart between two decompositions goes on with the one b
     const std::string restart = "simulate shear.toml --iterations 30 --restart " + options;
     answer(session, restart + " -o parts.h5 --steps 11");
     check_same_end(session, "whole.h5", "parts.h5");
-    CHECK(nscdd::read_last_step(path_of(session, "whole.h5")).state.eta ==
-          nscdd::read_last_step(path_of(session, "parts.h5")).state.eta);
+    CHECK(nscdd::read_last_step(session.path("whole.h5")).state.eta ==
+          nscdd::read_last_step(session.path("parts.h5")).state.eta);
   }
 }
 
@@ -189,7 +186,7 @@ TEST_CASE("simulate: the last state is kept whatever is saved") {
   const MovingSession session;
   answer(session, "simulate shear.toml -o whole.h5");
   answer(session, "simulate shear.toml -o thin.h5 --steps 13 --save-every 5");
-  CHECK(nscdd::trajectory_steps(path_of(session, "thin.h5")) == std::vector<nscdd::Index>{0, 5, 10, 13});
+  CHECK(nscdd::trajectory_steps(session.path("thin.h5")) == std::vector<nscdd::Index>{0, 5, 10, 13});
   answer(session, "simulate shear.toml -o thin.h5 --restart --save-every 100");
   check_same_end(session, "whole.h5", "thin.h5");
 }
@@ -208,14 +205,14 @@ TEST_CASE("simulate: killed at any moment it can be read and goes on") {
     const Outcome outcome = session.run(words(line + "run.h5" + restart), options);
     REQUIRE((outcome.exit_code == 128 + SIGKILL || outcome.exit_code == 0));
     kills += outcome.exit_code != 0;
-    const auto last = nscdd::read_last_step(path_of(session, "run.h5"));
-    CHECK(nscdd::read_summary(path_of(session, "run.h5"), "step").size() == static_cast<std::size_t>(last.state.step));
+    const auto last = nscdd::read_last_step(session.path("run.h5"));
+    CHECK(nscdd::read_summary(session.path("run.h5"), "step").size() == static_cast<std::size_t>(last.state.step));
     restart = " --restart";
   }
   CHECK(kills > 20);
   answer(session, line + "run.h5 --restart");
   check_same_end(session, "whole.h5", "run.h5");
-  CHECK(nscdd::trajectory_steps(path_of(session, "run.h5")).size() == 21);
+  CHECK(nscdd::trajectory_steps(session.path("run.h5")).size() == 21);
   CHECK(content_of(session.folder.path()).size() == 3);
 }
 
@@ -225,7 +222,7 @@ TEST_CASE("simulate: Ctrl-C keeps the steps done and says how to go on") {
   const Outcome outcome = session.run(words(line), {.signal_at = SignalAt{"rows.csv.partial", 1, SIGINT}});
   CHECK(outcome.exit_code == 130);
   CHECK(outcome.standard_output == "");
-  const auto steps = std::to_string(nscdd::read_last_step(path_of(session, "run.h5")).state.step);
+  const auto steps = std::to_string(nscdd::read_last_step(session.path("run.h5")).state.step);
   CHECK(contains(outcome.standard_error,
                  "run.h5: interrupted after " + steps + " of 2000 steps; --restart goes on with it"));
   CHECK(session.has("rows.csv.partial"));
@@ -240,7 +237,7 @@ TEST_CASE("simulate: a breakdown names the disk, keeps the last good state and e
   CHECK(contains(outcome.standard_output, "broke down: 10 steps in this run"));
   CHECK(contains(outcome.standard_error, "run.h5: broke down in step 11: disk "));
   CHECK(contains(outcome.standard_error, "it holds the last good state"));
-  CHECK(nscdd::read_last_step(path_of(session, "run.h5")).state.step == 10);
+  CHECK(nscdd::read_last_step(session.path("run.h5")).state.step == 10);
 }
 
 TEST_CASE("simulate: a step that explodes in few iterations, or has no numbers, is not the last good state") {
@@ -250,16 +247,16 @@ TEST_CASE("simulate: a step that explodes in few iterations, or has no numbers, 
   CHECK(exploded.exit_code == 1);
   CHECK(contains(exploded.standard_error, ": more energy than loads, boundaries and pushes can bring after "));
   CHECK(contains(exploded.standard_error, "contact of disk "));
-  const auto end = nscdd::read_last_step(path_of(session, "run.h5")).state;
+  const auto end = nscdd::read_last_step(session.path("run.h5")).state;
   for (const double speed : end.velocity_y) CHECK(std::abs(speed) < 10);
   session.file("light.csv", "x,y,radius,mass\n0,0,1,1\n2,0,1,1e-310\n4,0,1,1\n");
-  session.file("light.toml", "[packing]\nfile = \"light.csv\"\n[dynamics]\nsteps = 3\n[partition]\ngrid = [1, 1]\n");
+  session.file("light.toml", case_text("light.csv", "1, 1", "[dynamics]\nsteps = 3\n"));
   check_refused(session, "simulate light.toml -o light.h5",
                 {"light.toml: disk 1: expected a mass whose inverse is finite"});
   const Outcome none = session.run(words("simulate light.toml -o light.h5 --algorithm nlgs"));
   CHECK(none.exit_code == 1);
   CHECK(contains(none.standard_error, "not finite"));
-  CHECK(nscdd::read_last_step(path_of(session, "light.h5")).state.step == 0);
+  CHECK(nscdd::read_last_step(session.path("light.h5")).state.step == 0);
 }
 
 TEST_CASE("simulate: says what a reader of its numbers must know") {
@@ -271,8 +268,8 @@ TEST_CASE("simulate: says what a reader of its numbers must know") {
   CHECK_FALSE(contains(answer(session, "simulate shear.toml --steps 3 --iterations 100000 -o all.h5"), "attention"));
   session.file("inside.csv", "x,y,radius\n0,0,1\n1.9,0,1\n");
   session.file("inside.toml",
-               "[packing]\nfile = \"inside.csv\"\n[masses]\nmodel = \"unit\"\n[partition]\ngrid = [1, 1]\n"
-               "[dynamics]\nsteps = 2\nstep = 1e-4\ngravity = [0, 0]\n");
+               case_text("inside.csv", "1, 1",
+                         "[masses]\nmodel = \"unit\"\n[dynamics]\nsteps = 2\nstep = 1e-4\ngravity = [0, 0]\n"));
   CHECK_FALSE(contains(answer(session, "simulate inside.toml -o inside.h5"), "attention: contacts added "));
   const std::string pushed = " --force --set dynamics.maximum_push_speed=1e9";
   CHECK(contains(answer(session, "simulate inside.toml -o inside.h5" + pushed),
@@ -316,12 +313,12 @@ TEST_CASE("simulate: a full disk is an error and leaves the steps written before
   const Outcome outcome = session.run(words("simulate shear.toml --steps 400 --restart -o run.h5"), options);
   CHECK(outcome.exit_code == 2);
   CHECK(contains(outcome.standard_error, "nscdd: error: "));
-  const auto step = nscdd::read_last_step(path_of(session, "run.h5")).state.step;
+  const auto step = nscdd::read_last_step(session.path("run.h5")).state.step;
   CHECK(step >= 2);
   CHECK(step < 400);
   CHECK(!session.has("run.h5.next"));
   answer(session, "simulate shear.toml --steps 60 --restart -o run.h5");
-  CHECK(nscdd::read_last_step(path_of(session, "run.h5")).state.step == 60);
+  CHECK(nscdd::read_last_step(session.path("run.h5")).state.step == 60);
 }
 
 TEST_CASE("simulate: a settled packing is made once, kept, and made again where the cache is damaged") {
@@ -337,8 +334,8 @@ TEST_CASE("simulate: a settled packing is made once, kept, and made again where 
   const std::string good = read_file(entries[0]);
   // its grains are those the other case ends with
   answer(session, "simulate shear.toml -o settling.h5");
-  const auto settled = nscdd::read_last_step(path_of(session, "settling.h5")).state;
-  const auto begun = nscdd::read_trajectory_step(path_of(session, "first.h5"), 0).state;
+  const auto settled = nscdd::read_last_step(session.path("settling.h5")).state;
+  const auto begun = nscdd::read_trajectory_step(session.path("first.h5"), 0).state;
   for (std::size_t i = 0; i < 120; ++i) {
     CHECK(begun.x[i] == settled.x[i]);
     CHECK(begun.y[i] == settled.y[i]);
@@ -366,7 +363,7 @@ TEST_CASE("simulate: a case that is settled from itself is refused") {
   session.file("c.toml", settled("a.toml"));
   session.file("d.toml", settled("none.toml"));
   session.file("e.toml", settled("still.toml"));
-  session.file("still.toml", "[packing]\ngenerator = \"strip\"\n[partition]\ngrid = [1, 1]\n");
+  session.file("still.toml", case_text("strip"));
   check_refused(session, "simulate a.toml -o run.h5",
                 {"a.toml:3: packing.settled", "settled from itself", "a.toml -> b.toml -> c.toml -> a.toml"});
   check_refused(session, "simulate d.toml -o run.h5", {"d.toml:3", "none.toml", "no such file"});
@@ -375,10 +372,10 @@ TEST_CASE("simulate: a case that is settled from itself is refused") {
 
 TEST_CASE("simulate: --force does not replace what a run is made from") {
   const MovingSession session;
-  const std::string text = nscdd::read_text(path_of(session, "shear.toml"));
+  const std::string text = nscdd::read_text(session.path("shear.toml"));
   check_refused(session, "simulate shear.toml --steps 1 -o run.h5 --convergence shear.toml --force",
                 {"shear.toml", "which would be lost"});
-  CHECK(nscdd::read_text(path_of(session, "shear.toml")) == text);
+  CHECK(nscdd::read_text(session.path("shear.toml")) == text);
   CHECK_FALSE(fs::exists(session.folder / "run.h5"));
 }
 
@@ -391,7 +388,7 @@ TEST_CASE("simulate: prescribed grains start with their velocity, grains in each
   session.file("apart.csv", "x,y,radius\n0,0,1\n5,0,1\n");
   session.file("apart.toml", "[packing]\nfile = \"apart.csv\"" + rest);
   answer(session, "simulate apart.toml -o apart.h5");
-  const auto end = nscdd::read_last_step(path_of(session, "apart.h5")).state;
+  const auto end = nscdd::read_last_step(session.path("apart.h5")).state;
   CHECK(end.velocity_x == std::vector<double>{0, 0.5});
   CHECK(end.x[1] == doctest::Approx(5.005).epsilon(1e-14));
   CHECK(end.y[1] == doctest::Approx(-0.0025).epsilon(1e-14));
@@ -404,11 +401,11 @@ TEST_CASE("simulate: prescribed grains start with their velocity, grains in each
 TEST_CASE("simulate: what the first step cannot be made from is refused before --force replaces a run") {
   const MovingSession session;
   answer(session, "simulate shear.toml --steps 2 -o keep.h5");
-  const std::string before = nscdd::read_text(path_of(session, "keep.h5"));
+  const std::string before = nscdd::read_text(session.path("keep.h5"));
   session.file("fast.toml", moving_case() + "\n[[prescribed]]\ngrain = 0\nvelocity = [1e6, 0.0]\n");
   check_refused(session, "simulate fast.toml -o keep.h5 --force", {"disk 0", "radii in a step"});
   check_refused(session, "simulate shear.toml --subdomains 100000x100000 -o keep.h5 --force", {"100000"});
-  CHECK(nscdd::read_text(path_of(session, "keep.h5")) == before);
+  CHECK(nscdd::read_text(session.path("keep.h5")) == before);
   check_refused(session, "simulate fast.toml -o fast.h5", {"disk 0"});
   CHECK_FALSE(fs::exists(session.folder / "fast.h5"));
 }
@@ -417,10 +414,10 @@ TEST_CASE("simulate: a restart does not cut the finished table of another run") 
   const MovingSession session;
   answer(session, "simulate shear.toml --steps 3 -o long.h5 --convergence long.csv");
   answer(session, "simulate shear.toml --steps 1 -o short.h5");
-  const std::string before = nscdd::read_text(path_of(session, "long.csv"));
+  const std::string before = nscdd::read_text(session.path("long.csv"));
   check_refused(session, "simulate shear.toml --steps 2 -o short.h5 --restart --convergence long.csv",
                 {"long.csv", "a run of 1 steps", "later steps"});
-  CHECK(nscdd::read_text(path_of(session, "long.csv")) == before);
+  CHECK(nscdd::read_text(session.path("long.csv")) == before);
 }
 
 TEST_CASE("simulate: says that a semi-implicit step leaves jumps") {
@@ -455,7 +452,7 @@ TEST_CASE("simulate: grains that go on together leave no residual") {
                                                  " --convergence " + algorithm + ".csv --convergence-every 1");
     CHECK(contains(text, "steps: 6 converged"));
     CHECK_FALSE(contains(text, "attention"));
-    for (const double map : nscdd::read_summary(path_of(session, algorithm + ".h5"), "natural_map")) CHECK(map <= 1e-8);
+    for (const double map : nscdd::read_summary(session.path(algorithm + ".h5"), "natural_map")) CHECK(map <= 1e-8);
     const CsvTable rows = read_table(session.read(algorithm + ".csv"));
     for (std::size_t k = 0; k < rows.rows.size(); ++k) CHECK(rows.number(k, "natural_map") <= 1.0001);
     CHECK(rows.number(rows.rows.size() - 1, "natural_map") <= 1e-8);
@@ -478,7 +475,7 @@ TEST_CASE("simulate: walls that leave no room are named in the summary, the file
   CHECK(contains(closing.standard_output, "check first that the boundaries leave room"));
   CHECK_FALSE(contains(closing.standard_output, "--iterations allows more"));
   CHECK(contains(closing.standard_error, "closing.h5: " + said));
-  const std::string file = path_of(session, "closing.h5");
+  const std::string file = session.path("closing.h5");
   for (const double flag : nscdd::read_summary(file, "no_room")) CHECK(flag == 1);
   for (const double map : nscdd::read_summary(file, "natural_map")) CHECK(map > 1e-8);
   // E = max(|r^1|, p): the wall closes at 0.1 m/s on a disk of 1 kg.

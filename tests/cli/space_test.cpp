@@ -198,7 +198,7 @@ TEST_CASE("space: a lattice with holes, as its generator and as a file with z, h
   const Session session;
   answer(session, "generate fcc --set packing.vacancies=0.1 -o bed.csv");
   CHECK(contains(session.read("bed.csv"), "x,y,z,radius"));
-  session.file("bed.toml", "[packing]\ngenerator = \"fcc\"\nvacancies = 0.1\n[partition]\ngrid = [2, 2, 2]\n");
+  session.file("bed.toml", case_text("fcc\nvacancies = 0.1", "2, 2, 2"));
   const std::string options = " --epsilon 0.1,1 --eta 0.5 --solver ";
   const CsvTable dense = table(session, "sweep bed.toml" + options + "dense");
   const CsvTable file = table(session, "sweep bed.csv --subdomains 2x2x2" + options + "dense");
@@ -268,7 +268,7 @@ TEST_CASE("space: a deposit is made, looked at and studied like any other packin
 
 TEST_CASE("space: a study of a file with z takes tolerances of its columns along z") {
   const Session session;
-  session.file("study/bed.toml", "[packing]\nfile = \"bed.csv\"\n[partition]\ngrid = [2, 2, 2]\n");
+  session.file("study/bed.toml", case_text("bed.csv", "2, 2, 2"));
   session.file("study/fcc.toml", lattice);
   answer(session, "generate study/fcc.toml -o study/bed.csv");
   session.file("study/study.toml",

@@ -115,14 +115,14 @@ TEST_CASE("step length: a shaken floor ends no run whose overlaps are small") {
       for (int k = 0; k < 20; ++k)  // 2 m/s at 25 Hz
         motion += (k > 0 ? ", [" : "[") + std::to_string(0.005 * k) + ", 0.0, " +
                   std::to_string(2 * std::sin(0.785398 * k)) + ", 0.0]";
-      session.file("shaken.toml",
-                   "[packing]\nfile = \"row.csv\"\n[masses]\nmodel = \"given\"\n[partition]\ngrid = [1, 1]\n"
-                   "[interaction]\nfriction = 0.3\nrestitution = " +
-                       std::to_string(restitution) + "\n[dynamics]\nstep = " + std::to_string(step) +
-                       "\nsteps = " + std::to_string(static_cast<int>(0.08 / step)) +
-                       "\ngravity = [0, -9.81]\n[[boundary]]\nname = \"floor\"\nshape = \"wall\"\n"
-                       "from = [-1, 0]\nto = [2, 0]\nmotion = [" +
-                       motion + "]\n");
+      session.file(
+          "shaken.toml",
+          case_text("row.csv", "1, 1", "[masses]\nmodel = \"given\"\n[interaction]\nfriction = 0.3\nrestitution = ") +
+              std::to_string(restitution) + "\n[dynamics]\nstep = " + std::to_string(step) +
+              "\nsteps = " + std::to_string(static_cast<int>(0.08 / step)) +
+              "\ngravity = [0, -9.81]\n[[boundary]]\nname = \"floor\"\nshape = \"wall\"\n"
+              "from = [-1, 0]\nto = [2, 0]\nmotion = [" +
+              motion + "]\n");
       const Outcome outcome = session.run(words("simulate shaken.toml --force -o shaken.h5"));
       CHECK(outcome.exit_code == 0);
       CHECK(!contains(outcome.standard_error + outcome.standard_output, "too long"));

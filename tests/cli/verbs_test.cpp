@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The verbs beside sweep and run: network, inspect, optimum, generate, list, and the help of all.
 #include "../support/fclib_files.hpp"
-#include "../support/moving_case.hpp"
 #include "session.hpp"
 
 #include <doctest/doctest.h>
@@ -253,7 +252,7 @@ TEST_CASE("inspect: hyperstaticity of a lattice") {
 TEST_CASE("inspect and network: a case that moves may overlap as its simulation accepts") {
   const Session session;
   session.file("pair.csv", "x,y,radius,mass\n0,0,1,1\n1.93,0,1,1\n");
-  session.file("pair.toml", "[packing]\nfile = \"pair.csv\"\n[partition]\ngrid = [1, 1]\n[dynamics]\nsteps = 1\n");
+  session.file("pair.toml", case_text("pair.csv", "1, 1", "[dynamics]\nsteps = 1\n"));
   answer(session, "simulate pair.toml -o run.h5");
   CHECK(std::stod(entry(answer(session, "inspect pair.toml"), "largest overlap")) == doctest::Approx(0.07));
   CHECK(table(session, "network pair.toml --prescribed 0:1:0").number(0, "gap") == doctest::Approx(-0.07));

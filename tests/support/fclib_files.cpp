@@ -6,6 +6,7 @@
 
 #include <hdf5.h>
 
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 
@@ -241,6 +242,12 @@ GlobalFrictionProblem with_rotations(const Packing& packing, const ContactNetwor
   problem.w = Vector::Zero(2 * network.size());
   problem.friction = Vector::Constant(network.size(), friction);
   return problem;
+}
+
+bool same_bits(const Vector& a, const Vector& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
+           return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+         });
 }
 
 }  // namespace nscdd::testing

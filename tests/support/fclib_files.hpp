@@ -44,4 +44,6 @@ LocalFrictionProblem in_space(const LocalFrictionProblem& plane);
 GlobalFrictionProblem with_rotations(const Packing& packing, const ContactNetwork& network,
                                      const Vector& arriving_velocity, double friction);
 
+bool same_bits(const Vector& a, const Vector& b);
+
 }  // namespace nscdd::testing

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "moving_case.hpp"
 
+#include "spoilt.hpp"
+
 namespace nscdd::testing {
 
 std::string moving_case() {
@@ -48,6 +50,17 @@ to = [3, 1]
 centre = [3, 0]
 motion = [[0, 0, 0, 0], [0.02, 0, 0, -0.075]]
 )";
+}
+
+std::string small_moving_case() {
+  return replaced(replaced(moving_case(), "grains = 120", "grains = 30"), "steps = 20", "steps = 12");
+}
+
+std::string case_text(const std::string& packing, const std::string& grid, const std::string& more) {
+  const std::size_t end = std::min(packing.find('\n'), packing.size());
+  const std::string first = packing.substr(0, end), parameters = packing.substr(end);
+  return "[packing]\n" + std::string(first.find_first_of("./") == std::string::npos ? "generator" : "file") + " = \"" +
+         first + "\"" + parameters + "\n[partition]\ngrid = [" + grid + "]\n" + more;
 }
 
 }  // namespace nscdd::testing

@@ -1,27 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sections of a case file that make it move.
 #include "../support/moving_case.hpp"
+#include "../support/spoilt.hpp"
 #include "formats/case/case_file.hpp"
 
 #include <doctest/doctest.h>
 
 using namespace nscdd;
-using nscdd::testing::moving_case;
+using namespace nscdd::testing;
 
 namespace {
 
 CaseSpec parse(const std::string& text) { return parse_case(text, "c.toml"); }
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  const auto position = text.find(what);
-  REQUIRE(position != std::string::npos);
-  return text.replace(position, what.size(), by);
+void refused(const std::string& text, const Names& names) {
+  CAPTURE(text);
+  check_error([&] { parse(text); }, names);
 }
 
-void require_error(const std::string& text, const std::string& part) {
-  CAPTURE(text);
-  CHECK_THROWS_WITH_AS(parse(text), doctest::Contains(part.c_str()), Error);
-}
+const Spoilt spoilt{moving_case(), parse};
 
 }  // namespace
 
@@ -41,7 +38,7 @@ TEST_CASE("moving case: everything read") {
   CHECK(dynamics.boundaries[2].shape == BoundaryShape::wall);
   CHECK(dynamics.boundaries[2].motion.time == std::vector<double>{0, 0.02});
   CHECK(dynamics.boundaries[2].motion.velocity[1].spin == -0.075);
-  CHECK(!parse("[packing]\ngenerator = \"strip\"\n[partition]\ngrid = [1, 1]\n").dynamics);
+  CHECK(!parse(case_text("strip")).dynamics);
 }
 
 TEST_CASE("moving case: written and read back it is the same case") {
@@ -63,55 +60,46 @@ TEST_CASE("moving case: written and read back it is the same case") {
 }
 
 TEST_CASE("moving case: every error names file, line and key") {
-  const std::string good = moving_case();
-  require_error(replaced(good, "friction = 0.3", "frictions = 0.3"), "c.toml:12: unknown key 'interaction.frictions'");
-  require_error(replaced(good, "friction = 0.3", "friction = -1"), "c.toml:12: interaction.friction");
-  require_error(replaced(good, "friction = 0.3", "law = \"glue\""), "c.toml:12: interaction.law");
-  require_error(replaced(good, "steps = 20", "steps = 2.5"), "c.toml:15: dynamics.steps: expected an integer");
-  require_error(replaced(good, "step = 0.005", "step = 0"), "c.toml:14: dynamics.step: expected");
-  require_error(replaced(good, "step = 0.005", "theta = 0.4"), "c.toml:14: dynamics.theta");
-  require_error(replaced(good, "\"generic\"", "\"gauss\""), "c.toml:17: solver.algorithm: expected one of");
-  require_error(replaced(good, "warm_start = true", "warm_start = 1"), "c.toml:18: solver.warm_start");
-  require_error(replaced(good, "warm_start = true", "eta = \"best\""),
-                "c.toml:18: solver.eta: expected \"optimal\", a number > 0 in 1/kg such as 0.5, or a multiple of the "
-                "mean of W_nn such as \"30 W\", met \"best\"");
-  require_error(replaced(good, "warm_start = true", "eta = true"), "such as \"30 W\", met the boolean 'true'");
-  require_error(replaced(good, "warm_start = true", "eta = \"0\""), "c.toml:18: solver.eta");
-  require_error(replaced(good, "warm_start = true", "eta = 0"), "c.toml:18: solver.eta");
-  require_error(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"-1 W\""),
-                "c.toml:13: interaction.epsilon: expected a finite number >= 0, met -1");
-  require_error(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"2 V\""),
-                "c.toml:13: interaction.epsilon: expected a number in 1/kg such as 0.5, or a multiple of the mean of "
-                "W_nn such as \"30 W\", met \"2 V\"");
-  require_error(replaced(good, "[dynamics]\nstep = 0.005\nsteps = 20\n", ""),
-                "c.toml:11: interaction: expected a section [dynamics] with it, met none");
-  require_error(replaced(good, "[dynamics]", "[dynamic]"), "unknown key 'dynamic'");
+  spoilt("friction = 0.3", "frictions = 0.3", {"c.toml:12: unknown key 'interaction.frictions'"});
+  spoilt("friction = 0.3", "friction = -1", {"c.toml:12: interaction.friction"});
+  spoilt("friction = 0.3", "law = \"glue\"", {"c.toml:12: interaction.law"});
+  spoilt("steps = 20", "steps = 2.5", {"c.toml:15: dynamics.steps:", "integer"});
+  spoilt("step = 0.005", "step = 0", {"c.toml:14: dynamics.step:"});
+  spoilt("step = 0.005", "theta = 0.4", {"c.toml:14: dynamics.theta"});
+  spoilt("\"generic\"", "\"gauss\"", {"c.toml:17: solver.algorithm:", "one of"});
+  spoilt("warm_start = true", "warm_start = 1", {"c.toml:18: solver.warm_start"});
+  spoilt("warm_start = true", "eta = \"best\"", {"c.toml:18: solver.eta:", "\"optimal\"", "30 W", "met \"best\""});
+  spoilt("warm_start = true", "eta = true", {"30 W", "met the boolean 'true'"});
+  spoilt("warm_start = true", "eta = \"0\"", {"c.toml:18: solver.eta"});
+  spoilt("warm_start = true", "eta = 0", {"c.toml:18: solver.eta"});
+  spoilt("friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"-1 W\"",
+         {"c.toml:13: interaction.epsilon:", ">= 0", "met -1"});
+  spoilt("friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"2 V\"",
+         {"c.toml:13: interaction.epsilon:", "30 W", "met \"2 V\""});
+  spoilt("[dynamics]\nstep = 0.005\nsteps = 20\n", "", {"c.toml:11: interaction:", "[dynamics]", "met none"});
+  spoilt("[dynamics]", "[dynamic]", {"unknown key 'dynamic'"});
 }
 
 TEST_CASE("moving case: a value without effect is refused, and written as its default") {
   const std::string good = moving_case();
-  require_error(replaced(good, "warm_start = true", "eta = \"3\""),
-                "c.toml:18: solver.eta: expected solver.algorithm enriched with it, met generic");
-  require_error(replaced(good, "warm_start = true", "enrichment = \"semi_implicit\""), "c.toml:18: solver.enrichment");
-  require_error(replaced(good, "warm_start = true", "seed = 7"),
-                "c.toml:18: solver.seed: expected solver.order random with it, met natural");
-  require_error(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
-                "c.toml:18: solver.redecompose: expected solver.algorithm generic, enriched, two_stage_newton or "
-                "two_stage_admm with it, met nlgs");
-  require_error(replaced(good, "friction = 0.3", "cohesion = 3"),
-                "c.toml:12: interaction.cohesion: expected interaction.law cohesive with it, met coulomb");
-  require_error(replaced(good, "friction = 0.3", "boundary_friction = -0.5"),
-                "c.toml:12: interaction.boundary_friction: expected a finite number >= 0 and <= 100, or -1");
+  spoilt("warm_start = true", "eta = \"3\"", {"c.toml:18: solver.eta:", "solver.algorithm enriched", "met generic"});
+  spoilt("warm_start = true", "enrichment = \"semi_implicit\"", {"c.toml:18: solver.enrichment"});
+  spoilt("warm_start = true", "seed = 7", {"c.toml:18: solver.seed:", "solver.order random", "met natural"});
+  refused(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
+          {"c.toml:18: solver.redecompose:", "solver.algorithm generic", "two_stage_admm", "met nlgs"});
+  spoilt("friction = 0.3", "cohesion = 3",
+         {"c.toml:12: interaction.cohesion:", "interaction.law cohesive", "met coulomb"});
+  spoilt("friction = 0.3", "boundary_friction = -0.5",
+         {"c.toml:12: interaction.boundary_friction:", ">= 0", "<= 100", "-1"});
   CHECK(parse(replaced(good, "friction = 0.3", "boundary_friction = -1")).dynamics.has_value());
-  require_error(replaced(good, "warm_start = true", "switch_after = 3"),
-                "c.toml:18: solver.switch_after: expected solver.switch linear");
-  require_error(replaced(good, "warm_start = true", "switch = \"linear\"\ninterface_method = \"conjugate_gradient\""),
-                "c.toml:18: solver.switch: expected solver.interface_method richardson with it");
-  require_error(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "switch = \"linear\""),
-                "c.toml:18: solver.switch: expected solver.algorithm generic or enriched with it, met nlgs");
-  require_error(replaced(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = 1"), "warm_start = true",
-                         "switch = \"linear\""),
-                "solver.switch: expected interaction.law coulomb, frictionless or cohesive with it");
+  spoilt("warm_start = true", "switch_after = 3", {"c.toml:18: solver.switch_after:", "solver.switch linear"});
+  spoilt("warm_start = true", "switch = \"linear\"\ninterface_method = \"conjugate_gradient\"",
+         {"c.toml:18: solver.switch:", "solver.interface_method richardson"});
+  refused(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "switch = \"linear\""),
+          {"c.toml:18: solver.switch:", "solver.algorithm generic", "met nlgs"});
+  refused(replaced(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = 1"), "warm_start = true",
+                   "switch = \"linear\""),
+          {"solver.switch:", "interaction.law coulomb"});
   CaseSpec one = parse(good);
   one.dynamics->solver.eta = "3";
   CHECK(to_toml(one) == to_toml(parse(good)));
@@ -153,24 +141,24 @@ TEST_CASE("moving case: where no algorithm is stated, keys that auto has no use 
                     "\"natural\"\ncriterion = \"zeta\"\n",
                     line + "\n");
   };
-  const std::string swept = "expected solver.algorithm nlgs, generic or enriched with it, met auto, the default";
-  const std::string divided = "expected solver.algorithm generic or enriched with it, met auto, the default";
-  require_error(with("gauss_seidel_sweeps = 1"), "c.toml:17: solver.gauss_seidel_sweeps: " + swept);
-  require_error(with("order = \"interleaved\""), "c.toml:17: solver.order: " + swept);
-  require_error(with("criterion = \"zeta\""), "c.toml:17: solver.criterion: " + swept);
-  require_error(with("gluing_tolerance = 0.01"), "c.toml:17: solver.gluing_tolerance: " + divided);
-  require_error(with("switch = \"none\""), "c.toml:17: solver.switch: " + divided);
-  require_error(with("eta = \"30 W\""),
-                "c.toml:17: solver.eta: expected solver.algorithm enriched with it, met auto, the default");
+  const auto refused_by_auto = [&](const std::string& line, const std::string& key, const std::string& algorithm) {
+    refused(with(line), {"c.toml:17: solver." + key + ":", "solver.algorithm " + algorithm, "met auto, the default"});
+  };
+  refused_by_auto("gauss_seidel_sweeps = 1", "gauss_seidel_sweeps", "nlgs");
+  refused_by_auto("order = \"interleaved\"", "order", "nlgs");
+  refused_by_auto("criterion = \"zeta\"", "criterion", "nlgs");
+  refused_by_auto("gluing_tolerance = 0.01", "gluing_tolerance", "generic");
+  refused_by_auto("switch = \"none\"", "switch", "generic");
+  refused_by_auto("eta = \"30 W\"", "eta", "enriched");
   CHECK(parse(with("criterion = \"natural_map\"\ncontact_relaxation = 1.2")).dynamics->solver.algorithm == "auto");
   CHECK(parse(with("algorithm = \"auto\"\norder = \"interleaved\"")).dynamics.has_value());  // as it is written
-  require_error(with("algorithm = \"auto\"\ncriterion = \"zeta\""),
-                "c.toml:18: solver.criterion: expected solver.algorithm nlgs, generic or enriched with it, met auto");
+  refused(with("algorithm = \"auto\"\ncriterion = \"zeta\""),
+          {"c.toml:18: solver.criterion:", "solver.algorithm nlgs", "met auto"});
 }
 
 TEST_CASE("moving case: in the case of a trajectory values without effect may be other defaults") {
   const std::string text = replaced(moving_case(), "\"zeta\"", "\"none\"");  // with a tolerance of 1e-4
-  require_error(text, "c.toml:22: solver.tolerance: expected solver.criterion zeta");
+  refused(text, {"c.toml:22: solver.tolerance:", "solver.criterion zeta"});
   const CaseSpec earlier = parse_case(text, "run.h5: case", true);
   CHECK(earlier.dynamics->solver.criterion == "none");
   CHECK(to_toml(parse(to_toml(earlier))) == to_toml(earlier));
@@ -178,30 +166,26 @@ TEST_CASE("moving case: in the case of a trajectory values without effect may be
 
 TEST_CASE("moving case: every error of a boundary names file, line and key") {
   const std::string good = moving_case();
-  require_error(replaced(good, "name = \"floor\"", "name = \"left\""),
-                "boundary[1].name: expected each name once, met \"left\" again");
-  require_error(replaced(good, "name = \"floor\"\n", ""), "boundary[0].name: expected a value, met none");
+  spoilt("name = \"floor\"", "name = \"left\"", {"boundary[1].name:", "met \"left\" again"});
+  spoilt("name = \"floor\"\n", "", {"boundary[0].name:", "met none"});
   for (const std::string name : {"", "a\\nb", "tab\\t", "\\u007f"})
-    require_error(replaced(good, "name = \"floor\"", "name = \"" + name + "\""),
-                  "boundary[0].name: expected a text of one line");
-  require_error(replaced(good, "shape = \"wall\"", "shape = \"spheres\""),
-                "boundary[2].shape: expected one of \"wall\", \"disks\", \"grains\", \"cylinder\", met \"spheres\"");
-  require_error(replaced(good, "shape = \"disks\"", "shape = \"wall\""), "unknown key 'boundary[0].radius'");
-  require_error(replaced(good, "shape = \"wall\"", "shape = \"grains\""),
-                "boundary[2].first: expected a value, met none");
-  require_error(replaced(good, "spin = -0.075\n", "orientation = \"free\"\n"),
-                "boundary[1].orientation: expected one of \"turning\", \"fixed\", met \"free\"");
-  require_error(replaced(good, "centre = [3, 0]", "orientation = \"fixed\""), "unknown key 'boundary[2].orientation'");
-  require_error(replaced(good, "to = [3, 1]", "to = [3, 0]"), "boundary[2].to: expected another point");
-  require_error(replaced(good, "radius = 0.198\n[[", "radius = -1\n[["), "boundary[0].radius");
-  require_error(replaced(good, "centre = [3, 0]", "centre = [3, inf]"), "boundary[2].centre");
-  require_error(replaced(good, "centre = [3, 0]", "spin = 1"),
-                "boundary[2].motion: expected either motion = ... or velocity and spin, met both");
-  require_error(replaced(good, "[0.02, 0, 0, -0.075]", "[0, 0, 0, 1]"),
-                "boundary[2].motion: expected ascending times, met 0 s after 0 s");
-  require_error(replaced(good, "[0.02, 0, 0, -0.075]", "[0.02, 0, 0]"), "boundary[2].motion");
-  require_error(replaced(good, "[0.02, 0, 0, -0.075]", "[0.02, 0, 0, nan]"), "boundary[2].motion");
-  require_error(replaced(good, "[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]", "[]"), "met an empty array");
+    refused(replaced(good, "name = \"floor\"", "name = \"" + name + "\""),
+            "boundary[0].name: expected a text of one line");
+  spoilt("shape = \"wall\"", "shape = \"spheres\"",
+         {"boundary[2].shape:", "wall", "disks", "grains", "cylinder", "met \"spheres\""});
+  spoilt("shape = \"disks\"", "shape = \"wall\"", {"unknown key 'boundary[0].radius'"});
+  spoilt("shape = \"wall\"", "shape = \"grains\"", {"boundary[2].first:", "met none"});
+  spoilt("spin = -0.075\n", "orientation = \"free\"\n",
+         {"boundary[1].orientation:", "turning", "fixed", "met \"free\""});
+  spoilt("centre = [3, 0]", "orientation = \"fixed\"", {"unknown key 'boundary[2].orientation'"});
+  spoilt("to = [3, 1]", "to = [3, 0]", {"boundary[2].to:", "point"});
+  spoilt("radius = 0.198\n[[", "radius = -1\n[[", {"boundary[0].radius"});
+  spoilt("centre = [3, 0]", "centre = [3, inf]", {"boundary[2].centre"});
+  spoilt("centre = [3, 0]", "spin = 1", {"boundary[2].motion:", "met both"});
+  spoilt("[0.02, 0, 0, -0.075]", "[0, 0, 0, 1]", {"boundary[2].motion:", "met 0 s after 0 s"});
+  spoilt("[0.02, 0, 0, -0.075]", "[0.02, 0, 0]", {"boundary[2].motion"});
+  spoilt("[0.02, 0, 0, -0.075]", "[0.02, 0, 0, nan]", {"boundary[2].motion"});
+  spoilt("[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]", "[]", {"met an empty array"});
 }
 
 TEST_CASE("moving case: parameters are overridden by their path") {
@@ -217,8 +201,7 @@ TEST_CASE("moving case: parameters are overridden by their path") {
   CHECK_THROWS_WITH_AS(override_case(one, "solver.eta", "-1"), doctest::Contains("solver.eta"), Error);
   CHECK_THROWS_WITH_AS(override_case(one, "dynamics.stepps", "7"), doctest::Contains("dynamics.step,"), Error);
   one.dynamics.reset();
-  CHECK_THROWS_WITH_AS(override_case(one, "dynamics.steps", "7"),
-                       doctest::Contains("expected a case with a section [dynamics]"), Error);
+  check_error([&] { override_case(one, "dynamics.steps", "7"); }, {"[dynamics]"});
 }
 
 TEST_CASE("settled packing: read and written by the name of its case, not settled by reading") {
@@ -227,31 +210,29 @@ TEST_CASE("settled packing: read and written by the name of its case, not settle
   CHECK(std::get<SettledFrom>(spec.packing).name == "bed");
   CHECK(to_toml(parse(to_toml(spec))) == to_toml(spec));
   CHECK_THROWS_WITH_AS(override_case(spec, "packing.grains", "7"), doctest::Contains("is settled"), Error);
-  CHECK_THROWS_WITH_AS(resolve(spec), doctest::Contains("c.toml:2: packing.settled: expected a generator or a file"),
-                       Error);
+  check_error([&] { resolve(spec); }, {"c.toml:2: packing.settled:", "file"});
   const Case settled{spec, {{0.5}, {1}, {0.25}, {3}}};
   CHECK(packing_of(settled).mass == std::vector<double>{3});
-  require_error("[packing]\nsettled = \"bed\"\nfile = \"a.csv\"\n[partition]\ngrid = [1, 1]\n", "met more");
+  refused("[packing]\nsettled = \"bed\"\nfile = \"a.csv\"\n[partition]\ngrid = [1, 1]\n", {"met more"});
 }
 
 TEST_CASE("moving case: what grains and criteria refuse names file, line and key") {
-  const auto refused = [](const std::string& text, const std::string& part) {
-    CAPTURE(text);
-    CHECK_THROWS_WITH_AS(simulation_of({parse(text)}), doctest::Contains(part.c_str()), Error);
+  const auto refused_when_built = [](const std::string& text, const Names& names) {
+    check_error([&] { simulation_of({parse(text)}); }, names);
   };
   const std::string good = moving_case();
-  refused(good + "[[prescribed]]\ngrain = 120\nvelocity = [0, 1]\n",
-          "c.toml:45: prescribed[0].grain: expected a grain in 0..119");
-  refused(good + "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 130\nlast = 3\n",
-          "c.toml:47: boundary[3].first: expected grains first <= last in 0..119");
+  refused_when_built(good + "[[prescribed]]\ngrain = 120\nvelocity = [0, 1]\n",
+                     {"c.toml:45: prescribed[0].grain:", "0..119"});
+  refused_when_built(good + "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 130\nlast = 3\n",
+                     {"c.toml:47: boundary[3].first:", "0..119"});
   const std::string plain = replaced(replaced(good, "\"generic\"", "\"nlgs\""), "\"zeta\"", "\"gluing\"");
-  refused(plain, "c.toml:21: solver.criterion: expected solver.algorithm generic or enriched");
+  refused_when_built(plain, {"c.toml:21: solver.criterion:", "solver.algorithm generic"});
   const std::string undivided =
       replaced(replaced(good, "\"generic\"\nwarm_start = true", "\"auto\""), "criterion = \"zeta\"\n", "");
-  require_error(undivided, "solver.order: expected solver.algorithm nlgs, generic or enriched with it, met auto");
-  refused(replaced(replaced(undivided, "order = \"natural\"\n", ""), "friction = 0.3",
-                   "law = \"linear_viscous\"\nepsilon = 1"),
-          "c.toml:18: solver.algorithm: expected nlgs, generic or enriched with law linear_viscous, met auto");
+  refused(undivided, {"solver.order:", "solver.algorithm nlgs", "met auto"});
+  refused_when_built(replaced(replaced(undivided, "order = \"natural\"\n", ""), "friction = 0.3",
+                              "law = \"linear_viscous\"\nepsilon = 1"),
+                     {"c.toml:18: solver.algorithm:", "met auto"});
   CaseSpec one_subdomain = parse(good);  // where a loop over their numbers begins
   override_case(one_subdomain, "solver.criterion", "gluing");
   override_case(one_subdomain, "partition.grid", "1,1");
@@ -306,39 +287,34 @@ TEST_CASE("moving case in space: boundaries are read, written and read again; mi
   CHECK(found[1].side == CylinderSide::outside);
   CHECK(found[1].radius == 1.5);
   CHECK(found[2].orientation == Orientation::fixed);
-  require_error(replaced(text, "velocity = [7, 8, 9]", "velocity = [7, 8]"),
-                "boundary[0].velocity: expected numbers for space as in point, met numbers for the plane");
-  require_error(replaced(text, "spin = [0.1, 0.2, 0.3]", "spin = 0.1"),
-                "boundary[0].spin: expected numbers for space as in point, met numbers for the plane");
-  require_error(replaced(text, "[0.5, 1, 2, 3, 4, 5, 6]", "[0.5, 1, 2, 3]"),
-                "boundary[1].motion: expected numbers for");
-  require_error(replaced(text, "point = [1, 2, 3]\nnormal", "from = [1, 2, 3]\nto"),
-                "boundary[0].from: expected point and normal of a wall in space, met from and to");
-  require_error(replaced(text, "radius = 1.5", "radius = 0"), "boundary[1].radius");
-  require_error(replaced(text, "normal = [0, 0, 2]", "normal = [0, 0, 0]"), "normal: expected a direction");
+  const Spoilt in_space{text, parse};
+  in_space("velocity = [7, 8, 9]", "velocity = [7, 8]", {"boundary[0].velocity:", "met numbers for the plane"});
+  in_space("spin = [0.1, 0.2, 0.3]", "spin = 0.1", {"boundary[0].spin:", "met numbers for the plane"});
+  in_space("[0.5, 1, 2, 3, 4, 5, 6]", "[0.5, 1, 2, 3]", {"boundary[1].motion:", "numbers"});
+  in_space("point = [1, 2, 3]\nnormal", "from = [1, 2, 3]\nto", {"boundary[0].from:", "met from and to"});
+  in_space("radius = 1.5", "radius = 0", {"boundary[1].radius"});
+  in_space("normal = [0, 0, 2]", "normal = [0, 0, 0]", {"normal:", "direction"});
 }
 
 TEST_CASE("moving case in space: boundaries and gravity of the other dimension are refused by name") {
-  const std::string space =
-      "[packing]\ngenerator = \"fcc\"\n[partition]\ngrid = [1, 1, 1]\n[masses]\ndensity = 1\n"
-      "[dynamics]\nsteps = 1\n";
-  const auto refused = [](const std::string& text, const char* part) {
-    CAPTURE(text);
-    CHECK_THROWS_WITH_AS(simulation_of(resolve(parse(text))), doctest::Contains(part), Error);
+  const std::string space = case_text("fcc", "1, 1, 1", "[masses]\ndensity = 1\n[dynamics]\nsteps = 1\n");
+  const auto refused_when_built = [](const std::string& text, const Names& names) {
+    check_error([&] { simulation_of(resolve(parse(text))); }, names);
   };
-  refused(space + "gravity = [0, -9.81]\n", "dynamics.gravity: expected three numbers for a packing in space");
-  refused(space + "[[boundary]]\nname = \"f\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n",
-          "boundary 'f': expected a wall by point and normal");
-  refused(space + "[[boundary]]\nname = \"f\"\nshape = \"disks\"\nfrom = [0, 0]\nto = [1, 0]\nradius = 1\n",
-          "boundary 'f': expected shape wall, cylinder or grains for a packing in space, met disks");
-  refused(space + "[[boundary]]\nname = \"f\"\nshape = \"grains\"\nfirst = 0\nlast = 0\nspin = 1\n",
-          "boundary 'f': expected three components for a packing in space, met two");
-  refused(space + "[solver]\nalgorithm = \"generic\"\nswitch = \"homogenised\"\n",
-          "solver.switch: expected none or linear");
+  refused_when_built(space + "gravity = [0, -9.81]\n", {"dynamics.gravity:", "space"});
+  refused_when_built(space + "[[boundary]]\nname = \"f\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n",
+                     {"boundary 'f':", "normal"});
+  refused_when_built(space + "[[boundary]]\nname = \"f\"\nshape = \"disks\"\nfrom = [0, 0]\nto = [1, 0]\nradius = 1\n",
+                     {"boundary 'f':", "met disks"});
+  refused_when_built(space + "[[boundary]]\nname = \"f\"\nshape = \"grains\"\nfirst = 0\nlast = 0\nspin = 1\n",
+                     {"boundary 'f':", "met two"});
+  refused_when_built(space + "[solver]\nalgorithm = \"generic\"\nswitch = \"homogenised\"\n",
+                     {"solver.switch:", "linear"});
   const std::string plane = replaced(replaced(space, "fcc", "hexagonal"), "[1, 1, 1]", "[1, 1]");
-  refused(plane + "gravity = [0, 0, -9.81]\n", "dynamics.gravity: expected two numbers for a packing in the plane");
-  refused(plane + "[[boundary]]\nname = \"d\"\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 1, 0]\nradius = 9\n",
-          "boundary 'd': expected shape wall, disks or grains for a packing in the plane, met cylinder");
-  refused(plane + "[[boundary]]\nname = \"f\"\nshape = \"wall\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n",
-          "boundary 'f': expected a wall by from and to");
+  refused_when_built(plane + "gravity = [0, 0, -9.81]\n", {"dynamics.gravity:", "plane"});
+  refused_when_built(
+      plane + "[[boundary]]\nname = \"d\"\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 1, 0]\nradius = 9\n",
+      {"boundary 'd':", "met cylinder"});
+  refused_when_built(plane + "[[boundary]]\nname = \"f\"\nshape = \"wall\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n",
+                     {"boundary 'f':", "from"});
 }

@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/fclib_files.hpp"
+#include "../support/spoilt.hpp"
 #include "files/hdf5.hpp"
 #include <nscdd/formats/fclib.hpp>
 
 #include <doctest/doctest.h>
 
-#include <bit>
-
 using namespace nscdd;
 using namespace nscdd::testing;
 
 namespace {
-
-bool same_bits(const Vector& a, const Vector& b) {
-  if (a.size() != b.size()) return false;
-  for (Index i = 0; i < a.size(); ++i)
-    if (std::bit_cast<std::uint64_t>(a[i]) != std::bit_cast<std::uint64_t>(b[i])) return false;
-  return true;
-}
 
 bool same_bits(const SparseMatrix& a, const SparseMatrix& b) {
   if (a.rows() != b.rows() || a.cols() != b.cols() || a.nonZeros() != b.nonZeros()) return false;
@@ -31,8 +23,8 @@ bool same_bits(const FclibSolution& a, const FclibSolution& b) {
   return same_bits(a.v, b.v) && same_bits(a.u, b.u) && same_bits(a.r, b.r);
 }
 
-void refused(const std::string& bytes, const std::string& message) {
-  CHECK_THROWS_WITH_AS(fclib_from_hdf5(bytes, "p.hdf5"), doctest::Contains(message.c_str()), Error);
+void refused(const std::string& bytes, const Names& names) {
+  check_error([&] { fclib_from_hdf5(bytes, "p.hdf5"); }, names);
 }
 
 // A global problem of five bodies as FCLIB would write it, with changes.
@@ -148,25 +140,24 @@ TEST_CASE("problems in space read back bit for bit, and their bodies have six ro
 
 TEST_CASE("problems of another kind are named and refused") {
   refused(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {3}; }),
-          "p.hdf5: fclib_global/H/n: expected three columns per contact, met 8 columns");
+          {"p.hdf5: fclib_global/H/n:", "met 8 columns"});
   refused(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {7}; }),
-          "fclib_global/spacedim: expected 2 or 3, met 7");
+          {"fclib_global/spacedim:", "2 or 3", "met 7"});
   refused(changed([](RawFclib& raw) { raw.integers["fclib_global/G/m"] = {15}; }),
-          "not supported: a global problem with equality constraints (G) (4 contacts, spacedim 2)");
+          {"not supported: a global problem with equality constraints (G) (4 contacts, spacedim 2)"});
   refused(changed([](RawFclib& raw) { raw.move("fclib_global", "fclib_global_rolling"); }),
-          "p.hdf5: fclib_global_rolling: not supported: rolling friction");
-  refused(changed([](RawFclib& raw) { raw.move("fclib_global", "else"); }),
-          "expected one group fclib_local or fclib_global, met none");
+          {"p.hdf5: fclib_global_rolling: not supported: rolling friction"});
+  refused(changed([](RawFclib& raw) { raw.move("fclib_global", "else"); }), {"fclib_local", "met none"});
   refused(changed([](RawFclib& raw) { raw.integers["fclib_local/spacedim"] = {2}; }),
-          "met fclib_local and fclib_global");
+          {"met fclib_local and fclib_global"});
   RawFclib local = raw_local(reduce(random_bodies_problem(3, 5, 4)));
   local.integers["fclib_local/V/m"] = {1};
-  refused(local.bytes(), "not supported: a local problem with equality constraints (V)");
+  refused(local.bytes(), {"not supported: a local problem with equality constraints (V)"});
 }
 
 TEST_CASE("damaged files are refused, saying where") {
-  refused("", "p.hdf5: expected an HDF5 file, met something else or a damaged one");
-  refused("x,y,radius\n", "expected an HDF5 file");
+  refused("", {"p.hdf5:", "HDF5", "met something else or a damaged one"});
+  refused("x,y,radius\n", {"HDF5"});
   const std::string good = changed([](RawFclib&) {});
   CHECK_NOTHROW(fclib_from_hdf5(good, "p.hdf5"));
   for (const std::size_t size : {good.size() / 8, good.size() / 2, good.size() - 1})
@@ -174,11 +165,11 @@ TEST_CASE("damaged files are refused, saying where") {
   const auto without = [](const std::string& name) {
     return changed([&](RawFclib& raw) { raw.remove("fclib_global/" + name); });
   };
-  refused(without("M"), "p.hdf5: fclib_global/M: expected a group, met none");
-  refused(without("vectors"), "fclib_global/vectors: expected a group, met none");
-  refused(without("vectors/mu"), "fclib_global/vectors/mu: expected a one-dimensional dataset of numbers, met none");
-  refused(without("spacedim"), "fclib_global/spacedim: expected one whole number, met none");
-  refused(without("H/i"), "fclib_global/H/i: expected a one-dimensional dataset of whole numbers, met none");
+  refused(without("M"), {"p.hdf5: fclib_global/M:", "met none"});
+  refused(without("vectors"), {"fclib_global/vectors:", "met none"});
+  refused(without("vectors/mu"), {"fclib_global/vectors/mu:", "met none"});
+  refused(without("spacedim"), {"fclib_global/spacedim:", "met none"});
+  refused(without("H/i"), {"fclib_global/H/i:", "met none"});
 }
 
 TEST_CASE("wrong lengths and indices out of range are refused, saying where") {
@@ -188,25 +179,20 @@ TEST_CASE("wrong lengths and indices out of range are refused, saying where") {
   const auto integers = [](const std::string& name, const std::function<void(std::vector<int>&)>& change) {
     return changed([&](RawFclib& raw) { change(raw.integers.at("fclib_global/" + name)); });
   };
-  refused(numbers("vectors/f", [](auto& f) { f.pop_back(); }), "fclib_global/vectors/f: expected 15 numbers, met 14");
-  refused(numbers("vectors/mu", [](auto& mu) { mu.push_back(0); }),
-          "fclib_global/vectors/mu: expected 4 numbers, met 5");
-  refused(numbers("H/x", [](auto& x) { x.pop_back(); }), "fclib_global/H/x: expected");
-  refused(numbers("H/x", [](auto& x) { x[2] = not_a_number; }), "fclib_global: H: expected finite numbers, met nan");
-  refused(numbers("vectors/mu", [](auto& mu) { mu[1] = -1; }),
-          "expected coefficients of friction >= 0, met -1 for contact 1");
-  refused(integers("H/i", [](auto& i) { i[3] = 15; }),
-          "fclib_global/H/i: expected indices in 0..14, met 15 at position 3");
-  refused(integers("H/i", [](auto& i) { i[0] = -1; }),
-          "fclib_global/H/i: expected indices in 0..14, met -1 at position 0");
-  refused(integers("H/p", [](auto& p) { p[1] = 1000; }), "fclib_global/H/p: expected numbers that ascend to");
-  refused(integers("H/p", [](auto& p) { p[0] = 1; }), "fclib_global/H/p: expected 0 at position 0, met 1");
-  refused(integers("H/p", [](auto& p) { p.pop_back(); }), "fclib_global/H/p: expected 9 numbers, met 8");
-  refused(integers("H/nz", [](auto& nz) { nz[0] = -3; }), "fclib_global/H/nz: expected -1 (by columns)");
-  refused(integers("H/n", [](auto& n) { n[0] = 7; }), "fclib_global/H/n: expected two columns per contact, met 7");
-  refused(integers("M/m", [](auto& m) { m[0] = -15; }), "fclib_global/M/m: expected a number from 0");
-  refused(integers("M/m", [](auto& m) { m[0] = 2'000'000'000; }),
-          "fclib_global/vectors/f: expected 2000000000 numbers");
+  refused(numbers("vectors/f", [](auto& f) { f.pop_back(); }), {"fclib_global/vectors/f:", "15 numbers", "met 14"});
+  refused(numbers("vectors/mu", [](auto& mu) { mu.push_back(0); }), {"fclib_global/vectors/mu:", "4 numbers", "met 5"});
+  refused(numbers("H/x", [](auto& x) { x.pop_back(); }), {"fclib_global/H/x: expected"});
+  refused(numbers("H/x", [](auto& x) { x[2] = not_a_number; }), {"fclib_global: H:", "met nan"});
+  refused(numbers("vectors/mu", [](auto& mu) { mu[1] = -1; }), {">= 0", "met -1 for contact 1"});
+  refused(integers("H/i", [](auto& i) { i[3] = 15; }), {"fclib_global/H/i:", "0..14", "met 15 at position 3"});
+  refused(integers("H/i", [](auto& i) { i[0] = -1; }), {"fclib_global/H/i:", "0..14", "met -1 at position 0"});
+  refused(integers("H/p", [](auto& p) { p[1] = 1000; }), {"fclib_global/H/p:", "ascend"});
+  refused(integers("H/p", [](auto& p) { p[0] = 1; }), {"fclib_global/H/p:", "0 at position 0", "met 1"});
+  refused(integers("H/p", [](auto& p) { p.pop_back(); }), {"fclib_global/H/p:", "9 numbers", "met 8"});
+  refused(integers("H/nz", [](auto& nz) { nz[0] = -3; }), {"fclib_global/H/nz:", "-1"});
+  refused(integers("H/n", [](auto& n) { n[0] = 7; }), {"fclib_global/H/n:", "met 7"});
+  refused(integers("M/m", [](auto& m) { m[0] = -15; }), {"fclib_global/M/m:", "from 0"});
+  refused(integers("M/m", [](auto& m) { m[0] = 2'000'000'000; }), {"fclib_global/vectors/f:", "2000000000 numbers"});
 }
 
 TEST_CASE("whether a file holds a problem") {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Packings in files: every double comes back bit for bit, and files that hold no packing are refused.
 #include "../support/run_program.hpp"
+#include "../support/spoilt.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
 #include "files/output_file.hpp"
@@ -15,6 +16,7 @@
 #include <cmath>
 
 using namespace nscdd;
+using namespace nscdd::testing;
 
 namespace {
 
@@ -67,9 +69,8 @@ std::string file_of(const std::string& group, const std::vector<std::pair<std::s
   });
 }
 
-void refused(const std::string& bytes, const std::string& part) {
-  CAPTURE(part);
-  CHECK_THROWS_WITH_AS(packing_from_hdf5(bytes, "p.h5"), doctest::Contains(part.c_str()), Error);
+void refused(const std::string& bytes, const Names& names) {
+  check_error([&] { packing_from_hdf5(bytes, "p.h5"); }, names);
 }
 
 }  // namespace
@@ -96,8 +97,7 @@ TEST_CASE("packing file: a column z makes a packing in space, one z for all as w
   CHECK(sheet.z == std::vector<double>{7, 7});
   CHECK(packing_csv(sheet) == "x,y,z,radius\n0,0,7,1\n2,0,7,1\n");
   CHECK_THROWS_WITH_AS(parse_packing("x,y,z,radius\n0,0,0,1\n2,0,1\n", "p.csv"), doctest::Contains("p.csv:3: "), Error);
-  CHECK_THROWS_WITH_AS(parse_packing("x,y,z,radius\n0,0,inf,1\n", "p.csv"),
-                       doctest::Contains("p.csv:2: z: expected a finite number"), Error);
+  check_error([&] { parse_packing("x,y,z,radius\n0,0,inf,1\n", "p.csv"); }, {"p.csv:2: z:", "number"});
 }
 
 TEST_CASE("packing file: equal packings give equal bytes, and say where they come from") {
@@ -119,31 +119,29 @@ TEST_CASE("packing file: formats by the ending of the name") {
 
 TEST_CASE("packing file: HDF5 that holds no packing is refused by name") {
   const std::vector<double> two{1, 2}, three{1, 2, 3};
-  refused("", "p.h5: expected an HDF5 file");
-  refused("x,y,radius\n1,2,3\n", "p.h5: expected an HDF5 file");
+  refused("", {"p.h5:", "HDF5"});
+  refused("x,y,radius\n1,2,3\n", {"p.h5:", "HDF5"});
   const std::string good = file_of("packing", {{"x", two}, {"y", two}, {"radius", two}});
   CHECK(packing_from_hdf5(good, "p.h5").size() == 2);
-  refused(good.substr(0, good.size() / 2), "p.h5: expected an HDF5 file");
-  refused(file_of("sweep", {{"x", two}}), "p.h5: packing: expected a group, met none");
-  refused(file_of("packing", {{"x", two}, {"y", two}}), "p.h5: packing: expected a dataset 'radius', met none");
+  refused(good.substr(0, good.size() / 2), {"p.h5:", "HDF5"});
+  refused(file_of("sweep", {{"x", two}}), {"p.h5: packing:", "met none"});
+  refused(file_of("packing", {{"x", two}, {"y", two}}), {"p.h5: packing:", "'radius'", "met none"});
   refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"colour", two}}),
-          "p.h5: packing/colour: expected datasets x, y, radius and optionally z and mass");
-  refused(file_of("packing", {{"x", two}, {"y", three}, {"radius", two}}),
-          "p.h5: packing/y: expected 2 numbers as in x, met 3");
+          {"p.h5: packing/colour:", "mass"});
+  refused(file_of("packing", {{"x", two}, {"y", three}, {"radius", two}}), {"p.h5: packing/y:", "2 numbers", "met 3"});
   refused(file_of("packing", {{"x", two}, {"y", two}, {"z", three}, {"radius", two}}),
-          "p.h5: packing/z: expected 2 numbers as in x, met 3");
+          {"p.h5: packing/z:", "2 numbers", "met 3"});
   refused(file_of("packing", {{"x", two}, {"y", two}, {"z", {0, not_a_number}}, {"radius", two}}),
-          "p.h5: packing/z: grain 1: expected a finite number");
-  refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", {1, 0}}}),
-          "p.h5: packing/radius: grain 1: expected a finite number > 0");
+          {"p.h5: packing/z: grain 1:", "number"});
+  refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", {1, 0}}}), {"p.h5: packing/radius: grain 1:", "> 0"});
   refused(file_of("packing", {{"x", {0, not_a_number}}, {"y", two}, {"radius", two}}),
-          "p.h5: packing/x: grain 1: expected a finite number");
+          {"p.h5: packing/x: grain 1:", "number"});
   refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"mass", {1, -1}}}),
-          "p.h5: packing/mass: grain 1");
-  refused(file_of("packing", {{"x", {}}, {"y", {}}, {"radius", {}}}), "p.h5: expected at least one grain");
+          {"p.h5: packing/mass: grain 1"});
+  refused(file_of("packing", {{"x", {}}, {"y", {}}, {"radius", {}}}), {"p.h5:", "grain"});
   // a table of texts under the right name
   const Table texts{{{"x", "", "texts"}}, {{std::string("one")}, {std::string("two")}}};
-  refused(to_hdf5({}, {{"packing", texts}}), "p.h5: packing/x: expected a one-dimensional dataset of numbers");
+  refused(to_hdf5({}, {{"packing", texts}}), {"p.h5: packing/x:", "numbers"});
 }
 
 TEST_CASE("packing file: integers of an HDF5 file are numbers") {
