@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 namespace nscdd::testing {
 namespace {
@@ -133,6 +134,26 @@ SmallProblem small_problem(std::uint64_t seed) {
   small.eta = etas[one_of(random, 7)];
   small.eigenvalues = random.uniform() < 0.5 ? 1 : 1 + one_of(random, 8);
   return small;
+}
+
+Pairs pairs_of(const ContactNetwork& network) {
+  Pairs pairs;
+  for (const Contact& contact : network.contacts) pairs.insert({contact.a, contact.b});
+  return pairs;
+}
+
+Pairs touching_pairs(const Packing& packing, double tolerance) {
+  const auto& [x, y, z, radius] = std::tie(packing.x, packing.y, packing.z, packing.radius);
+  Pairs pairs;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t j = i + 1; j < x.size(); ++j) {
+      const double dx = x[i] - x[j], dy = y[i] - y[j];
+      const double distance = z.empty() ? std::hypot(dx, dy) : std::hypot(dx, dy, z[i] - z[j]);
+      const double gap = distance - radius[i] - radius[j];
+      if (gap <= tolerance * std::min(radius[i], radius[j]))
+        pairs.insert({static_cast<Index>(i), static_cast<Index>(j)});
+    }
+  return pairs;
 }
 
 }  // namespace nscdd::testing

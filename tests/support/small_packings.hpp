@@ -4,6 +4,7 @@
 #include "study/case/case.hpp"
 
 #include <cstdint>
+#include <set>
 
 namespace nscdd::testing {
 
@@ -16,5 +17,11 @@ struct SmallProblem {
   Index eigenvalues = 1;
 };
 SmallProblem small_problem(std::uint64_t seed);
+
+using Pairs = std::set<std::pair<Index, Index>>;
+Pairs pairs_of(const ContactNetwork& network);
+
+/// Grains whose gap is at most `tolerance` times the smaller radius, every pair tried: the oracle of contact detection.
+Pairs touching_pairs(const Packing& packing, double tolerance);
 
 }  // namespace nscdd::testing

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/problems.hpp"
+#include "../support/small_packings.hpp"
 #include "linalg/random.hpp"
 #include "packing/grain_grid.hpp"
 #include <nscdd/packing/generator.hpp>
@@ -13,28 +14,9 @@
 #include <utility>
 
 using namespace nscdd;
+using namespace nscdd::testing;
 
-namespace {
-
-// Every pair tried: the oracle of contact detection.
-std::set<std::pair<Index, Index>> brute_force(const Packing& p, double tolerance) {
-  std::set<std::pair<Index, Index>> pairs;
-  for (Index i = 0; i < p.size(); ++i)
-    for (Index j = i + 1; j < p.size(); ++j) {
-      const double gap =
-          std::hypot(p.x[at(i)] - p.x[at(j)], p.y[at(i)] - p.y[at(j)]) - p.radius[at(i)] - p.radius[at(j)];
-      if (gap <= tolerance * std::min(p.radius[at(i)], p.radius[at(j)])) pairs.insert({i, j});
-    }
-  return pairs;
-}
-
-std::set<std::pair<Index, Index>> pairs_of(const ContactNetwork& network) {
-  std::set<std::pair<Index, Index>> pairs;
-  for (const Contact& contact : network.contacts) pairs.insert({contact.a, contact.b});
-  return pairs;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("contacts: the cell grid finds what brute force finds, sizes 1 : 50, clustered and scattered") {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
@@ -59,7 +41,7 @@ TEST_CASE("contacts: the cell grid finds what brute force finds, sizes 1 : 50, c
       kept.y.push_back(apart.y[at(i)]);
       kept.radius.push_back(apart.radius[at(i)]);
     }
-    const auto expected = brute_force(kept, loose.tolerance);
+    const auto expected = touching_pairs(kept, loose.tolerance);
     const ContactNetwork found = detect_contacts(kept, loose);
     if (seed < 4) CHECK(expected.size() > 10);
     CHECK(pairs_of(found) == expected);
@@ -78,7 +60,7 @@ TEST_CASE("contacts: sizes 1 : 100, by number and by volume, as brute force find
                                  .sigma = 1.5};
     const Packing packing = generate(Deposit{.grains = 1500, .sizes = sizes, .seed = 3});
     for (const double tolerance : {1e-7, 0.5}) {
-      const auto expected = brute_force(packing, tolerance);
+      const auto expected = touching_pairs(packing, tolerance);
       const ContactNetwork found = detect_contacts(packing, {.tolerance = tolerance, .overlap_tolerance = 1e-6});
       REQUIRE(found.contacts.size() == expected.size());
       auto pair = expected.begin();  // ascending

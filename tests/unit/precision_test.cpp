@@ -2,18 +2,20 @@
 // Contacts of packings whose numbers are rounded, against those of the exact lattices, every pair of which is tried.
 #include "packing/precision.hpp"
 
+#include "../support/small_packings.hpp"
+
 #include <doctest/doctest.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
-#include <set>
 
 using namespace nscdd;
+using namespace nscdd::testing;
 
 namespace {
 
-using Pairs = std::set<std::pair<Index, Index>>;
+constexpr double touching = 2e-9;  // gaps of exact lattices, over the smaller radius
 
 // How a program writes a number, or how another one has changed it.
 struct Writer {
@@ -76,23 +78,6 @@ Packing face_centred(Index cells, double r) {
   return p;
 }
 
-Pairs pairs_of(const ContactNetwork& network) {
-  Pairs pairs;
-  for (const Contact& contact : network.contacts) pairs.insert({contact.a, contact.b});
-  return pairs;
-}
-// Every pair of the exact lattice tried: the oracle.
-Pairs brute_force(const Packing& p) {
-  Pairs pairs;
-  for (Index i = 0; i < p.size(); ++i)
-    for (Index j = i + 1; j < p.size(); ++j) {
-      const double dz = p.z.empty() ? 0 : p.z[at(i)] - p.z[at(j)];
-      const double distance = std::hypot(p.x[at(i)] - p.x[at(j)], p.y[at(i)] - p.y[at(j)], dz);
-      if (distance < (1 + 1e-9) * (p.radius[at(i)] + p.radius[at(j)])) pairs.insert({i, j});
-    }
-  return pairs;
-}
-
 struct Written {
   Packing packing;
   double off = 0;  // the largest change of a number, in radii
@@ -122,7 +107,7 @@ TEST_CASE("rounded lattices have the contacts of the exact ones, however they ar
   for (const double r : {0.5, 1.0, 1.0 / 3, 5e-4, 0.0123, 250.0})
     for (const Packing& lattice :
          {triangular(8, 8, r), turned(triangular(6, 6, r), 0.3), face_centred(2, r), turned(face_centred(2, r), 1.1)}) {
-      const Pairs expected = brute_force(lattice);
+      const auto expected = touching_pairs(lattice, touching);
       for (const double offset : {0.0, 1.0, 1e3, 1e5, 1e6, 1e7})
         for (const Writer& writer : writers)
           for (const int digits : writer.digits) {
@@ -222,7 +207,7 @@ TEST_CASE("gaps that are meant stay apart, whatever the digits of the radii") {
 TEST_CASE("doubles that are precise enough change nothing") {
   for (const Packing& p : {triangular(8, 8, 0.5), turned(triangular(5, 7, 0.02), 0.4), face_centred(2, 3)}) {
     const ContactNetwork network = detect_contacts(p);
-    CHECK((pairs_of(network) == brute_force(p)));
+    CHECK((pairs_of(network) == touching_pairs(p, touching)));
     CHECK(network.rounding.decided.size == 0);
     CHECK(network.rounding.open.size == 0);
     CHECK(rounding_remarks(network, "p").empty());
@@ -274,7 +259,7 @@ TEST_CASE("an overlap tolerance that leaves gaps of the same size apart is told"
   REQUIRE(rounding_remarks(half, "p").size() == 1);
   CHECK(rounding_remarks(half, "p")[0].find("--tolerance") != std::string::npos);
   const ContactNetwork both = detect_contacts(scaled, {.tolerance = 1e-5, .overlap_tolerance = 1e-5});
-  CHECK((pairs_of(both) == brute_force(triangular(8, 8, 0.5))));
+  CHECK((pairs_of(both) == touching_pairs(triangular(8, 8, 0.5), touching)));
   CHECK(rounding_remarks(both, "p").empty());
   // The same with gaps that are no hairlines.
   const double scale = 1 / 0.37, half_width = 0.5 * scale;
