@@ -18,14 +18,6 @@ using namespace nscdd::testing;
 
 namespace {
 
-BoundarySpec row_of_disks(const std::string& name, std::array<double, 2> from, std::array<double, 2> to,
-                          const Motion& motion) {
-  BoundarySpec spec = wall(name, from, to, motion);
-  spec.shape = BoundaryShape::disks;
-  spec.radius = 0.4;
-  return spec;
-}
-
 // 60 grains on a row of disks that moves to the right, with a column of disks at the left that turns about
 // its foot and a wall at the right. The middle disk of the row is where a cut into two strips goes. `posts`:
 // every so many grains one is driven upwards (which jams the others: to be divided, not solved), 0 for none.
@@ -40,15 +32,11 @@ Simulation box_on_disks(const std::string& law, Index posts = 0) {
   dynamics.interaction.law = law;
   dynamics.solver.warm_start = true;
   dynamics.solver.tolerance = 1e-6;
-  dynamics.boundaries = {row_of_disks("floor", {-0.5, -0.4}, {2.7, -0.4}, moving({0.3, 0, 0})),
-                         row_of_disks("left", {-0.4, 0.4}, {-0.4, 3.6}, moving({0, 0, -0.1}, {-0.4, -0.4})),
+  dynamics.boundaries = {row_of_disks("floor", {-0.5, -0.4}, {2.7, -0.4}, 0.4, moving({0.3, 0, 0})),
+                         row_of_disks("left", {-0.4, 0.4}, {-0.4, 3.6}, 0.4, moving({0, 0, -0.1}, {-0.4, -0.4})),
                          wall("right", {2.2, 0}, {2.2, 1})};
-  for (Index i = 2; posts > 0 && i < deposit.grains; i += posts) {
-    BoundarySpec post = wall("post", {0, 0}, {1, 0}, moving({0, 0.05, 0}));
-    post.shape = BoundaryShape::grains;
-    post.first = post.last = i;
-    dynamics.boundaries.push_back(post);
-  }
+  for (Index i = 2; posts > 0 && i < deposit.grains; i += posts)
+    dynamics.boundaries.push_back(driven_grains("post", i, i, moving({0, 0.05, 0})));
   GranularScene made = scene(packing, dynamics);
   return {made.system, made.state, dynamics, GridPartitioner{}};
 }

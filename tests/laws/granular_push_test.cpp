@@ -63,14 +63,7 @@ TEST_CASE("two bodies that overlap part at the natural speed, or slower where th
         dynamics.time.step = h;
         // A row of driven disks far away sets the scale of speeds without touching them.
         const auto parting = [&](Dynamics asked) {
-          BoundarySpec far;
-          far.name = "far";
-          far.shape = BoundaryShape::disks;
-          far.from = {50, 50};
-          far.to = {51, 50};
-          far.radius = 0.5;
-          far.motion = moving({-speed, 0, 0});
-          asked.boundaries = {far};
+          asked.boundaries = {row_of_disks("far", {50, 50}, {51, 50}, 0.5, moving({-speed, 0, 0}))};
           Simulation simulation = simulation_of({{.x = 0}, {.x = 1 - overlap}}, asked);
           advance(simulation);
           return simulation.state.velocity_x[1] - simulation.state.velocity_x[0];

@@ -204,13 +204,7 @@ TEST_CASE("passages: spheres, and a row of driven ones") {
       const Vector3 start = -direction * (std::sqrt(1 - part * part) * touch + 0.01) - aside;
       const auto scene = [&](double h) {
         Dynamics dynamics = free_flight(h, 0.5);
-        if (driven) {
-          BoundarySpec target;
-          target.name = "target";
-          target.shape = BoundaryShape::grains;
-          target.first = target.last = 1;
-          dynamics.boundaries = {target};
-        }
+        if (driven) dynamics.boundaries = {driven_grains("target", 1, 1)};
         return simulation_of({Ball{.centre = start, .radius = 0.2, .mass = 2, .velocity = 5 * direction},
                               Ball{.radius = 0.3, .mass = 3}},
                              dynamics);
@@ -252,12 +246,7 @@ TEST_CASE("passages: a disk between rows that move, and turn") {
     CAPTURE(turns);
     const auto scene = [&](double h) {
       Dynamics dynamics = free_flight(h, 1);
-      BoundarySpec plate;
-      plate.name = "plate";
-      plate.shape = BoundaryShape::grains;
-      plate.first = plate.last = 1;
-      plate.motion = turns ? moving({0, 0, 4}) : moving({12, 0, 0});
-      dynamics.boundaries = {plate};
+      dynamics.boundaries = {driven_grains("plate", 1, 1, turns ? moving({0, 0, 4}) : moving({12, 0, 0}))};
       // At an arm of 3 m: 12 m/s too, which meet the grain head-on after a quarter of a turn.
       return simulation_of(
           {{.x = turns ? 0.0 : 2.0, .y = turns ? 3.0 : 0.0, .radius = 0.2}, {.x = turns ? 3.0 : 0.0, .radius = 0.2}},
@@ -276,12 +265,7 @@ TEST_CASE("passages: a disk between rows that move, and turn") {
 TEST_CASE("passages: what rides on a turning boundary does not turn") {
   // Inside of a disk that goes round at an arm of 1 m, by 0.15 rad until contacts are found.
   Dynamics dynamics = free_flight(0.1);
-  BoundarySpec drum;
-  drum.name = "drum";
-  drum.shape = BoundaryShape::grains;
-  drum.first = drum.last = 1;
-  drum.motion = moving({0, 0, 3});
-  dynamics.boundaries = {drum};
+  dynamics.boundaries = {driven_grains("drum", 1, 1, moving({0, 0, 3}))};
   const StepProblem<2> problem =
       solve_step(simulation_of({{.x = 0.5, .radius = 0.2, .velocity_y = 1.5}, {.x = 1, .radius = 0.3}}, dynamics))
           .problem;
@@ -322,13 +306,7 @@ TEST_CASE("passages: a piston that turns back before contacts are found has hit 
     // 10 m/s until 0.1 s, then back as fast: it reaches 1 m, by 0.1 m into where the grain rests.
     const auto scene = [&](double h) {
       Dynamics dynamics = free_flight(h, 1);
-      BoundarySpec piston = wall("piston", {0, 1}, {0, 0});
-      if (disk) {
-        piston = BoundarySpec{};
-        piston.name = "piston";
-        piston.shape = BoundaryShape::grains;
-        piston.first = piston.last = 1;
-      }
+      BoundarySpec piston = disk ? driven_grains("piston", 1, 1) : wall("piston", {0, 1}, {0, 0});
       piston.motion = moving({10, 0, 0});
       piston.motion.time = {0, 0.0999, 0.1001};
       piston.motion.velocity = {{10, 0, 0}, {10, 0, 0}, {-10, 0, 0}};
@@ -362,11 +340,7 @@ TEST_CASE("passages: a grain that falls ever faster is met by a plate or a heavy
         dynamics.time.theta = theta;
         std::vector<Grain> grains{{.y = height + radius, .radius = radius}};
         if (grain) {
-          BoundarySpec plate;
-          plate.name = "plate";
-          plate.shape = BoundaryShape::grains;
-          plate.first = plate.last = 1;
-          dynamics.boundaries = {plate};
+          dynamics.boundaries = {driven_grains("plate", 1, 1)};
           grains.push_back({.y = -0.01, .radius = 0.01});
         } else {
           dynamics.boundaries = {floor_wall()};

@@ -275,12 +275,7 @@ TEST_CASE("a driven group goes round an axis as one body, and what stands on it 
   }
   balls.push_back(
       {.centre = Vector3(0, 0, std::sqrt(1 - 0.36)), .velocity = (omega * up).cross(-axis_point), .spin = omega * up});
-  BoundarySpec spec;
-  spec.name = "table";
-  spec.shape = BoundaryShape::grains;
-  spec.first = 0;
-  spec.last = 2;
-  spec.motion = moving_in_space(Vector3::Zero(), omega * up, axis_point);
+  const BoundarySpec spec = driven_grains("table", 0, 2, moving_in_space(Vector3::Zero(), omega * up, axis_point));
   // How far the fourth, which three hold, is from where it would be as a part of the table.
   const auto drift = [&](Index steps) {
     Dynamics dynamics = tight();
@@ -311,14 +306,10 @@ TEST_CASE("rotations follow each other about axes that stand still in space, of 
   Dynamics dynamics = tight();
   dynamics.time.step = 0.01;
   dynamics.time.gravity = {0, 0, 0};
-  BoundarySpec spec;
-  spec.name = "pair";
-  spec.shape = BoundaryShape::grains;
-  spec.first = 1;
-  spec.last = 1;
   const double quarter = std::numbers::pi / 2;  // in 100 steps
-  spec.motion = {.centre = {5, 0, 0}, .time = {0.999, 1.001}, .velocity = {{.spin_x = quarter}, {.spin_y = quarter}}};
-  dynamics.boundaries = {spec};
+  dynamics.boundaries = {driven_grains(
+      "pair", 1, 1,
+      {.centre = {5, 0, 0}, .time = {0.999, 1.001}, .velocity = {{.spin_x = quarter}, {.spin_y = quarter}}})};
   Simulation simulation = simulation_of({Ball{.spin = Vector3(quarter, 0, 0)}, Ball{.centre = {5, 2, 0}}}, dynamics);
   advance_in_space(simulation, 100);
   set_velocity<3>(simulation.state, 0, {0, 0, 0, 0, 0.5 * quarter, 0}, 0.5);
@@ -335,13 +326,8 @@ TEST_CASE("rotations follow each other about axes that stand still in space, of 
 TEST_CASE("a driven group of fixed orientation goes round, but its spheres neither turn nor rub by their rims") {
   Dynamics dynamics = tight();
   dynamics.time.gravity = {0, 0, 0};
-  BoundarySpec spec;
-  spec.name = "group";
-  spec.shape = BoundaryShape::grains;
-  spec.first = 0;
-  spec.last = 0;
+  BoundarySpec spec = driven_grains("group", 0, 0, moving_in_space(Vector3::Zero(), 2 * up, Vector3(1, 0, 0)));
   spec.orientation = Orientation::fixed;
-  spec.motion = moving_in_space(Vector3::Zero(), 2 * up, Vector3(1, 0, 0));
   dynamics.boundaries = {spec};
   Simulation simulation = simulation_of({Ball{}, Ball{.centre = {9, 9, 9}}}, dynamics);
   advance_in_space(simulation, 50);

@@ -39,6 +39,24 @@ BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::arra
   return spec;
 }
 
+BoundarySpec row_of_disks(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, double radius,
+                          Motion motion) {
+  BoundarySpec spec = wall(name, from, to, std::move(motion));
+  spec.shape = BoundaryShape::disks;
+  spec.radius = radius;
+  return spec;
+}
+
+BoundarySpec driven_grains(const std::string& name, Index first, Index last, Motion motion) {
+  BoundarySpec spec;
+  spec.name = name;
+  spec.shape = BoundaryShape::grains;
+  spec.first = first;
+  spec.last = last;
+  spec.motion = std::move(motion);
+  return spec;
+}
+
 BoundarySpec floor_wall() { return wall("floor", {0, 0}, {1, 0}); }
 
 Motion moving(RigidVelocity velocity, std::array<double, 2> centre) {

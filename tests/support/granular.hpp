@@ -30,6 +30,13 @@ BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::arra
 /// Floor y = 0 at rest.
 BoundarySpec floor_wall();
 
+/// A row of driven disks that touch.
+BoundarySpec row_of_disks(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, double radius,
+                          Motion motion = {});
+
+/// Grains of the packing that are driven; negative numbers count from the end.
+BoundarySpec driven_grains(const std::string& name, Index first, Index last, Motion motion = {});
+
 /// Uniform motion.
 Motion moving(RigidVelocity velocity, std::array<double, 2> centre = {0, 0});
 

@@ -105,13 +105,7 @@ TEST_CASE("contacts with a wall: near, or within reach at the velocities of grai
 
 TEST_CASE("contacts: driven disks do not meet each other or walls, and carry no alert of free ones") {
   Dynamics dynamics;
-  BoundarySpec row;
-  row.name = "row";
-  row.shape = BoundaryShape::disks;
-  row.from = {0, 0};
-  row.to = {3, 0};
-  row.radius = 0.5;
-  dynamics.boundaries = {row, floor_wall()};
+  dynamics.boundaries = {row_of_disks("row", {0, 0}, {3, 0}, 0.5), floor_wall()};
   const Simulation s = simulation_of({{.x = 1.5, .y = std::sqrt(0.75)}}, dynamics);
   CHECK(s.system.disks() == 5);
   CHECK(pairs_of(prepared(s)) == std::set<std::pair<Index, Index>>{{0, 2}, {0, 3}});
@@ -119,12 +113,7 @@ TEST_CASE("contacts: driven disks do not meet each other or walls, and carry no 
 
 TEST_CASE("a row of disks has both ends and gaps no wider than asked for") {
   Dynamics dynamics;
-  BoundarySpec row;
-  row.name = "row";
-  row.shape = BoundaryShape::disks;
-  row.from = {1, 2};
-  row.to = {1, 5};
-  row.radius = 0.2;
+  BoundarySpec row = row_of_disks("row", {1, 2}, {1, 5}, 0.2);
   row.spacing = 0.7;  // 3 m in gaps of 0.6 m
   dynamics.boundaries = {row};
   const Simulation s = simulation_of({{.x = 10}}, dynamics);
@@ -139,14 +128,8 @@ TEST_CASE("driven motion: rotation about a foot, translation and both, at exact 
   const double omega = 0.75, u = 0.4, h = 0.005;
   Dynamics dynamics;
   dynamics.time.step = h;
-  BoundarySpec row;
-  row.name = "row";
-  row.shape = BoundaryShape::disks;
-  row.from = {2, 0};
-  row.to = {2, 4};
-  row.radius = 0.5;
-  row.motion = moving({u, 0, omega}, {2, 0});
-  dynamics.boundaries = {row, wall("wall", {-3, 1}, {-3, 0}, moving({0, u, -omega}, {-3, 0}))};
+  dynamics.boundaries = {row_of_disks("row", {2, 0}, {2, 4}, 0.5, moving({u, 0, omega}, {2, 0})),
+                         wall("wall", {-3, 1}, {-3, 0}, moving({0, u, -omega}, {-3, 0}))};
   Simulation s = simulation_of({{.x = 50, .y = 50}}, dynamics);
   const int steps = 400;
   for (int k = 0; k < steps; ++k) take_step(s, solve_step(s));
@@ -179,13 +162,7 @@ TEST_CASE("a table of velocities moves a boundary by its integral, exactly where
   CHECK(motion.at(7).x == -1);
   Dynamics dynamics;
   dynamics.time.step = 0.005;
-  BoundarySpec group;
-  group.name = "group";
-  group.shape = BoundaryShape::grains;
-  group.first = 1;
-  group.last = -1;
-  group.motion = motion;
-  dynamics.boundaries = {group};
+  dynamics.boundaries = {driven_grains("group", 1, -1, motion)};
   Simulation s = simulation_of({{.x = 50, .y = 50}, {.x = 1}, {.x = 0, .y = 2}}, dynamics);
   for (int k = 0; k < 140; ++k) take_step(s, solve_step(s));
   const double path = 0.1 + 0.4 + 0.15 - 0.1, angle = 0.5 * (0.05 + 0.2 + 0.15);
@@ -202,12 +179,7 @@ TEST_CASE("a disk on a spinning drum is set going as on a belt of the speed of i
     CAPTURE(centre[0]);
     Dynamics dynamics = tight();
     dynamics.interaction.friction = 100;
-    BoundarySpec drum;
-    drum.name = "drum";
-    drum.shape = BoundaryShape::grains;
-    drum.first = drum.last = 1;
-    drum.motion = moving({0, 0, 3}, centre);
-    dynamics.boundaries = {drum};
+    dynamics.boundaries = {driven_grains("drum", 1, 1, moving({0, 0, 3}, centre))};
     Simulation s = simulation_of({{.x = centre[0], .y = centre[1] + 1.25, .radius = 0.5, .mass = 2},
                                   {.x = centre[0], .y = centre[1], .radius = 0.75}},
                                  dynamics);
@@ -262,18 +234,9 @@ TEST_CASE("a scene refuses boundaries that cannot be, and names them") {
   };
   refused(wall("flat", {1, 1}, {1, 1}), "'flat'");
   refused(wall("bad", {0, 0}, {infinity, 1}), "'bad'");
-  BoundarySpec row = wall("row", {0, 5}, {1, 5});
-  row.shape = BoundaryShape::disks;
-  refused(row, "'row'");
-  BoundarySpec group;
-  group.name = "group";
-  group.shape = BoundaryShape::grains;
-  group.first = 1;
-  group.last = 2;
-  refused(group, "'group'");
-  group.first = 0;
-  group.last = -1;
-  refused(group, "free grain");
+  refused(row_of_disks("row", {0, 5}, {1, 5}, 0), "'row'");
+  refused(driven_grains("group", 1, 2), "'group'");
+  refused(driven_grains("group", 0, -1), "free grain");
   Motion motion{.centre = {0, 0}, .time = {0, 0}, .velocity = {{}, {}}};
   refused(wall("twice", {0, 0}, {1, 0}, motion), "'twice'");
   motion.time = {0};

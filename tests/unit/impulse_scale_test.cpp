@@ -87,12 +87,7 @@ Simulation closing_walls(const std::string& algorithm, const Units& units = {}, 
 
 // A boundary of one grain of the packing, and its velocity.
 BoundarySpec driven(Index grain, const RigidVelocity& velocity) {
-  BoundarySpec spec;
-  spec.name = "grain " + std::to_string(grain);
-  spec.shape = BoundaryShape::grains;
-  spec.first = spec.last = grain;
-  spec.motion = moving(velocity);
-  return spec;
+  return driven_grains("grain " + std::to_string(grain), grain, grain, moving(velocity));
 }
 
 // A row of three touching disks along x. The outer ones are driven at these speeds.
