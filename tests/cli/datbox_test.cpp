@@ -36,56 +36,14 @@ std::string box_case() {
 
 // Spheres in a box: a side that turns about its foot, one that is pushed in, and a sphere that is driven.
 const std::string spheres =
-    "[packing]\n"
-    "generator = \"sphere_deposit\"\n"
-    "grains = 60\n"
-    "width = 1.0\n"
-    "depth = 1.0\n"
-    "[masses]\n"
-    "density = 2500\n"
-    "[partition]\n"
-    "grid = [2, 1, 1]\n"
-    "[interaction]\n"
-    "friction = 0.3\n"
-    "boundary_friction = 0.5\n"
-    "[dynamics]\n"
-    "step = 0.005\n"
-    "steps = 15\n"
-    "penetration_correction = 0\n"
-    "[[boundary]]\n"
-    "name = \"floor\"\n"
-    "shape = \"wall\"\n"
-    "point = [0.3, 0.2, 0]\n"
-    "normal = [0, 0, 1]\n"
-    "[[boundary]]\n"
-    "name = \"left\"\n"
-    "shape = \"wall\"\n"
-    "point = [0, 0, 0]\n"
-    "normal = [1, 0, 0]\n"
-    "centre = [0, 0, 0]\n"
-    "spin = [0, 0.1, 0]\n"
-    "[[boundary]]\n"
-    "name = \"right\"\n"
-    "shape = \"wall\"\n"
-    "point = [1, 0, 0]\n"
-    "normal = [-1, 0, 0]\n"
-    "motion = [[0, 0, 0, 0, 0, 0, 0], [0.02, -0.05, 0, 0, 0, 0, 0]]\n"
-    "[[boundary]]\n"
-    "name = \"front\"\n"
-    "shape = \"wall\"\n"
-    "point = [0, 0, 0]\n"
-    "normal = [0, 1, 0]\n"
-    "[[boundary]]\n"
-    "name = \"back\"\n"
-    "shape = \"wall\"\n"
-    "point = [0, 1, 0]\n"
-    "normal = [0, -1, 0]\n"
-    "[[boundary]]\n"
-    "name = \"probe\"\n"
-    "shape = \"grains\"\n"
-    "first = -1\n"
-    "last = -1\n"
-    "velocity = [0.02, 0, 0]\n";
+    case_text("sphere_deposit\ngrains = 60\nwidth = 1.0\ndepth = 1.0", "2, 1, 1",
+              "[masses]\ndensity = 2500\n[interaction]\nfriction = 0.3\nboundary_friction = 0.5\n"
+              "[dynamics]\nstep = 0.005\nsteps = 15\npenetration_correction = 0\n") +
+    wall_text("floor", "[0.3, 0.2, 0]", "[0, 0, 1]") +
+    wall_text("left", "[0, 0, 0]", "[1, 0, 0]", "centre = [0, 0, 0]\nspin = [0, 0.1, 0]\n") +
+    wall_text("right", "[1, 0, 0]", "[-1, 0, 0]", "motion = [[0, 0, 0, 0, 0, 0, 0], [0.02, -0.05, 0, 0, 0, 0, 0]]\n") +
+    wall_text("front", "[0, 0, 0]", "[0, 1, 0]") + wall_text("back", "[0, 1, 0]", "[0, -1, 0]") +
+    "[[boundary]]\nname = \"probe\"\nshape = \"grains\"\nfirst = -1\nlast = -1\nvelocity = [0.02, 0, 0]\n";
 
 // The largest differences of places (m) and velocities (m/s) of free grains in a step of two runs: those of disks with
 // their rims.
@@ -153,29 +111,12 @@ TEST_CASE("DATBOX: a run from it is that of the case it was written from, to its
 TEST_CASE("DATBOX: restitution, initial velocities and no friction") {
   const Session session;
   session.file("ball.csv", "x,y,radius\n0,0.6,0.5\n3,0.55,0.5\n");
-  session.file("ball.toml", R"([packing]
-file = "ball.csv"
-[masses]
-density = 1234.5
-[partition]
-grid = [1, 1]
-[interaction]
-friction = 0.25
-restitution = 0.75
-tangential_restitution = 0.5
-[dynamics]
-step = 0.01
-steps = 30
-gravity = [0.5, -9.81]
-[[boundary]]
-name = "floor"
-shape = "wall"
-from = [-1, 0]
-to = [1, 0]
-[[prescribed]]
-grain = 0
-velocity = [0.5, -1]
-)");
+  session.file("ball.toml",
+               case_text("ball.csv", "1, 1",
+                         "[masses]\ndensity = 1234.5\n"
+                         "[interaction]\nfriction = 0.25\nrestitution = 0.75\ntangential_restitution = 0.5\n"
+                         "[dynamics]\nstep = 0.01\nsteps = 30\ngravity = [0.5, -9.81]\n") +
+                   line_text("floor", "[-1, 0]", "[1, 0]") + "[[prescribed]]\ngrain = 0\nvelocity = [0.5, -1]\n");
   answer(session, "simulate ball.toml -o run.h5");
   write_datbox(session, "run.h5", "DATBOX");
   answer(session, "simulate DATBOX/ --steps 30 --set dynamics.step=0.01 -o back.h5");

@@ -78,24 +78,10 @@ TEST_CASE("export --vtkhdf: steps without contacts in between, and arrays of a r
   const Session session;
   // A grain that falls, bounces and falls again: contacts come, go and come.
   session.file("ball.csv", "x,y,radius\n0,1.2,0.5\n");
-  session.file("ball.toml", R"([packing]
-file = "ball.csv"
-[masses]
-density = 1000
-[partition]
-grid = [1, 1]
-[interaction]
-friction = 0
-restitution = 0.9
-[dynamics]
-step = 0.05
-steps = 40
-[[boundary]]
-name = "floor"
-shape = "wall"
-from = [-1, 0]
-to = [1, 0]
-)");
+  session.file("ball.toml", case_text("ball.csv", "1, 1",
+                                      "[masses]\ndensity = 1000\n[interaction]\nfriction = 0\nrestitution = 0.9\n"
+                                      "[dynamics]\nstep = 0.05\nsteps = 40\n") +
+                                line_text("floor", "[-1, 0]", "[1, 0]"));
   answer(session, "simulate ball.toml -o ball.h5");
   answer(session, "export ball.h5 --vtk ball");
   answer(session, "export ball.h5 --vtkhdf ball.vtkhdf");

@@ -167,13 +167,7 @@ TEST_CASE("report: spheres have their z, radii of the sweep, and modes of three 
 
 TEST_CASE("report: a run of spheres has heights, walls with their radii and points of contacts in space") {
   const Session session;
-  session.file("drum.toml",
-               "[packing]\ngenerator = \"cubic\"\ncolumns = 3\nrows = 3\nlayers = 3\ndisorder = 0.1\n"
-               "[masses]\ndensity = 2500\n[partition]\ngrid = [2, 2, 1]\n"
-               "[dynamics]\nstep = 0.005\nsteps = 80\n[solver]\nalgorithm = \"generic\"\n"
-               "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\nfrom = [1, 0, 1]\nto = [1, 1, 1]\nradius = 2.2\n"
-               "centre = [1, 0, 1]\nspin = [0, 2, 0]\n"
-               "[[boundary]]\nname = \"end\"\nshape = \"wall\"\npoint = [0, -0.6, 0]\nnormal = [0, 1, 0]\n");
+  session.file("drum.toml", drum_case());
   answer(session, "simulate drum.toml --save-every 40 -o drum.h5");
   CHECK(contains(answer(session, "report drum.h5 -o drum.html"), "3 of 81 steps drawn, 27 spheres"));
   const Json data = data_of(session.read("drum.html"));

@@ -59,11 +59,10 @@ TEST_CASE("simulate: overlaps above a tenth of a radius are noticed, above a hal
   const Session session;
   session.file("one.csv", "x,y,radius\n0,0.5,0.5\n");
   session.file("press.toml",
-               "[packing]\nfile = \"one.csv\"\n[masses]\nmodel = \"unit\"\n[partition]\ngrid = [1, 1]\n"
-               "[dynamics]\nsteps = 40\n[solver]\nmaximum_iterations = 20\n"
-               "[[boundary]]\nname = \"floor\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n"
-               "[[boundary]]\nname = \"lid\"\nshape = \"wall\"\nfrom = [1, 1]\nto = [0, 1]\n"
-               "centre = [0, 1]\nvelocity = [0, -0.5]\n");
+               case_text("one.csv", "1, 1",
+                         "[masses]\nmodel = \"unit\"\n[dynamics]\nsteps = 40\n[solver]\nmaximum_iterations = 20\n") +
+                   line_text("floor", "[0, 0]", "[1, 0]") +
+                   line_text("lid", "[1, 1]", "[0, 1]", "centre = [0, 1]\nvelocity = [0, -0.5]\n"));
   const auto said = [&](const std::string& command) {  // standard error names the lack of room
     const Outcome outcome = session.run(words(command));
     CHECK(outcome.exit_code == 0);
@@ -434,8 +433,7 @@ namespace {
 
 // A disk, or two that meet head on, with a case that begins with `packing`.
 std::string case_of(const std::string& packing, const std::string& rest) {
-  return "[packing]\nfile = \"" + packing +
-         "\"\n[masses]\nmodel = \"given\"\n[partition]\ngrid = [1, 1]\n[interaction]\nfriction = 0.3\n" + rest;
+  return case_text(packing, "1, 1", "[masses]\nmodel = \"given\"\n[interaction]\nfriction = 0.3\n" + rest);
 }
 
 }  // namespace
@@ -463,11 +461,9 @@ TEST_CASE("simulate: walls that leave no room are named in the summary, the file
   const Session session;
   session.file("one.csv", "x,y,radius,mass\n0,0.5,0.5,1\n");
   session.file("closing.toml",
-               case_of("one.csv",
-                       "[dynamics]\nstep = 0.005\nsteps = 20\ngravity = [0, -9.81]\n"
-                       "[[boundary]]\nname = \"left\"\nshape = \"wall\"\nfrom = [-0.5, 5]\nto = [-0.5, -5]\n"
-                       "[[boundary]]\nname = \"right\"\nshape = \"wall\"\nfrom = [0.5, -5]\nto = [0.5, 5]\n"
-                       "velocity = [-0.1, 0]\n"));
+               case_of("one.csv", "[dynamics]\nstep = 0.005\nsteps = 20\ngravity = [0, -9.81]\n" +
+                                      line_text("left", "[-0.5, 5]", "[-0.5, -5]") +
+                                      line_text("right", "[0.5, -5]", "[0.5, 5]", "velocity = [-0.1, 0]\n")));
   const Outcome closing = session.run(words("simulate closing.toml -o closing.h5"));
   const std::string said = "in 20 of 20 steps, at first in step 1, contacts close although";
   CHECK(closing.exit_code == 0);
@@ -498,11 +494,10 @@ TEST_CASE("simulate: contacts of a packing at rest add no energy beyond what the
     ++row;
   }
   session.file("pile.csv", pile);
-  session.file("pile.toml", case_of("pile.csv",
-                                    "[dynamics]\nstep = 0.005\nsteps = 20\n"
-                                    "[[boundary]]\nname = \"floor\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n"
-                                    "[[boundary]]\nname = \"left\"\nshape = \"wall\"\nfrom = [0, 5]\nto = [0, -5]\n"
-                                    "[[boundary]]\nname = \"right\"\nshape = \"wall\"\nfrom = [6, -5]\nto = [6, 5]\n"));
+  session.file(
+      "pile.toml",
+      case_of("pile.csv", "[dynamics]\nstep = 0.005\nsteps = 20\n" + line_text("floor", "[0, 0]", "[1, 0]") +
+                              line_text("left", "[0, 5]", "[0, -5]") + line_text("right", "[6, -5]", "[6, 5]")));
   for (const std::string tolerance : {"1e-6", "1e-8", "1e-10"}) {
     CAPTURE(tolerance);
     const std::string text = answer(session, "simulate pile.toml --force -o pile.h5 --tolerance " + tolerance);

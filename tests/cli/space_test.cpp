@@ -13,28 +13,11 @@ using namespace nscdd::testing;
 namespace {
 
 // 27 spheres of a face-centred cubic lattice: 3 layers of 12 contacts, and 2 x 25 between them.
-const std::string lattice =
-    "[packing]\n"
-    "generator = \"fcc\"\n"
-    "columns = 3\n"
-    "rows = 3\n"
-    "layers = 3\n"
-    "[partition]\n"
-    "grid = [2, 2, 2]\n"
-    "[loads]\n"
-    "compression = [1.0, 0.5, 0.25]\n"
-    "[[prescribed]]\n"
-    "grain = -1\n"
-    "velocity = [-1.0, 0.0, 0.5]\n";
+const std::string lattice = case_text("fcc\ncolumns = 3\nrows = 3\nlayers = 3", "2, 2, 2",
+                                      "[loads]\ncompression = [1.0, 0.5, 0.25]\n"
+                                      "[[prescribed]]\ngrain = -1\nvelocity = [-1.0, 0.0, 0.5]\n");
 
-// 27 spheres that fall into a drum which turns.
-const std::string drum =
-    "[packing]\ngenerator = \"cubic\"\ncolumns = 3\nrows = 3\nlayers = 3\ndisorder = 0.1\n"
-    "[masses]\ndensity = 2500\n[partition]\ngrid = [2, 2, 1]\n"
-    "[dynamics]\nstep = 0.005\nsteps = 80\n[solver]\nalgorithm = \"generic\"\n"
-    "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\nfrom = [1, 0, 1]\nto = [1, 1, 1]\nradius = 2.2\n"
-    "centre = [1, 0, 1]\nspin = [0, 2, 0]\n"
-    "[[boundary]]\nname = \"end\"\nshape = \"wall\"\npoint = [0, -0.6, 0]\nnormal = [0, 1, 0]\n";
+const std::string drum = drum_case();
 
 // The numbers of the row of `nscdd inspect` that begins with a word.
 std::vector<double> row_of(const std::string& report, const std::string& first) {
@@ -99,16 +82,13 @@ TEST_CASE("space: a grid, a velocity or rates of two numbers are refused with fi
     session.file("bad.toml", replaced(lattice, from, to));
     check_refused(session, "sweep bad.toml --epsilon 1 --csv -", parts);
   };
-  refused("[2, 2, 2]", "[2, 2]",
-          {"bad.toml:7: partition.grid: expected three integers for a packing in space, met [2, 2]"});
-  refused("[1.0, 0.5, 0.25]", "[1.0, 0.5]",
-          {"bad.toml:9: loads.compression: expected three numbers for a packing in space, met [1, 0.5]"});
-  refused("[-1.0, 0.0, 0.5]", "[-1.0, 0.0]",
-          {"bad.toml:12: prescribed[0].velocity: expected three numbers for a packing in space, met [-1, 0]"});
-  refused("[-1.0, 0.0, 0.5]", "[-1.0, 0.0, 0.5, 0]",
-          {"bad.toml:12: prescribed[0].velocity: expected two numbers [a, b], or three in space, met an array of 4"});
+  refused("[2, 2, 2]", "[2, 2]", {"bad.toml:7: partition.grid", "three integers", "met [2, 2]"});
+  refused("[1.0, 0.5, 0.25]", "[1.0, 0.5]", {"bad.toml:9: loads.compression", "three numbers", "met [1, 0.5]"});
+  const std::string velocity = "prescribed[0].velocity";
+  refused("[-1.0, 0.0, 0.5]", "[-1.0, 0.0]", {"bad.toml:12: " + velocity, "three numbers", "met [-1, 0]"});
+  refused("[-1.0, 0.0, 0.5]", "[-1.0, 0.0, 0.5, 0]", {"bad.toml:12: " + velocity, "three in space", "an array of 4"});
   refused("generator = \"fcc\"\ncolumns = 3\nrows = 3\nlayers = 3", "generator = \"strip\"",
-          {"bad.toml:9: prescribed[0].velocity: expected two numbers for a packing in the plane, met [-1, 0, 0.5]"});
+          {"bad.toml:9: " + velocity, "two numbers", "plane", "met [-1, 0, 0.5]"});
   session.file("fcc.toml", lattice);
   const std::string sweep = "sweep fcc.toml --epsilon 1 --csv - ";
   check_refused(session, sweep + "--subdomains 2x2", {"fcc.toml: partition.grid", "three integers", "met [2, 2]"});
@@ -335,20 +315,15 @@ TEST_CASE("space: a study has the spheres and the force chains of a case that mo
 
 TEST_CASE("space: a study has the rate of Algorithm 1 on spheres that slide, predicted and observed") {
   const Session session;
-  const auto wall = [](const std::string& name, const std::string& point, const std::string& normal,
-                       const std::string& more = "") {
-    return "[[boundary]]\nname = \"" + name + "\"\nshape = \"wall\"\npoint = " + point + "\nnormal = " + normal + "\n" +
-           more;
-  };
   session.file("study/box.toml",
-               "[packing]\ngenerator = \"sphere_deposit\"\ngrains = 60\nwidth = 1.2\n[masses]\ndensity = 2500\n"
-               "[partition]\ngrid = [2, 1, 1]\n[interaction]\nfriction = 0.3\n"
-               "[dynamics]\nstep = 0.005\nsteps = 10\nmaximum_push_speed = 1e9\n"
-               "[solver]\nalgorithm = \"generic\"\ncriterion = \"none\"\nmaximum_iterations = 10000\n" +
-                   wall("floor", "[0, 0, 0]", "[0, 0, 1]") +
-                   wall("left", "[0, 0, 0]", "[1, 0, 0]", "spin = [0, 0.075, 0]\n") +
-                   wall("right", "[1.2, 0, 0]", "[-1, 0, 0]", "centre = [1.2, 0, 0]\nspin = [0, 0.075, 0]\n") +
-                   wall("front", "[0, 0, 0]", "[0, 1, 0]") + wall("back", "[0, 1.2, 0]", "[0, -1, 0]"));
+               case_text("sphere_deposit\ngrains = 60\nwidth = 1.2", "2, 1, 1",
+                         "[masses]\ndensity = 2500\n[interaction]\nfriction = 0.3\n"
+                         "[dynamics]\nstep = 0.005\nsteps = 10\nmaximum_push_speed = 1e9\n"
+                         "[solver]\nalgorithm = \"generic\"\ncriterion = \"none\"\nmaximum_iterations = 10000\n") +
+                   wall_text("floor", "[0, 0, 0]", "[0, 0, 1]") +
+                   wall_text("left", "[0, 0, 0]", "[1, 0, 0]", "spin = [0, 0.075, 0]\n") +
+                   wall_text("right", "[1.2, 0, 0]", "[-1, 0, 0]", "centre = [1.2, 0, 0]\nspin = [0, 0.075, 0]\n") +
+                   wall_text("front", "[0, 0, 0]", "[0, 1, 0]") + wall_text("back", "[0, 1.2, 0]", "[0, -1, 0]"));
   session.file("study/study.toml",
                "title = \"rates\"\n"
                "[[table]]\nname = \"run\"\nobservable = \"predicted_observed\"\ncases = [\"box.toml\"]\nsteps = [10]\n"

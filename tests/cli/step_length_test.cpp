@@ -13,10 +13,11 @@ namespace {
 
 // A disk that flies at another with 19 m/s, 2 mm before it.
 std::string shot(const std::string& packing, const std::string& more = "") {
-  return "[packing]\nfile = \"" + packing +
-         "\"\n[masses]\nmodel = \"given\"\n[partition]\ngrid = [1, 1]\n[interaction]\nlaw = \"frictionless\"\n" +
-         "[dynamics]\nstep = 0.005\nsteps = 3\ngravity = [0, 0]\n[[prescribed]]\ngrain = 0\nvelocity = [19.0, 0.0]\n" +
-         more;
+  return case_text(
+      packing, "1, 1",
+      "[masses]\nmodel = \"given\"\n[interaction]\nlaw = \"frictionless\"\n[dynamics]\nstep = 0.005\nsteps = 3\n"
+      "gravity = [0, 0]\n[[prescribed]]\ngrain = 0\nvelocity = [19.0, 0.0]\n" +
+          more);
 }
 
 struct ShotSession : Session {

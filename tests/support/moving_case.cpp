@@ -63,4 +63,24 @@ std::string case_text(const std::string& packing, const std::string& grid, const
          first + "\"" + parameters + "\n[partition]\ngrid = [" + grid + "]\n" + more;
 }
 
+std::string wall_text(const std::string& name, const std::string& point, const std::string& normal,
+                      const std::string& more) {
+  return "[[boundary]]\nname = \"" + name + "\"\nshape = \"wall\"\npoint = " + point + "\nnormal = " + normal + "\n" +
+         more;
+}
+
+std::string line_text(const std::string& name, const std::string& from, const std::string& to,
+                      const std::string& more) {
+  return "[[boundary]]\nname = \"" + name + "\"\nshape = \"wall\"\nfrom = " + from + "\nto = " + to + "\n" + more;
+}
+
+std::string drum_case() {
+  return case_text(
+             "cubic\ncolumns = 3\nrows = 3\nlayers = 3\ndisorder = 0.1", "2, 2, 1",
+             "[masses]\ndensity = 2500\n[dynamics]\nstep = 0.005\nsteps = 80\n[solver]\nalgorithm = \"generic\"\n"
+             "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\nfrom = [1, 0, 1]\nto = [1, 1, 1]\nradius = 2.2\n"
+             "centre = [1, 0, 1]\nspin = [0, 2, 0]\n") +
+         wall_text("end", "[0, -0.6, 0]", "[0, 1, 0]");
+}
+
 }  // namespace nscdd::testing

@@ -16,4 +16,13 @@ std::string small_moving_case();
 /// is its partition, such as "2, 1".
 std::string case_text(const std::string& packing, const std::string& grid = "1, 1", const std::string& more = "");
 
+/// A boundary of it: a wall in space, or in the plane through two points.
+std::string wall_text(const std::string& name, const std::string& point, const std::string& normal,
+                      const std::string& more = "");
+std::string line_text(const std::string& name, const std::string& from, const std::string& to,
+                      const std::string& more = "");
+
+/// 27 spheres that fall into a drum which turns.
+std::string drum_case();
+
 }  // namespace nscdd::testing
