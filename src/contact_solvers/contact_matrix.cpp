@@ -54,7 +54,43 @@ SparseMatrix with_places(const SparseMatrix& mass, const SparseMatrix& h) {
 }  // namespace
 
 template <int D>
-Vector rest_of(const std::vector<ContactRelation<D>>& relations, const Vector& b, const Vector& r, const Vector& u) {
+ContactRelation<D> ContactRelation<D>::of(const FrozenContact<D>& frozen, double proximal, double rho) {
+  ContactRelation<D> relation;
+  if (frozen.status == ContactStatus::open) return relation;
+  relation.p(0, 0) = proximal;
+  relation.q(0, 0) = 1;
+  if (frozen.status == ContactStatus::stick) {
+    for (Index k = 1; k < D; ++k) {
+      relation.p(k, k) = proximal;
+      relation.q(k, k) = 1;
+    }
+  } else if constexpr (D == 2) {
+    relation.p(1, 0) = -frozen.slope;
+  } else {
+    const Eigen::Vector2d slope(frozen.slope.first, frozen.slope.second);
+    Eigen::Matrix2d across = Eigen::Matrix2d::Zero();  // turning (I - d d^T)
+    if (frozen.turning > 0) {
+      const Eigen::Vector2d side = Eigen::Vector2d(-slope.y(), slope.x()).normalized();
+      across = frozen.turning * side * side.transpose();
+    }
+    relation.p.template bottomLeftCorner<2, 1>() = -slope;
+    relation.q.template bottomRightCorner<2, 2>() = rho * across;
+    relation.p.template bottomRightCorner<2, 2>() += (proximal * rho - 1) * across;
+  }
+  return relation;
+}
+
+template <int D>
+std::vector<ContactRelation<D>> ContactRelation<D>::shifted(const Vector& shift) {
+  std::vector<ContactRelation<D>> relations;
+  for (Index k = 0; k < shift.size(); k += D)
+    relations.push_back({shift.segment<D>(k).asDiagonal(), Block::Identity()});
+  return relations;
+}
+
+template <int D>
+Vector ContactRelation<D>::rest(const std::vector<ContactRelation<D>>& relations, const Vector& b, const Vector& r,
+                                const Vector& u) {
   Vector rest = b;
   for (Index c = 0; c < count(relations); ++c)
     rest.segment<D>(D * c) -= relations[at(c)].p * r.segment<D>(D * c) + relations[at(c)].q * u.segment<D>(D * c);
@@ -128,9 +164,9 @@ Vector ContactMatrix<D>::solve_once(const Vector& b) const {
 
 template <int D>
 Vector ContactMatrix<D>::solve(const Vector& b) const {
-  Vector r = solve_once(b), rest = rest_of(relations_, b, r, w_ * r);
+  Vector r = solve_once(b), rest = ContactRelation<D>::rest(relations_, b, r, w_ * r);
   for (int step = 0; step < most_refinements && rest.norm() > refined * b.norm(); ++step) {
-    Vector next = r + solve_once(rest), next_rest = rest_of(relations_, b, next, w_ * next);
+    Vector next = r + solve_once(rest), next_rest = ContactRelation<D>::rest(relations_, b, next, w_ * next);
     if (!(next_rest.norm() < rest.norm())) break;  // what it takes away is less than what it brings
     const bool worth_while = next_rest.norm() < 0.5 * rest.norm();
     r = std::move(next);
@@ -146,8 +182,8 @@ double ContactMatrix<D>::take_operations() {
   return taken_ - before;
 }
 
-template Vector rest_of(const std::vector<ContactRelation<2>>&, const Vector&, const Vector&, const Vector&);
-template Vector rest_of(const std::vector<ContactRelation<3>>&, const Vector&, const Vector&, const Vector&);
+template struct ContactRelation<2>;
+template struct ContactRelation<3>;
 template class ContactMatrix<2>;
 template class ContactMatrix<3>;
 

@@ -3,6 +3,7 @@
 
 #include "linalg/multifrontal/lu.hpp"
 #include "mechanics/contact_blocks.hpp"
+#include "mechanics/contact_law.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
 namespace nscdd {
@@ -13,18 +14,22 @@ template <int D>
 struct ContactRelation {
   using Block = Eigen::Matrix<double, D, D>;
   Block p = Block::Identity(), q = Block::Zero();
-};
 
-/// b - P r - Q u, D c entries, for a relation of each contact and u = W r.
-template <int D>
-Vector rest_of(const std::vector<ContactRelation<D>>& relations, const Vector& b, const Vector& r, const Vector& u);
+  /// What Newton's steps ask of a contact, u = W r + q + proximal (r - r_now). Open: r = 0. Stick: u = 0. Slide: u_n =
+  /// 0 and the tangential law of a FrozenContact, of which `rho` is that of z (kg; of no meaning in the plane).
+  static ContactRelation of(const FrozenContact<D>& frozen, double proximal, double rho);
+  /// Those of (W + diag(shift)) r = b, D entries per contact.
+  static std::vector<ContactRelation> shifted(const Vector& shift);
+  /// b - P r - Q u, D c entries, for a relation of each contact and u = W r.
+  static Vector rest(const std::vector<ContactRelation>& relations, const Vector& b, const Vector& r, const Vector& u);
+};
 
 /// The linear system  P r + Q W r = b  of all contacts, P and Q with a D x D block per contact, for many P and Q. It is
 /// factorised as it stands or, where M and H are known and leave fewer entries, with the velocities v of the bodies as
 /// unknowns:
 ///     (M + H P^-1 Q H^T) v = H P^-1 b,   r = P^-1 (b - Q H^T v).
 /// Steps of iterative refinement on the first form follow either, as long as they halve the rest. W stands for its
-/// symmetric part, see Couplings.
+/// symmetric part, see ContactProblem.
 template <int D>
 class ContactMatrix {
  public:
@@ -64,7 +69,5 @@ class ContactMatrix {
   std::optional<SparseLu> lu_;
   double taken_ = 0;  // of its operations
 };
-extern template class ContactMatrix<2>;
-extern template class ContactMatrix<3>;
 
 }  // namespace nscdd

@@ -7,44 +7,74 @@
 
 namespace nscdd {
 
-/// W as W_s + W_a with a symmetric W_s, as files of six digits need it, and the linear systems P r + Q W_s r = b of all
-/// contacts, for many P and Q.
-template <int D>
-struct Couplings {
-  std::function<Vector(const Vector& r)> product;  ///< W_s r
-  std::function<Vector(const Vector& r)> rest;     ///< W_a r
-  /// As those of ContactMatrix. A solution that is not found is not finite.
-  std::function<bool(std::vector<ContactRelation<D>>)> factorise;
-  std::function<Vector(const Vector& b)> solve;
-  std::function<double()> take_operations;
-  std::function<int()> determinant_sign;
-  /// W_s, where it is all that is known: a positive multiple of the diagonal may then be added and factorised at once.
-  std::shared_ptr<const SparseMatrix> without_bodies = nullptr;
-};
-
-/// A contact problem u = W r + q as contact solvers know it, whatever holds W. Where several processes share it, each
-/// has some of the contacts, and all call the same functions together. Vectors have D entries per contact.
-template <int D>
-struct ContactProblem {
-  Vector q, friction;  ///< as those of a LocalFrictionProblem
-  Vector speeds;       ///< of each contact those of both bodies without contact impulses, or of q, m/s
-  Vector normal;       ///< W_nn of its contact at each component, 1/kg
+/// The data of the contacts of a problem u = W r + q. Where several processes share the problem, each has some of the
+/// contacts; sums are over all of them. Vectors have D entries per contact.
+struct ContactData {
+  Vector q, friction;             ///< as those of a LocalFrictionProblem
+  Vector normal;                  ///< W_nn of its contact at each component, 1/kg
+  double product_operations = 0;  ///< of a product with W and of a sweep, in all processes
   ContactSums sums = {};
-  std::function<Vector(const Vector& r)> product;          ///< W r
-  std::function<FullDelassus<D>(Index contact)> diagonal;  ///< its block of W
-  std::optional<double> alone = {};                        ///< || r^1 || where q does not tell it, N s
-  double product_operations = 0;                           ///< of a product with W and of a sweep, in all processes
-  std::shared_ptr<const ContactBlocks<D>> rows = nullptr;  ///< W by rows of blocks, where it is stored
-  /// Does so many sweeps on impulses r, those with the numbers `first`, `first` + 1, ..., and returns r.
-  using Sweeps = std::function<Vector(const Vector& r, Index first, Index many)>;
-  std::function<Sweeps(const FrictionSolverOptions&)> sweeps;
-  std::function<Couplings<D>()> couplings;
+  double alone = 0;    ///< || r^1 ||, the impulses of the contacts each alone, N s
+  double momenta = 0;  ///< p, what the bodies that meet at the contacts bring, N s
+  double trace = 0;    ///< of W, 1/kg
 
   Index contacts() const { return friction.size(); }  ///< of this process
+
+  /// Sets the sums `alone`, `momenta` and `trace`. diagonal(c): the block of W of contact c. `speeds`: of
+  /// each contact those of both bodies without contact impulses, or of q, m/s.
+  template <int D, class Diagonal>
+  void set_sums(const Diagonal& diagonal, const Vector& speeds);
 };
 
-/// The contacts of a problem whose W is stored, in one process. `problem` must outlive them.
+/// A contact problem as contact solvers know it, whatever holds W: a class with the functions below. Where several
+/// processes share the problem, all call the same functions together.
+///
+/// The linear systems are those of W_s, where W = W_s + W_a with a symmetric W_s, as files of six digits need it. One
+/// matrix is factorised at a time; a solution that is not found is not finite.
+template <class P>
+concept ContactProblem = requires(P& problem, const P& fixed, const Vector& r, Index number,
+                                  const FrictionSolverOptions& options,
+                                  std::vector<ContactRelation<P::dimension>> relations) {
+  { fixed.data } -> std::convertible_to<const ContactData&>;
+  { fixed.product(r) } -> std::same_as<Vector>;  // W r
+  // A function that does `many` sweeps on impulses r, those numbered `first`, `first` + 1, ..., and returns r.
+  { problem.sweeps(options)(r, number, number) } -> std::same_as<Vector>;
+  { problem.symmetric_product(r) } -> std::same_as<Vector>;           // W_s r
+  { problem.rest(r) } -> std::same_as<Vector>;                        // W_a r
+  { problem.factorise(std::move(relations)) } -> std::same_as<bool>;  // as ContactMatrix
+  { problem.factorise_shifted(r) } -> std::same_as<bool>;             // W_s + diag(r), r > 0
+  { problem.solve(r) } -> std::same_as<Vector>;
+  { problem.take_operations() } -> std::same_as<double>;
+  { problem.determinant_sign() } -> std::same_as<int>;
+};
+
+/// One whose W is stored, in `rows()` of blocks.
+template <class P>
+concept StoredProblem = ContactProblem<P> && requires(const P& fixed) {
+  { fixed.rows() } -> std::convertible_to<const ContactBlocks<P::dimension>&>;
+};
+
+/// The impulse that would bring a contact to rest, the others held:  r_c - W_c^-1 u_c.
 template <int D>
-ContactProblem<D> stored_contacts(const LocalFrictionProblem& problem);
+LocalVector<D> stopping(const FullDelassus<D>& w, LocalVector<D> impulse, LocalVector<D> u) {
+  return impulse - w.solve(u);
+}
+
+template <int D, class Diagonal>
+void ContactData::set_sums(const Diagonal& diagonal, const Vector& speeds) {
+  const Vector totals = sums.add_up(3, contacts(), [&](Index c, auto&& sum) {
+    const FullDelassus<D> w = diagonal(c);
+    sum[0] += squared(Coulomb{}.impulse(stopping(w, {}, component<D>(q, c)), w, friction[c]));
+    const double momentum = speeds[c] / normal[D * c];
+    sum[1] += momentum * momentum;
+    if constexpr (D == 2)
+      sum[2] += w.nn + w.tt;
+    else
+      sum[2] += w.nn + w.tt.first + w.tt.second;
+  });
+  alone = std::sqrt(totals[0]);
+  momenta = std::sqrt(totals[1]);
+  trace = totals[2];
+}
 
 }  // namespace nscdd

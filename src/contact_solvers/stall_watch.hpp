@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "contact_solvers/contact_solver.hpp"
+#include "contact_solvers/solver_run.hpp"
 #include "mechanics/gauss_seidel.hpp"
 
 namespace nscdd {
@@ -13,8 +13,8 @@ template <int D>
 class StallWatch {
  public:
   explicit StallWatch(const SolverRun<D>& run)
-      : sums_(run.problem.sums),
-        scale_(std::max(run.alone, sums_.norm(run.now.impulses))),
+      : sums_(run.data.sums),
+        scale_(std::max(run.data.alone, sums_.norm(run.now.impulses))),
         watch_({.tolerance = -1,  // `judge` says what has converged
                 .growth = growth_allowed,
                 .fall = progress_wanted,

@@ -1,66 +1,67 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "contact_solvers/contact_problem.hpp"
-#include "contact_solvers/sweep_rows.hpp"
+#include "contact_solvers/stored_contacts.hpp"
 
 namespace nscdd {
-namespace {
 
 template <int D>
-typename ContactProblem<D>::Sweeps stored_sweeps(const LocalFrictionProblem& problem,
-                                                 const FrictionSolverOptions& options) {
-  const auto rows = std::make_shared<const SweepRows<D>>(sweep_rows<D>(problem, options.order, options.seed));
-  return [rows, order = options.order, omega = options.relaxation](const Vector& r, Index first, Index many) {
-    Vector impulses = rows->in_order(r);
-    for (Index number = first; number < first + many; ++number) sweep_once(*rows, order, omega, number, impulses);
-    return rows->by_contact(impulses);
-  };
-}
-
-// |q_c| of each contact: no less than that meets.
-template <int D>
-Vector speeds_of(const Vector& q) {
-  return q.reshaped(D, q.size() / D).colwise().norm().transpose();
+StoredContacts<D>::StoredContacts(const LocalFrictionProblem& problem)
+    : data{.q = problem.q,
+           .friction = problem.friction,
+           .normal = Vector(D * problem.contacts()),
+           .product_operations = 2.0 * static_cast<double>(problem.w.nonZeros())},
+      problem_(problem),
+      rows_(problem.w) {
+  for (Index c = 0; c < problem.contacts(); ++c)
+    data.normal.segment<D>(D * c).setConstant(problem.w.coeff(D * c, D * c));
+  const Vector own = problem.q.reshaped(D, problem.contacts()).colwise().norm().transpose();  // |q_c|
+  data.set_sums<D>([&](Index c) { return diagonal_block<D>(problem, c); },
+                   problem.speeds.size() > 0 ? problem.speeds : own);
 }
 
 template <int D>
-Couplings<D> stored_couplings(const LocalFrictionProblem& problem) {
-  const auto symmetric = std::make_shared<const SparseMatrix>(0.5 * (problem.w + SparseMatrix(problem.w.transpose())));
-  const auto rest = std::make_shared<const SparseMatrix>(problem.w - *symmetric);
-  const auto blocks = std::make_shared<const ContactBlocks<D>>(*symmetric);
-  const auto matrix = std::make_shared<std::optional<ContactMatrix<D>>>();  // ADMM may not need it
-  return {.product = [blocks](const Vector& r) { return *blocks * r; },
-          .rest = [rest](const Vector& r) { return Vector(*rest * r); },
-          .factorise =
-              [matrix, symmetric, &problem](std::vector<ContactRelation<D>> relations) {
-                if (!*matrix) matrix->emplace(problem, *symmetric);
-                return (*matrix)->factorise(std::move(relations));
-              },
-          .solve = [matrix](const Vector& b) { return (*matrix)->solve(b); },
-          .take_operations = [matrix] { return (*matrix)->take_operations(); },
-          .determinant_sign = [matrix] { return (*matrix)->determinant_sign(); },
-          .without_bodies = problem.h.cols() == 0 ? symmetric : nullptr};
+typename StoredContacts<D>::Systems& StoredContacts<D>::systems() {
+  if (systems_) return *systems_;
+  SparseMatrix symmetric = 0.5 * (problem_.w + SparseMatrix(problem_.w.transpose()));
+  SparseMatrix rest = problem_.w - symmetric;
+  ContactBlocks<D> blocks(symmetric);
+  return systems_.emplace(Systems{std::move(symmetric), std::move(rest), std::move(blocks)});
 }
-
-}  // namespace
 
 template <int D>
-ContactProblem<D> stored_contacts(const LocalFrictionProblem& problem) {
-  Vector normal(D * problem.contacts());
-  for (Index c = 0; c < problem.contacts(); ++c) normal.segment<D>(D * c).setConstant(problem.w.coeff(D * c, D * c));
-  const auto rows = std::make_shared<const ContactBlocks<D>>(problem.w);
-  return {.q = problem.q,
-          .friction = problem.friction,
-          .speeds = problem.speeds.size() > 0 ? problem.speeds : speeds_of<D>(problem.q),
-          .normal = std::move(normal),
-          .product = [rows](const Vector& r) { return *rows * r; },
-          .diagonal = [&problem](Index contact) { return diagonal_block<D>(problem, contact); },
-          .product_operations = 2.0 * static_cast<double>(problem.w.nonZeros()),
-          .rows = rows,
-          .sweeps = [&problem](const FrictionSolverOptions& options) { return stored_sweeps<D>(problem, options); },
-          .couplings = [&problem] { return stored_couplings<D>(problem); }};
+bool StoredContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
+  Systems& of = systems();
+  of.cholesky.reset();
+  if (!of.matrix) of.matrix.emplace(problem_, of.symmetric);
+  return of.matrix->factorise(std::move(relations));
 }
 
-template ContactProblem<2> stored_contacts(const LocalFrictionProblem&);
-template ContactProblem<3> stored_contacts(const LocalFrictionProblem&);
+template <int D>
+bool StoredContacts<D>::factorise_shifted(const Vector& shift) {
+  if (problem_.h.cols() > 0) return factorise(ContactRelation<D>::shifted(shift));
+  Systems& of = systems();
+  if (!of.analysis) of.analysis.emplace(of.symmetric);
+  SparseMatrix matrix = of.symmetric;
+  matrix.diagonal() += shift;
+  of.cholesky.emplace(*of.analysis, matrix);
+  of.operations += of.cholesky->factorisation_operations();
+  return of.cholesky->positive_definite();
+}
+
+template <int D>
+Vector StoredContacts<D>::solve(const Vector& b) {
+  Systems& of = systems();
+  if (!of.cholesky) return of.matrix->solve(b);
+  of.operations += of.cholesky->solve_operations();
+  return of.cholesky->solve(b);
+}
+
+template <int D>
+double StoredContacts<D>::take_operations() {
+  Systems& of = systems();
+  return std::exchange(of.operations, 0.0) + (of.matrix ? of.matrix->take_operations() : 0.0);
+}
+
+template class StoredContacts<2>;
+template class StoredContacts<3>;
 
 }  // namespace nscdd

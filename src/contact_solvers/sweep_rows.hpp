@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "contact_solvers/contact_solver.hpp"
+#include "contact_solvers/contact_problem.hpp"
 
 namespace nscdd {
 

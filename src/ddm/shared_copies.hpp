@@ -36,7 +36,5 @@ class SharedCopies {
   std::vector<Index> start_{0};  // of the copies of each shared grain of which this process has one
   std::function<void(std::span<double>)> add_copies_, add_grains_;
 };
-extern template class SharedCopies<2>;
-extern template class SharedCopies<3>;
 
 }  // namespace nscdd

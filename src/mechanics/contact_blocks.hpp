@@ -84,7 +84,5 @@ class ContactBlocks {
   std::vector<int> column_;
   std::vector<Block> block_;
 };
-extern template class ContactBlocks<2>;
-extern template class ContactBlocks<3>;
 
 }  // namespace nscdd

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/contact_solver_step.hpp"
 
-#include "contact_solvers/contact_solver.hpp"
+#include "contact_solvers/stored_contacts.hpp"
 #include "mechanics/contact_blocks.hpp"
 #include "simulation/contact_colours.hpp"
 #include "simulation/step_decomposition.hpp"
@@ -101,21 +101,21 @@ void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts
   const auto start = Clock::now();
   const ImpulseScale scale = parts.scale;
   const Processes& all = simulation.processes;
-  std::optional<LocalFrictionProblem> stored;
-  std::optional<CutContacts<D>> cut;
+  std::optional<LocalFrictionProblem> whole;
+  std::optional<StoredContacts<D>> stored;
   std::optional<DividedContacts<D>> divided;
-  ContactProblem<D> contacts;
   if (decomposes(solver.algorithm)) {
-    cut.emplace(linear_decomposition(simulation, problem, step.partition, step.share),
-                cut_options(solver, stage_two_inertia(simulation)));
+    CutContacts<D> cut(linear_decomposition(simulation, problem, step.partition, step.share),
+                       cut_options(solver, stage_two_inertia(simulation)));
     const bool admm = solver.algorithm == StepAlgorithm::two_stage_admm;
-    divided.emplace(problem, std::move(parts), contact_colours(simulation, problem));
-    contacts = problem_of(*divided, step.partition, *cut, admm ? Refinement::none : Refinement::one_step);
+    divided.emplace(problem, step.partition, std::move(parts), contact_colours(simulation, problem), std::move(cut),
+                    admm ? Refinement::none : Refinement::one_step);
   } else {
     parts = {};  // one subdomain, of no use here
-    stored = contact_problem(problem, simulation.system);
-    contacts = stored_contacts<D>(*stored);
+    whole = contact_problem(problem, simulation.system);
+    stored.emplace(*whole);
   }
+  ContactData& contacts = divided ? divided->data : stored->data;
   // A contact is alone where the others have no impulse; with none of r + pull they pull.
   if (problem.pulls) contacts.alone = std::sqrt(scale.alone);
   // Contacts and velocities of the bodies for impulses r + pull, and how well they obey the law.
@@ -137,28 +137,31 @@ void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts
               .residual = report.residual,
               .status_changes = static_cast<Index>(all.sum(changes)),
               .factorisations = report.factorisations,
-              .interface_iterations = cut ? cut->work().iterations : 0,
+              .interface_iterations = divided ? divided->work().iterations : 0,
               .seconds = before});
     looking += seconds() - before;
   };
-  const FrictionSolution solution =
-      solve_contacts(contacts, options_of(solver), shifted_impulses(problem), [&](const FrictionSolution& check) {
-        report.last = {.iteration = report.last.iteration + 1,
-                       .sweeps = check.sweeps,
-                       .zeta = not_a_number,
-                       .impulses = contacts.sums.squared_norm(check.impulses)};
-        report.factorisations = check.factorisations;
-        if (sink.looks_at(report.last.iteration)) look(check.impulses);
-        return !sink.goes_on || sink.goes_on();
-      });
+  const auto observer = [&](const FrictionSolution& check) {
+    report.last = {.iteration = report.last.iteration + 1,
+                   .sweeps = check.sweeps,
+                   .zeta = not_a_number,
+                   .impulses = contacts.sums.squared_norm(check.impulses)};
+    report.factorisations = check.factorisations;
+    if (sink.looks_at(report.last.iteration)) look(check.impulses);
+    return !sink.goes_on || sink.goes_on();
+  };
+  const Vector guess = shifted_impulses(problem);
+  const FrictionSolution solution = divided ? solve_contacts(*divided, options_of(solver), guess, observer)
+                                            : solve_contacts(*stored, options_of(solver), guess, observer);
   report.solve_seconds = seconds();
   report.factorisations = solution.factorisations;
-  if (cut) {
-    cut->take_operations();
-    all.counts->flops += cut->work().flops;
-    all.counts->path_flops += cut->work().path_flops;
-    report.interface_systems = cut->work().solves;
-    report.interface_iterations = cut->work().iterations;
+  if (divided) {
+    divided->take_operations();
+    const auto& work = divided->work();
+    all.counts->flops += work.flops;
+    all.counts->path_flops += work.path_flops;
+    report.interface_systems = work.solves;
+    report.interface_iterations = work.iterations;
   }
   if (sink.row && !sink.looks_at(report.last.iteration)) look(solution.impulses);
   report.status = status_of_step(solution.status);

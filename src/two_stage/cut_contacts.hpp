@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "contact_solvers/contact_problem.hpp"
+#include "contact_solvers/contact_matrix.hpp"
 #include "linalg/linear_iteration.hpp"
 #include "linalg/multifrontal/lu.hpp"
 #include "two_stage/step_solver.hpp"
@@ -81,28 +81,5 @@ class CutContacts {
   IteratedSolution longest_;  // of the relations given last
   Work work_;
 };
-extern template class CutContacts<2>;
-extern template class CutContacts<3>;
-
-/// Whether solutions get a step of iterative refinement: where P is small impulses are velocities over it, and so are
-/// their errors.
-enum class Refinement { none, one_step };
-
-/// These systems for a contact solver with the W = H^T M^-1 H of all contacts; `cut` must outlive them.
-/// `product`: W r.
-template <int D>
-Couplings<D> cut_couplings(CutContacts<D>& cut, Refinement refinement, std::function<Vector(const Vector&)> product) {
-  const auto solve = [&cut, refinement, product](const Vector& b) {
-    Vector r = cut.solve(b);
-    if (refinement == Refinement::one_step) r += cut.solve(rest_of(cut.relations(), b, r, product(r)));
-    return r;
-  };
-  return {.product = product,
-          .rest = [](const Vector& r) { return Vector(Vector::Zero(r.size())); },
-          .factorise = [&cut](std::vector<ContactRelation<D>> all) { return cut.factorise(std::move(all)); },
-          .solve = solve,
-          .take_operations = [&cut] { return cut.take_operations(); },
-          .determinant_sign = [&cut] { return cut.determinant_sign(); }};
-}
 
 }  // namespace nscdd

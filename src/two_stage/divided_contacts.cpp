@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "two_stage/divided_contacts.hpp"
 
+#include "contact_solvers/solve_contacts.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/impulse_scale.hpp"
 
@@ -39,14 +40,17 @@ void shrink(std::vector<Index>& numbers, ContactRows<D>& contacts) {
 }  // namespace
 
 template <int D>
-DividedContacts<D>::DividedContacts(const StepProblem<D>& problem, GranularDecomposition<D> parts,
-                                    const ContactColours& colours)
+DividedContacts<D>::DividedContacts(const StepProblem<D>& problem, const Partition& partition,
+                                    GranularDecomposition<D> parts, const ContactColours& colours, CutContacts<D> cut,
+                                    Refinement refinement)
     : problem_(problem),
       processes_(parts.interface.processes()),
       coloured_(parts.subdomains.size()),
       changed_(at(colours.number)),
       shared_(parts.interface),
-      pull_(Vector::Zero(D * count(problem.contacts))) {
+      pull_(Vector::Zero(D * count(problem.contacts))),
+      cut_(std::move(cut)),
+      refinement_(refinement) {
   for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
     GranularSubdomain<D>& subdomain = parts.subdomains[e];
     coloured_[e].resize(at(colours.number));
@@ -69,6 +73,36 @@ DividedContacts<D>::DividedContacts(const StepProblem<D>& problem, GranularDecom
         for (const std::int32_t body : {row.a, row.b})
           if (const Index k = copy_of[e][static_cast<std::size_t>(body)]; k >= 0) changed_[colour].push_back(k);
   for (std::size_t c = 0; c < problem.contacts.size(); ++c) pull_[D * static_cast<Index>(c)] = problem.contacts[c].pull;
+  set_data(partition);
+}
+
+template <int D>
+void DividedContacts<D>::set_data(const Partition& partition) {
+  const std::vector<GrainContact<D>>& contacts = problem_.contacts;
+  const Index number = count(contacts);
+  data.q = relative_velocities(moved(-pull_));
+  data.friction.resize(number);
+  data.normal.resize(D * number);
+  Vector speeds(number);
+  for (Index c = 0; c < number; ++c) {
+    const GrainContact<D>& contact = contacts[at(c)];
+    set_component(data.q, c, component<D>(data.q, c) + contact.bias);
+    data.friction[c] = contact.friction;
+    data.normal.template segment<D>(D * c).setConstant(1 / contact.inverse_w.inverse_n);
+    speeds[c] = meeting_speed<D>(contact, problem_.free);
+  }
+  // A column of H has 2 x 5 entries for both directions in the plane and 2 x 15 in space, where a spin about the normal
+  // does nothing; H^T and H each take two operations for an entry.
+  data.product_operations = 2.0 * 2 * (D == 2 ? 10 : 30) * processes_.sum(static_cast<double>(number));
+  data.sums = ContactSums(partition.subdomain_of_contact, partition.subdomains, processes_);
+  const auto diagonal = [&](Index c) -> FullDelassus<D> {
+    const DiagonalDelassus& w = contacts[at(c)].inverse_w;
+    if constexpr (D == 2)
+      return {.nn = 1 / w.inverse_n, .tt = 1 / w.inverse_t};
+    else
+      return {.nn = 1 / w.inverse_n, .tt = {1 / w.inverse_t, 0, 1 / w.inverse_t}};
+  };
+  data.set_sums<D>(diagonal, speeds);
 }
 
 template <int D>
@@ -131,11 +165,11 @@ Vector DividedContacts<D>::product(const Vector& r) const {
 }
 
 template <int D>
-Vector DividedContacts<D>::without_impulses() const {
-  Vector q = relative_velocities(moved(-pull_));
-  for (Index c = 0; c < count(problem_.contacts); ++c)
-    set_component(q, c, component<D>(q, c) + problem_.contacts[at(c)].bias);
-  return q;
+Vector DividedContacts<D>::solve(const Vector& b) {
+  Vector r = cut_.solve(b);
+  if (refinement_ == Refinement::one_step)
+    r += cut_.solve(ContactRelation<D>::rest(cut_.relations(), b, r, product(r)));
+  return r;
 }
 
 template <int D>
@@ -172,45 +206,11 @@ std::vector<GrainVelocity<D>> DividedContacts<D>::velocities(const Vector& r) co
   return result;
 }
 
-template <int D>
-ContactProblem<D> problem_of(DividedContacts<D>& contacts, const Partition& partition, CutContacts<D>& cut,
-                             Refinement refinement) {
-  const StepProblem<D>& step = contacts.problem();
-  const Index number = count(step.contacts);
-  ContactProblem<D> problem;
-  problem.q = contacts.without_impulses();
-  problem.friction.resize(number);
-  problem.speeds.resize(number);
-  problem.normal.resize(D * number);
-  for (Index c = 0; c < number; ++c) {
-    problem.friction[c] = step.contacts[at(c)].friction;
-    problem.speeds[c] = meeting_speed<D>(step.contacts[at(c)], step.free);
-    problem.normal.template segment<D>(D * c).setConstant(1 / step.contacts[at(c)].inverse_w.inverse_n);
-  }
-  problem.sums = ContactSums(partition.subdomain_of_contact, partition.subdomains, contacts.processes());
-  problem.product = [&contacts](const Vector& r) { return contacts.product(r); };
-  problem.diagonal = [&step](Index c) -> FullDelassus<D> {
-    const DiagonalDelassus& w = step.contacts[at(c)].inverse_w;
-    if constexpr (D == 2)
-      return {.nn = 1 / w.inverse_n, .tt = 1 / w.inverse_t};
-    else
-      return {.nn = 1 / w.inverse_n, .tt = {1 / w.inverse_t, 0, 1 / w.inverse_t}};
-  };
-  // A column of H has 2 x 5 entries for both directions in the plane and 2 x 15 in space, where a spin about the normal
-  // does nothing; H^T and H each take two operations for an entry.
-  problem.product_operations = 2.0 * 2 * (D == 2 ? 10 : 30) * contacts.processes().sum(static_cast<double>(number));
-  problem.sweeps = [&contacts](const FrictionSolverOptions& options) {
-    return [&contacts, omega = options.relaxation](const Vector& r, Index /*first*/, Index many) {
-      return contacts.swept(r, many, omega);
-    };
-  };
-  problem.couplings = [&cut, refinement, product = problem.product] { return cut_couplings(cut, refinement, product); };
-  return problem;
-}
-
 template class DividedContacts<2>;
 template class DividedContacts<3>;
-template ContactProblem<2> problem_of(DividedContacts<2>&, const Partition&, CutContacts<2>&, Refinement);
-template ContactProblem<3> problem_of(DividedContacts<3>&, const Partition&, CutContacts<3>&, Refinement);
+template FrictionSolution solve_contacts(DividedContacts<2>&, const FrictionSolverOptions&, const Vector&,
+                                         const FrictionObserver&);
+template FrictionSolution solve_contacts(DividedContacts<3>&, const FrictionSolverOptions&, const Vector&,
+                                         const FrictionObserver&);
 
 }  // namespace nscdd

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "contact_solvers/solver_run.hpp"
 #include "ddm/shared_copies.hpp"
 #include "two_stage/cut_contacts.hpp"
 #include "two_stage/granular_decomposition.hpp"
@@ -13,10 +14,14 @@ struct ContactColours {
   Index number = 0;               ///< of colours, in all processes
 };
 
-/// The contact problem of a step cut into subdomains. W is never formed:  W r = H^T M^-1 H r  goes by the velocities of
-/// grains, of which every subdomain that a grain is in has a copy with its whole mass. A sweep visits the contacts of
-/// one colour after those of another; within a colour they do not feel each other, so that a sweep is the same for any
-/// cut.
+/// Whether solutions get a step of iterative refinement: where P is small impulses are velocities over it, and so are
+/// their errors.
+enum class Refinement { none, one_step };
+
+/// The ContactProblem of a step cut into subdomains, with the linear systems of a CutContacts. W is never formed:  W r
+/// = H^T M^-1 H r  goes by the velocities of grains, of which every subdomain that a grain is in has a copy with its
+/// whole mass. A sweep visits the contacts of one colour after those of another; within a colour they do not feel each
+/// other, so that a sweep is the same for any cut.
 ///
 /// With a law that pulls, r + pull obeys Coulomb's law: impulses here are these, and q makes up for it. Several
 /// processes each have the contacts of their own subdomains; no bit of a product, a sweep or a sum depends on their
@@ -24,18 +29,33 @@ struct ContactColours {
 template <int D>
 class DividedContacts {
  public:
-  /// `parts`: the cut of `problem`, which must outlive this.
-  DividedContacts(const StepProblem<D>& problem, GranularDecomposition<D> parts, const ContactColours& colours);
+  static constexpr int dimension = D;
+
+  /// `partition`: of the contacts of `problem`, which must outlive this. `parts`: its cut. `cut`: that of its H.
+  DividedContacts(const StepProblem<D>& problem, const Partition& partition, GranularDecomposition<D> parts,
+                  const ContactColours& colours, CutContacts<D> cut, Refinement refinement);
+
+  ContactData data;
 
   Vector product(const Vector& r) const;  ///< W r
-  Vector without_impulses() const;        ///< q
+  auto sweeps(const FrictionSolverOptions& options) {
+    return [this, omega = options.relaxation](const Vector& r, Index /*first*/, Index many) {
+      return swept(r, many, omega);
+    };
+  }
   /// Gauss-Seidel sweeps, so many, on impulses r, which it returns; relaxed by omega.
   Vector swept(const Vector& r, Index sweeps, double omega);
   /// Velocities of the bodies of the problem under impulses r of all contacts, those of other processes too.
   std::vector<GrainVelocity<D>> velocities(const Vector& r) const;
 
-  const StepProblem<D>& problem() const { return problem_; }
-  const Processes& processes() const { return processes_; }
+  Vector symmetric_product(const Vector& r) const { return product(r); }
+  Vector rest(const Vector& r) const { return Vector::Zero(r.size()); }
+  bool factorise(std::vector<ContactRelation<D>> relations) { return cut_.factorise(std::move(relations)); }
+  bool factorise_shifted(const Vector& shift) { return factorise(ContactRelation<D>::shifted(shift)); }
+  Vector solve(const Vector& b);
+  double take_operations() { return cut_.take_operations(); }
+  int determinant_sign() const { return cut_.determinant_sign(); }
+  const typename CutContacts<D>::Work& work() const { return cut_.work(); }
 
  private:
   // The contacts of a subdomain that have one colour.
@@ -47,6 +67,7 @@ class DividedContacts {
   CopiesOfGrains<D> caused(const Vector& r) const;                        // M^-1 H r of the whole packing in every copy
   CopiesOfGrains<D> moved(const Vector& r) const;                         // the same in addition to the free velocities
   Vector relative_velocities(const CopiesOfGrains<D>& velocities) const;  // H^T V
+  void set_data(const Partition& partition);
   void for_each_subdomain(const std::function<void(Index)>& work) const;
 
   const StepProblem<D>& problem_;
@@ -56,13 +77,8 @@ class DividedContacts {
   std::vector<std::vector<Index>> changed_;      // copies that contacts of each colour change, see SharedCopies
   SharedCopies<D> shared_;
   Vector pull_;  // N s, at the normal components
+  CutContacts<D> cut_;
+  Refinement refinement_;
 };
-extern template class DividedContacts<2>;
-extern template class DividedContacts<3>;
-
-/// The same for a contact solver, with the linear systems of `cut`. Both must outlive it. `partition`: of the contacts.
-template <int D>
-ContactProblem<D> problem_of(DividedContacts<D>& contacts, const Partition& partition, CutContacts<D>& cut,
-                             Refinement refinement);
 
 }  // namespace nscdd

@@ -2,8 +2,9 @@
 // Contact problems in space by every solver, their linear systems, whole and cut.
 #include "../support/dense.hpp"
 #include "../support/fclib_files.hpp"
+#include "../support/other_maker.hpp"
 #include "../support/sanitized.hpp"
-#include "contact_solvers/contact_solver.hpp"
+#include "contact_solvers/newton.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/connectivity.hpp"
@@ -67,7 +68,7 @@ std::vector<ContactRelation<3>> relations(RandomStream& random, Index contacts, 
     const LocalVector<3> z{n, {t * random.normal(), t * random.normal()}};
     const FrozenContact<3> frozen =
         frozen_contact(c % 3 == 1 ? LocalVector<3>{1, {0.01, 0}} : z, 0.3 + 0.2 * random.uniform());
-    result.push_back(relation_of(frozen, alpha, 0.8));
+    result.push_back(ContactRelation<3>::of(frozen, alpha, 0.8));
   }
   return result;
 }
@@ -181,12 +182,14 @@ TEST_CASE("linear systems of contacts in space: whole, with bodies as unknowns, 
       CHECK(cut.work().failures == 0);
       // The same problem by Newton's method on systems that are cut.
       const FrictionSolution whole = solve_friction(problem, {.tolerance = 1e-10});
-      CutContacts<3> newton(parts, {.network = network, .tolerance = 1e-8});
-      ContactProblem<3> of_cut = stored_contacts<3>(problem);
-      of_cut.couplings = [&] { return cut_couplings(newton, Refinement::one_step, of_cut.product); };
-      const FrictionSolution found =
-          solve_contacts(of_cut, {.algorithm = FrictionAlgorithm::newton, .tolerance = 1e-10, .maximum_sweeps = 0},
-                         0.9 * whole.impulses, {});
+      CutContacts<3> of_newton(parts, {.network = network, .tolerance = 1e-12});
+      StoredContacts<3> stored(problem);
+      OtherMaker<3, CutContacts<3>> of_cut{stored, of_newton};
+      const FrictionSolverOptions options{.tolerance = 1e-10, .maximum_sweeps = 0};
+      const FrictionObserver nobody;
+      SolverRun<3> run(of_cut, options, 0.9 * whole.impulses, nobody);
+      newton(of_cut, run);
+      const FrictionSolution found = run.best();
       CHECK(found.status == FrictionStatus::converged);
       CHECK(found.factorisations > 0);
       CHECK((found.impulses - whole.impulses).norm() < 1e-6 * whole.impulses.norm());

@@ -3,7 +3,7 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "../support/sanitized.hpp"
-#include "contact_solvers/contact_solver.hpp"
+#include "contact_solvers/automatic.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/active_set.hpp"
@@ -214,9 +214,13 @@ TEST_CASE("auto leaves very many contacts to accelerated gradients" * doctest::s
   const FrictionSolution steps = solve_friction(problem, {.tolerance = 1e-9, .maximum_sweeps = 0});
   CHECK(steps.status == FrictionStatus::converged);  // without a sweep there are still Newton's steps
   CHECK(steps.factorisations > 0);
-  ContactProblem<2> without_rows = stored_contacts<2>(problem);  // which gradients need
-  without_rows.rows = nullptr;
-  CHECK(solve_contacts(without_rows, {.tolerance = 1e-9}, {}, {}).impulses == sweeps.impulses);
+  StoredContacts<2> stored(problem);
+  OtherMaker<2, StoredContacts<2>> without{stored, stored};  // its W, which gradients need
+  const FrictionSolverOptions options{.tolerance = 1e-9};
+  const FrictionObserver nobody;
+  SolverRun<2> run(without, options, {}, nobody);
+  automatic(without, run);
+  CHECK(run.best().impulses == sweeps.impulses);
 }
 
 TEST_CASE("continuation needs no sweeps, and nothing but a judgement where the guess solves") {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/moving/interface_iterations.hpp"
 
-#include "contact_solvers/contact_solver.hpp"
 #include "linalg/pencil.hpp"
 #include "two_stage/cut_contacts.hpp"
 #include "two_stage/granular_two_stage.hpp"
@@ -32,7 +31,7 @@ FrozenSystem<D> frozen_system(const SolvedStep<D>& step) {
     const LocalVector<D> now = relative_velocity(contact, step.velocities) + contact.bias;
     const LocalVector<D> impulse = contact.impulse + LocalVector<D>{contact.pull, {}};
     const FrozenContact<D> frozen = frozen_contact(impulse - rho * now, contact.friction);
-    const ContactRelation<D> relation = relation_of(frozen, alpha, rho);
+    const ContactRelation<D> relation = ContactRelation<D>::of(frozen, alpha, rho);
     const LocalVector<D> u = relative_velocity(contact, free) + contact.bias;
     set_component(system.right, c, alpha * impulse - u);
     system.right.template segment<D>(D * c) = relation.q * system.right.template segment<D>(D * c);

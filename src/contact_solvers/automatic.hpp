@@ -2,23 +2,21 @@
 // Sweeps, then the curve of a smoothed law from their impulses. The more sweeps, the nearer to a solution it begins.
 // Problems of very many contacts are left to accelerated gradients as long as these get on: no point of the curve is
 // nearer to a solution there than many sweeps are.
-#include "contact_solvers/contact_solver.hpp"
+#pragma once
+
+#include "contact_solvers/apgd.hpp"
+#include "contact_solvers/continuation.hpp"
+#include "contact_solvers/nlgs.hpp"
 
 namespace nscdd {
-namespace {
 
-constexpr Index first_sweeps = 500;
-constexpr Index very_many_contacts = 100'000;
-// Of the curve, over the residual of the sweeps: for a run from zero, and for one that goes on from given impulses.
-constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10, 100, 1, 1000};
-
-}  // namespace
-
-template <int D>
-void automatic(SolverRun<D>& run) {
+template <ContactProblem P>
+void automatic(P& problem, SolverRun<P::dimension>& run) {
+  constexpr Index first_sweeps = 500, very_many_contacts = 100'000;
+  // Of the curve, over the residual of the sweeps: for a run from zero, and for one that goes on from given impulses.
+  constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10, 100, 1, 1000};
   const FrictionSolverOptions& options = run.options;
-  const auto& smoothings = run.problem.sums.all_zero(run.now.impulses) ? cold_smoothings : warm_smoothings;
-  std::optional<Couplings<D>> w;
+  const auto& smoothings = run.data.sums.all_zero(run.now.impulses) ? cold_smoothings : warm_smoothings;
   std::optional<FrictionStatus> given_up;  // how sweeps or gradients ended, once they are of no more use
   // Whether that is the end of the run. Where they stalled, there are other ways.
   const auto is_over = [&] {
@@ -29,27 +27,23 @@ void automatic(SolverRun<D>& run) {
     return false;
   };
   // Where W is not stored its linear systems are what the caller wants to see.
-  if (run.problem.contacts() >= very_many_contacts && run.problem.rows) {
-    apgd(run);
+  if (StoredProblem<P> && run.data.contacts() >= very_many_contacts) {
+    apgd(problem, run);
     if (run.now.status != FrictionStatus::maximum_reached && is_over()) return;
     run.go_back(run.best());
   }
   for (Index turn = 0; turn < std::ssize(smoothings); ++turn) {
     const Index most = std::min(first_sweeps << 2 * turn, options.maximum_sweeps - run.now.sweeps);
-    if (!given_up && sweep(run, most) && is_over()) return;
+    if (!given_up && sweep(problem, run, most) && is_over()) return;
     if (run.spent()) continue;
-    if (!w) w = run.problem.couplings();
     const FrictionSolution swept = run.now;
-    if (finish_by_newton(run, *w)) return;
+    if (NewtonSteps<P>(problem, run).finish()) return;
     run.go_back(swept);
-    if (follow_curve(run, *w, smoothings[turn] * swept.state.residual)) return;
+    if (follow_curve(problem, run, smoothings[turn] * swept.state.residual)) return;
     run.go_back(run.best());
   }
   const bool limited = run.spent() || (run.now.sweeps >= options.maximum_sweeps && !given_up);
   run.now.status = limited ? FrictionStatus::maximum_reached : given_up.value_or(FrictionStatus::stalled);
 }
-
-template void automatic(SolverRun<2>&);
-template void automatic(SolverRun<3>&);
 
 }  // namespace nscdd

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The definition of solve_contacts, to be included by the one source of a maker of contact problems that instantiates
+// it.
+#pragma once
+
+#include "contact_solvers/admm.hpp"
+#include "contact_solvers/apgd.hpp"
+#include "contact_solvers/automatic.hpp"
+#include "contact_solvers/continuation.hpp"
+#include "contact_solvers/newton.hpp"
+#include "contact_solvers/nlgs.hpp"
+
+namespace nscdd {
+
+/// The solvers by the places of FrictionAlgorithm.
+template <ContactProblem P>
+constexpr void (*contact_solvers[])(P&, SolverRun<P::dimension>&) = {automatic<P>, continuation<P>, newton<P>,
+                                                                     nlgs<P>,      admm<P>,         apgd<P>};
+
+/// Throws Error for a guess of another length and bad options.
+void check_options(Index dimension, Index contacts, const FrictionSolverOptions& options, const Vector& guess);
+
+template <ContactProblem P>
+FrictionSolution solve_contacts(P& problem, const FrictionSolverOptions& options, const Vector& guess,
+                                const FrictionObserver& observer) {
+  check_options(P::dimension, problem.data.contacts(), options, guess);
+  SolverRun<P::dimension> run(problem, options, guess, observer);
+  contact_solvers<P>[static_cast<std::size_t>(FrictionAlgorithm{options.algorithm})](problem, run);
+  FrictionSolution solution = options.algorithm == FrictionAlgorithm::nlgs ? run.now : run.best();
+  solution.unsettled = run.unsettled();
+  return solution;
+}
+
+}  // namespace nscdd

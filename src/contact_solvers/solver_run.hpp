@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "contact_solvers/contact_problem.hpp"
+
+#include <chrono>
+
+namespace nscdd {
+
+/// The run of a contact solver: from where, and what it has found so far. A contact solver is one file in this folder,
+/// a function of a ContactProblem and of a run in the plane (D = 2) or in space (D = 3), and one word in the list of
+/// solve_contacts.hpp. All that is given must outlive the run.
+template <int D>
+class SolverRun {
+ public:
+  template <ContactProblem P>
+  SolverRun(const P& problem, const FrictionSolverOptions& chosen, const Vector& guess,
+            const FrictionObserver& observer)
+      : SolverRun(
+            problem.data, [&problem](const Vector& r) { return problem.product(r); }, chosen, guess, observer) {}
+
+  const ContactData& data;
+  const FrictionSolverOptions& options;
+  FrictionSolution now;  ///< what the solver works with: set by `judge`, apart from what is counted
+
+  /// Evaluates impulses and shows them to the observer, with the step that led to them. Returns whether the run is
+  /// over: converged, stopped by the observer, or without finite impulses.
+  bool judge(const Vector& impulses, const FrictionStep& step = {});
+  /// Whether impulses are finite and not beyond all measure, as a matrix next to singular makes them, or a problem
+  /// without a solution.
+  bool plausible(const Vector& impulses) const;
+  /// Impulses that obey the law for the velocities that the present ones cause: P(r - rho (u + mu |u_t| n)).
+  Vector projected() const;
+  /// The impulses that converged or, if none did, those whose natural maps were the smallest, || m || in N s, with the
+  /// status and the counts of the end.
+  FrictionSolution best() const;
+  /// Goes on from earlier impulses.
+  void go_back(const FrictionSolution& earlier);
+  double natural_maps() const;  ///< || m || of the present impulses, N s
+  /// Contacts of this process whose status changed in the last 10 checks.
+  std::vector<Index> unsettled() const;
+  /// Evaluates impulses of the norm `size`, which cause `velocities` u = W r + q. Velocities that vanish under impulses
+  /// larger than `believed` may do so by rounding.
+  static FrictionState state_of(const ContactData& data, const Vector& impulses, Vector velocities, double size,
+                                double believed);
+  bool spent() const { return now.factorisations >= options.maximum_factorisations; }
+
+ private:
+  using Product = std::function<Vector(const Vector& r)>;  // W r
+  SolverRun(const ContactData& given, Product product, const FrictionSolverOptions& chosen, const Vector& guess,
+            const FrictionObserver& observer);
+  bool decide(const Vector& impulses, const FrictionStep& step);
+  double largest_plausible() const;  // norm of impulses, N s
+  bool plausible(double size) const;
+  Index changes_of_status();  // since the last call
+
+  const Product product_;
+  const FrictionObserver& observer_;
+  FrictionSolution best_;
+  std::vector<ContactStatus> statuses_;  // at the last check
+  std::vector<Index> changed_;           // the check at which each of them was new
+  Index checks_ = 0;
+  double expected_ = 0, guessed_ = 0;  // N s: impulses that are to be expected, those of the guess
+  double best_maps_ = infinity;        // N s
+  std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
+};
+
+/// As solve_friction, whatever holds W. Several processes that share the problem call it together; the solution is that
+/// of the contacts of this process, its counts of contacts and its residuals are those of all, and `worst` is the worst
+/// contact of this process. Only a StoredProblem has apgd. Each maker instantiates it in its source, see
+/// solve_contacts.hpp.
+template <ContactProblem P>
+FrictionSolution solve_contacts(P& problem, const FrictionSolverOptions& options, const Vector& guess,
+                                const FrictionObserver& observer);
+
+}  // namespace nscdd

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "contact_solvers/solver_run.hpp"
+#include "contact_solvers/sweep_rows.hpp"
+#include "linalg/sparse_cholesky.hpp"
+
+namespace nscdd {
+
+/// A ContactProblem whose W is stored, in one process. Where W is all that is known, W_s plus a positive diagonal is
+/// factorised by Cholesky's method.
+template <int D>
+class StoredContacts {
+ public:
+  static constexpr int dimension = D;
+
+  /// `problem` must outlive this.
+  explicit StoredContacts(const LocalFrictionProblem& problem);
+
+  ContactData data;
+
+  const ContactBlocks<D>& rows() const { return rows_; }
+  Vector product(const Vector& r) const { return rows_ * r; }
+  auto sweeps(const FrictionSolverOptions& options) const {
+    return [rows = sweep_rows<D>(problem_, options.order, options.seed), order = options.order,
+            omega = options.relaxation](const Vector& r, Index first, Index many) {
+      Vector impulses = rows.in_order(r);
+      for (Index number = first; number < first + many; ++number) sweep_once(rows, order, omega, number, impulses);
+      return rows.by_contact(impulses);
+    };
+  }
+
+  Vector symmetric_product(const Vector& r) { return systems().blocks * r; }
+  Vector rest(const Vector& r) { return systems().rest * r; }
+  bool factorise(std::vector<ContactRelation<D>> relations);
+  bool factorise_shifted(const Vector& shift);
+  Vector solve(const Vector& b);
+  double take_operations();
+  int determinant_sign() const { return systems_->matrix->determinant_sign(); }
+
+ private:
+  struct Systems {
+    SparseMatrix symmetric, rest;  // W_s and W_a
+    ContactBlocks<D> blocks;       // W_s
+    std::optional<ContactMatrix<D>> matrix{};
+    std::optional<CholeskyAnalysis> analysis{};
+    std::optional<SparseCholesky> cholesky{};  // of the matrix factorised last, if it was by Cholesky's method
+    double operations = 0;                     // of Cholesky's method, not yet taken
+  };
+  Systems& systems();  // sweeps and gradients need none
+
+  const LocalFrictionProblem& problem_;
+  ContactBlocks<D> rows_;
+  std::optional<Systems> systems_;
+};
+
+}  // namespace nscdd
