@@ -57,7 +57,7 @@ TEST_CASE("flat spheres: the radii of the disks to 1e-12, of all contacts, the a
       CHECK(of_space.of_case.active_contacts == of_plane.of_case.active_contacts);
       CHECK(of_space.of_case.rule == of_plane.of_case.rule);
       const InterfaceFamily all_plane(plane.parts), all_space(space.parts);
-      const InterfaceFamily some_plane(*of_plane.stage_one), some_space(*of_space.stage_one);
+      const InterfaceFamily some_plane(of_plane.stage_one(plane)), some_space(of_space.stage_one(space));
       for (const Point& point : points) {
         CAPTURE(point.epsilon);
         CAPTURE(point.eta);

@@ -42,7 +42,7 @@ TEST_CASE("order: fewer contacts than all make the rigid operator larger, up to 
   on_every_problem([](const Model& model, const Selection& selection) {
     REQUIRE(selection.certain);
     const InterfaceFamily family(model.parts);
-    const Matrix carrying = InterfaceFamily(*selection.stage_one).at(0).dense();
+    const Matrix carrying = InterfaceFamily(selection.stage_one(model)).at(0).dense();
     CHECK(smallest_eigenvalue(carrying - family.at(0).dense()) > -1e-10);
     CHECK(smallest_eigenvalue(family.at(infinity).dense() - carrying) > -1e-10);
   });
@@ -51,7 +51,7 @@ TEST_CASE("order: fewer contacts than all make the rigid operator larger, up to 
 TEST_CASE("the generic algorithm on the contacts that carry never diverges; relaxed, no eta does") {
   on_every_problem([](const Model& model, const Selection& selection) {
     const InterfaceFamily family(model.parts);
-    const InterfaceOperator system = InterfaceFamily(*selection.stage_one).at(0);
+    const InterfaceOperator system = InterfaceFamily(selection.stage_one(model)).at(0);
     const SpectralRadius generic = spectral_radius({family.at(infinity), system}, {.solver = SpectralSolver::dense});
     REQUIRE(generic.converged);
     CHECK(generic.subdominant < 1);

@@ -20,7 +20,7 @@ namespace {
 
 Contraction operators(const Model& model, const ModeParameters& p) {
   const Selection selection = select(model, p.contacts);
-  return {InterfaceFamily(model.parts).at(p.eta), InterfaceFamily(*selection.stage_one).at(p.epsilon)};
+  return {InterfaceFamily(model.parts).at(p.eta), InterfaceFamily(selection.stage_one(model)).at(p.epsilon)};
 }
 
 double norm(const Vector& f, const InterfaceOperator& p) { return std::sqrt(f.dot(p.apply(f))); }

@@ -55,12 +55,14 @@ struct CaseSummary {
 };
 const ResultColumns<CaseSummary>& case_columns();
 
-/// The decomposition of a model together with what the choice of contacts makes of it.
+/// What the choice of contacts makes of a model.
 struct Selection {
   CaseSummary of_case;
-  /// With the contacts Stage 1 works with. Where these are all, that of the model, which must then live on.
-  std::shared_ptr<const Decomposition> stage_one;
-  bool certain = true;  ///< false where the impulses behind the choice were not found to 1e-8
+  std::optional<Decomposition> restricted;  ///< to the contacts Stage 1 works with, unless these are all
+  bool certain = true;                      ///< false where the impulses behind the choice were not found to 1e-8
+
+  /// The decomposition that Stage 1 works with, of the model that the contacts were chosen in.
+  const Decomposition& stage_one(const Model& model) const { return restricted ? *restricted : model.parts; }
 };
 
 /// Throws Error where the choice depends on impulses and no grain has an arriving velocity.

@@ -22,18 +22,18 @@ struct Work {
   const CurveParameters& parameters;
   Selection selection;
   double scale;
-  const Decomposition& parts;
+  const Model& model;
   InterfaceFamily stage_two, stage_one;
   SpectralOptions options;
   SpectrumMemory memory = {};
 
-  Work(const Model& model, const CurveParameters& asked)
+  Work(const Model& given, const CurveParameters& asked)
       : parameters(asked),
-        selection(select(model, asked.sweep.contacts)),
-        scale(flexibility_scale(model)),
-        parts(model.parts),
-        stage_two(model.parts),
-        stage_one(asked.sweep.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one)),
+        selection(select(given, asked.sweep.contacts)),
+        scale(flexibility_scale(given)),
+        model(given),
+        stage_two(given.parts),
+        stage_one(selection.restricted ? InterfaceFamily(*selection.restricted) : stage_two),
         options(asked.sweep.spectral) {
     // The certificate of a dense spectrum costs nothing and bounds the rounding of its ends.
     const SolverChoice choice = choose_solver(model.parts.interface_size(), options);
@@ -55,7 +55,7 @@ class Curve {
   Curve(Work& work, const SweepPoint& start) : work_(work), start_(start) {
     const SweepParameters& sweep = work.parameters.sweep;
     const std::vector<double>& range = work.along_epsilon() ? sweep.epsilon : sweep.eta;
-    const double bound = stiffest(work.along_epsilon() ? *work.selection.stage_one : work.parts);
+    const double bound = stiffest(work.along_epsilon() ? work.selection.stage_one(work.model) : work.model.parts);
     law_ = {work.parameters.axis, bound * (1 + 1e-12), *start.relaxation};
     for (const double x : {range.front(), range.back()}) add(x, count(points_));
   }

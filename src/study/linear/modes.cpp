@@ -107,8 +107,7 @@ Mode interface_mode(const Model& model, const ModeParameters& parameters) {
   const Selection selection = select(model, parameters.contacts);
   const InterfaceFamily stage_two(model.parts);
   // With the same contacts P and S are of one family and share what does not depend on the flexibility.
-  const InterfaceFamily stage_one =
-      parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one);
+  const InterfaceFamily stage_one = selection.restricted ? InterfaceFamily(*selection.restricted) : stage_two;
   return mode_of({stage_two.at(parameters.eta), stage_one.at(parameters.epsilon)},
                  {parameters.side, parameters.spectral}, selection.certain);
 }

@@ -140,7 +140,7 @@ Index observe(const Model& model, const SweepParameters& parameters, std::uint64
   const auto observe_one = [&](const SweepResult& predicted) {
     const SweepPoint& point = predicted.point;
     const InterfaceOperator preconditioner = family.at(point.eta);
-    const TwoStageIteration iteration(*selection.stage_one, LinearViscous{point.epsilon}, preconditioner,
+    const TwoStageIteration iteration(selection.stage_one(model), LinearViscous{point.epsilon}, preconditioner,
                                       point.gauss_seidel_sweeps, *point.relaxation);
     // With an inexact Stage 1 the corrections oscillate. The error of the fit is then about inversely
     // proportional to the length of the run, and less is asked for.

@@ -63,7 +63,7 @@ void hand_subdomains(const Model& model, const Selection& selection, const Sink<
     hand("grains", "", "numbers in the packing, from 0, of the grains of subdomain E", "", own.grains, false);
     hand("contacts", "", "numbers of the columns of H, from 0, that are the columns of H_E", "", own.contacts, false);
     if (restricted) {
-      const Subdomain& kept = selection.stage_one->subdomains[at(e)];
+      const Subdomain& kept = selection.restricted->subdomains[at(e)];
       hand("G", "G_E = H_E C_E", "columns of H_E of the contacts that Stage 1 works with", std::string(h_unit), kept.h,
            false);
       hand("active_contacts", "", "numbers of the columns of H, from 0, that are the columns of G_E", "", kept.contacts,
@@ -131,7 +131,7 @@ bool case_operators(const Model& model, const Selection& selection, const Operat
         p.generic(), true});
   if (!parameters.dense) return true;
   const bool restricted = selection.of_case.contact_set != ContactSet::all;
-  const InterfaceFamily stage_one = restricted ? InterfaceFamily(*selection.stage_one) : all;
+  const InterfaceFamily stage_one = restricted ? InterfaceFamily(*selection.restricted) : all;
   const InterfaceOperator s = stage_one.at(parameters.epsilon);
   require_finite(model, "S", s.dense());
   sink({"S", formula_of("S", "epsilon", parameters.epsilon, restricted ? 'G' : 'H'),

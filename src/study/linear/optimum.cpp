@@ -48,7 +48,7 @@ Index optima(const Model& model, const SweepParameters& sweep, const Sink<Optimu
   for (Index i = first; i < total; ++i) {
     const double asked = sweep.epsilon[at(i)], epsilon = sweep.relative_epsilon ? asked * scale : asked;
     OptimumResult result{selection.of_case, epsilon,
-                         optimum(model.parts, *selection.stage_one, epsilon, sweep.spectral),
+                         optimum(model.parts, selection.stage_one(model), epsilon, sweep.spectral),
                          sweep.relative_epsilon ? asked : epsilon / scale, scale};
     OptimumStatus& status = result.best.status;
     if (!selection.certain && status != OptimumStatus::no_interface) {

@@ -59,7 +59,7 @@ class GridWork {
         sweep_(parameters.sweep),
         optima_(parameters.optima),
         selection_(select(model, grid.contacts, grid.choice)),
-        answers_(*selection_.stage_one) {
+        answers_(selection_.stage_one(model)) {
     sweep_.contacts = grid.contacts;
     grid.modes_asked = count(places.rows) * count(places.columns);
   }
@@ -86,8 +86,9 @@ class GridWork {
     const Vector& f = low ? radius.mode_min : radius.mode_max;
     if (f.size() == 0 || f.isZero(0) || !radius.converged) return;
     const auto velocities = answers_.velocities(result.point.epsilon, mode_sign(f) * f);
-    grid_.modes.push_back({row, column, side, low ? radius.subdominant_min : radius.subdominant_max,
-                           relative_velocities(selection_.stage_one->interface, velocities, model_.problem.dimension)});
+    grid_.modes.push_back(
+        {row, column, side, low ? radius.subdominant_min : radius.subdominant_max,
+         relative_velocities(selection_.stage_one(model_).interface, velocities, model_.problem.dimension)});
   }
 
   void find_optima(Progress& progress) {
@@ -96,8 +97,9 @@ class GridWork {
     options.certify = false;  // as in a table of optima
     for (const double asked : sweep_.epsilon) {
       const double epsilon = sweep_.relative_epsilon ? asked * scale : asked;
-      OptimumResult found{selection_.of_case, epsilon, optimum(model_.parts, *selection_.stage_one, epsilon, options),
-                          epsilon / scale, scale};
+      OptimumResult found{selection_.of_case, epsilon,
+                          optimum(model_.parts, selection_.stage_one(model_), epsilon, options), epsilon / scale,
+                          scale};
       if (!selection_.certain && found.best.status != OptimumStatus::no_interface)
         found.best.status = OptimumStatus::not_converged;
       grid_.best.push_back(found);

@@ -180,10 +180,8 @@ Selection select(const Model& model, ContactSet contacts, const ContactChoice& c
                             .interface_size = model.parts.interface_size(),
                             .contact_set = contacts,
                             .rule = choice.rule};
-  if (contacts == ContactSet::all)
-    return {of_case, std::shared_ptr<const Decomposition>(std::shared_ptr<const void>(), &model.parts), choice.certain};
-  return {of_case, std::make_shared<const Decomposition>(restrict_contacts(model.parts, choice.active)),
-          choice.certain};
+  if (contacts == ContactSet::all) return {of_case, {}, choice.certain};
+  return {of_case, restrict_contacts(model.parts, choice.active), choice.certain};
 }
 
 Index sweep(const Model& model, const SweepParameters& parameters, const Sink<SweepResult>& sink,
@@ -204,8 +202,7 @@ Index sweep(const Model& model, const Selection& selection, const SweepParameter
   const SpectralOptions& options = parameters.spectral;
   // With the same contacts P and S are of one family and share what does not depend on the flexibility.
   const InterfaceFamily stage_two(model.parts);
-  Spectra spectra(parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one), stage_two,
-                  options);
+  Spectra spectra(selection.restricted ? InterfaceFamily(*selection.restricted) : stage_two, stage_two, options);
   const Index total = point_count(parameters);
   const Index per_pair = count(parameters.relaxation) * count(parameters.gauss_seidel_sweeps);
   const Index replayed = Spectra::block * per_pair;
@@ -217,7 +214,7 @@ Index sweep(const Model& model, const Selection& selection, const SweepParameter
     const auto& [epsilon, eta, relaxation, sweeps] = result.point;
     if (number < first && sweeps) continue;
     if (sweeps)
-      set_inexact(result, *selection.stage_one, spectra.preconditioner(eta), options);
+      set_inexact(result, selection.stage_one(model), spectra.preconditioner(eta), options);
     else
       set_exact(result, spectra.at(epsilon, eta, number / per_pair), options.tolerance);
     if (number < first) {  // only to warm up the block that the first row belongs to
