@@ -63,15 +63,22 @@ struct ShiftInvertResult {
   bool converged = false;  ///< all that were wanted
 };
 
+/// A x = lambda M x next to a shift sigma, of `size` unknowns. M is symmetric positive definite.
+struct ShiftedProblem {
+  Index size;
+  LinearMap solve;  ///< x -> (A - sigma M)^-1 x
+  LinearMap m;      ///< x -> M x
+  double sigma;
+};
+
 /// Shift-inverted Lanczos in the inner product of M, every vector orthogonalised against all others, without restarts.
-/// `solve`: x -> (A - sigma M)^-1 x; `m`: x -> M x, M symmetric positive definite. `end` = smallest looks above the
-/// shift, where the smallest eigenvalues lie if none is below it; largest looks below. `start`: where the iteration
-/// starts, such as the vector of a neighbouring problem; empty for a fixed vector, a tenth of which is added to any
-/// other, so that the run can leave a wrong eigenvector. `locked`: M-orthonormal eigenvectors to stay orthogonal to, n
-/// x l: from one start Lanczos sees one copy of a multiple eigenvalue, and the others come one by one as their
-/// predecessors are locked. Equal calls give equal bits. Throws Error for n < 5.
-ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const LinearMap& m, double sigma,
-                                       SpectrumEnd end, Index wanted, const ShiftInvertOptions& options = {},
-                                       const Vector& start = {}, const Matrix& locked = {});
+/// `end` = smallest looks above the shift, where the smallest eigenvalues lie if none is below it; largest looks below.
+/// `start`: where the iteration starts, such as the vector of a neighbouring problem; empty for a fixed vector, a tenth
+/// of which is added to any other, so that the run can leave a wrong eigenvector. `locked`: M-orthonormal eigenvectors
+/// to stay orthogonal to, size x l: from one start Lanczos sees one copy of a multiple eigenvalue, and the others come one
+/// by one as their predecessors are locked. Equal calls give equal bits. Throws Error for a size < 5.
+ShiftInvertResult shift_invert_lanczos(const ShiftedProblem& problem, SpectrumEnd end, Index wanted,
+                                       const ShiftInvertOptions& options = {}, const Vector& start = {},
+                                       const Matrix& locked = {});
 
 }  // namespace nscdd

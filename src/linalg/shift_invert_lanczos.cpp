@@ -102,16 +102,16 @@ bool accurate_enough(const ShiftInvertResult& result, const RitzPairs& pairs, In
 
 }  // namespace
 
-ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const LinearMap& m, double sigma,
-                                       SpectrumEnd end, Index wanted, const ShiftInvertOptions& options,
-                                       const Vector& start, const Matrix& locked) {
+ShiftInvertResult shift_invert_lanczos(const ShiftedProblem& problem, SpectrumEnd end, Index wanted,
+                                       const ShiftInvertOptions& options, const Vector& start, const Matrix& locked) {
+  const Index n = problem.size;
   const OneBlasThread serial_blas;
   if (n < arpack_smallest_size) fail("Lanczos: expected a problem of size >= {}, met {}", arpack_smallest_size, n);
   ShiftInvertResult result;
   const Index capacity = std::min(n - locked.cols(), std::max(options.maximum_steps, wanted + 1));
   // Where eigenvalues are multiple, the runs before have found all that is in the span of their random vectors.
   RandomStream random(fixed_seed + static_cast<std::uint64_t>(locked.cols()));
-  Basis basis(n, capacity, m, locked);
+  Basis basis(n, capacity, problem.m, locked);
   Vector first = random.normal_vector(n);
   if (start.size() == n && start.norm() > 0)
     first = start / start.norm() + share_of_fixed_vector * first / first.norm();
@@ -120,7 +120,7 @@ ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const Li
   RitzPairs pairs;
   for (Index steps = 1;; ++steps) {
     const Vector mq = basis.image();
-    const Vector w = solve(mq);
+    const Vector w = problem.solve(mq);
     ++result.applications;
     alpha.push_back(mq.dot(w));
     beta.push_back(basis.append(w));
@@ -128,7 +128,7 @@ ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const Li
     const bool last = steps == capacity || spent;
     if (!last && steps > every_step && steps % 10 != 0) continue;
     pairs = ritz_pairs(alpha, beta, end == SpectrumEnd::smallest, wanted);
-    set_values(result, pairs, sigma);
+    set_values(result, pairs, problem.sigma);
     result.converged = accurate_enough(result, pairs, wanted, steps, options);
     if (result.converged || last) break;
   }

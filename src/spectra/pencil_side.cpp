@@ -20,7 +20,7 @@ ShiftInvertResult PencilSide::lanczos(const ShiftedPencil& pencil, SpectrumEnd t
                                       const Matrix& locked) {
   const LinearMap apply = [this](const Vector& x) -> Vector { return p.apply(x); };
   const LinearMap inverse = [&](const Vector& x) -> Vector { return ++result.solves, pencil.solve(x); };
-  return shift_invert_lanczos(p.rows(), inverse, apply, pencil.shift(), towards, wanted, lanczos_options, start,
+  return shift_invert_lanczos({p.rows(), inverse, apply, pencil.shift()}, towards, wanted, lanczos_options, start,
                               locked);
 }
 

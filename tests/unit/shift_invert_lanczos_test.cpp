@@ -26,7 +26,7 @@ struct Run {
   const KnownPencil& pencil;
   ShiftInvertResult operator()(double sigma, SpectrumEnd end, Index wanted, const Vector& start = {},
                                const ShiftInvertOptions& options = {}) const {
-    return shift_invert_lanczos(pencil.p.rows(), shifted_inverse(pencil, sigma), map_of(pencil.p), sigma, end, wanted,
+    return shift_invert_lanczos({pencil.p.rows(), shifted_inverse(pencil, sigma), map_of(pencil.p), sigma}, end, wanted,
                                 options, start);
   }
 };
@@ -147,7 +147,8 @@ TEST_CASE("shift-invert Lanczos: what is locked is not found again") {
   const LinearMap inverse = [=](const Vector& x) -> Vector { return x.cwiseQuotient((values.array() - 0.5).matrix()); };
   const LinearMap mass = [](const Vector& x) { return x; };
   const Matrix locked = Matrix::Identity(n, 2);
-  const ShiftInvertResult found = shift_invert_lanczos(n, inverse, mass, 0.5, SpectrumEnd::smallest, 2, {}, {}, locked);
+  const ShiftInvertResult found =
+      shift_invert_lanczos({n, inverse, mass, 0.5}, SpectrumEnd::smallest, 2, {}, {}, locked);
   REQUIRE(found.values.size() == 2);
   CHECK(found.values[0] == doctest::Approx(3));
   CHECK(found.values[1] == doctest::Approx(4));
@@ -176,7 +177,7 @@ TEST_CASE("shift-invert Lanczos: bounds hold where they are nearly sharp") {
   const LinearMap inverse = [&](const Vector& x) -> Vector { return nu.cwiseProduct(x); };
   const LinearMap mass = [](const Vector& x) { return x; };
   const ShiftInvertResult found =
-      shift_invert_lanczos(n, inverse, mass, 0, SpectrumEnd::smallest, 1, {.maximum_steps = 2});
+      shift_invert_lanczos({n, inverse, mass, 0}, SpectrumEnd::smallest, 1, {.maximum_steps = 2});
   CHECK(found.applications == 2);
   REQUIRE(found.values.size() == 1);
   const double distance = (nu.cwiseInverse().array() - found.values[0]).abs().minCoeff();
