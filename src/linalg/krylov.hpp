@@ -75,8 +75,8 @@ struct ShiftedProblem {
 /// `end` = smallest looks above the shift, where the smallest eigenvalues lie if none is below it; largest looks below.
 /// `start`: where the iteration starts, such as the vector of a neighbouring problem; empty for a fixed vector, a tenth
 /// of which is added to any other, so that the run can leave a wrong eigenvector. `locked`: M-orthonormal eigenvectors
-/// to stay orthogonal to, size x l: from one start Lanczos sees one copy of a multiple eigenvalue, and the others come one
-/// by one as their predecessors are locked. Equal calls give equal bits. Throws Error for a size < 5.
+/// to stay orthogonal to, size x l: from one start Lanczos sees one copy of a multiple eigenvalue, and the others come
+/// one by one as their predecessors are locked. Equal calls give equal bits. Throws Error for a size < 5.
 ShiftInvertResult shift_invert_lanczos(const ShiftedProblem& problem, SpectrumEnd end, Index wanted,
                                        const ShiftInvertOptions& options = {}, const Vector& start = {},
                                        const Matrix& locked = {});
