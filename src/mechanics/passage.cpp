@@ -149,7 +149,7 @@ Followed follow_gap(const Path<D>& path, const Pair<D>& pair, double limit) {
 }  // namespace
 
 template <int D>
-Passage<D> check_passage(const GranularSystem& system, const Path<D>& path, Index a, Index b, double gap) {
+Passage<D> Passage<D>::of(const GranularSystem& system, const Path<D>& path, Index a, Index b, double gap) {
   const double small = smaller_radius(system, a, b), limit = largest_overlap * small;
   Passage<D> passage;
   if (!path.followed()) {
@@ -178,11 +178,11 @@ Passage<D> check_passage(const GranularSystem& system, const Path<D>& path, Inde
 }
 
 template <int D>
-std::vector<DeepOverlap> deep_overlaps(const GranularSystem& system, const Path<D>& path) {
+std::vector<DeepOverlap> Passage<D>::too_deep(const GranularSystem& system, const Path<D>& path) {
   std::vector<DeepOverlap> deep;
   const Configuration<D>& where = path.places.back();
   const auto check = [&](Index a, Index b, double gap) {
-    if (const auto found = check_passage<D>(system, path, a, b, gap).deep) deep.push_back(*found);
+    if (const auto found = of(system, path, a, b, gap).deep) deep.push_back(*found);
   };
   const GrainGrid grid({where.x, where.y, where.z}, system.radius, 1, path.reach);
   grid.for_each_pair([&](Index a, Index b) {
@@ -199,9 +199,7 @@ std::vector<DeepOverlap> deep_overlaps(const GranularSystem& system, const Path<
   return deep;
 }
 
-template Passage<2> check_passage(const GranularSystem&, const Path<2>&, Index, Index, double);
-template Passage<3> check_passage(const GranularSystem&, const Path<3>&, Index, Index, double);
-template std::vector<DeepOverlap> deep_overlaps(const GranularSystem&, const Path<2>&);
-template std::vector<DeepOverlap> deep_overlaps(const GranularSystem&, const Path<3>&);
+template struct Passage<2>;
+template struct Passage<3>;
 
 }  // namespace nscdd

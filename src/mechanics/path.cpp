@@ -105,39 +105,32 @@ std::vector<Leg> legs_to_contacts(const GranularSystem& system, const GranularSt
 }  // namespace
 
 template <int D>
-Path<D> path_to_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
+Path<D> Path<D>::to_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
   return path_of<D>(system, state, legs_to_contacts(system, state, scheme), false);
 }
 
 template <int D>
-Path<D> whole_path(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, bool onwards) {
+Path<D> Path<D>::whole(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
+                       bool onwards) {
   std::vector<Leg> legs = legs_to_contacts(system, state, scheme);
   if (onwards) legs.push_back({legs.back().to, legs.back().to + scheme.step, legs.back().motions});
   return path_of<D>(system, state, legs, true);
 }
 
 template <int D>
-bool path_is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
-                   const std::vector<GrainUnknowns<D>>& velocities) {
+bool Path<D>::is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
+                       const std::vector<GrainUnknowns<D>>& velocities) {
   const auto velocity = [&](std::size_t i) { return velocities[i]; };
   const double fastest = fastest_of<D>(system, state, step_motions(system, state, scheme), velocity);
   return scheme.theta * scheme.step * fastest <= largest_overlap * std::ranges::min(system.radius);
 }
 
 template <int D>
-Path<D> path_to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme) {
+Path<D> Path<D>::to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme) {
   return path_of<D>(system, after, {{-scheme.theta * scheme.step, 0, motions_before(system, after, scheme)}}, false);
 }
 
-template Path<2> path_to_contacts(const GranularSystem&, const GranularState&, const TimeStepping&);
-template Path<3> path_to_contacts(const GranularSystem&, const GranularState&, const TimeStepping&);
-template Path<2> whole_path(const GranularSystem&, const GranularState&, const TimeStepping&, bool);
-template Path<3> whole_path(const GranularSystem&, const GranularState&, const TimeStepping&, bool);
-template bool path_is_short<2>(const GranularSystem&, const GranularState&, const TimeStepping&,
-                               const std::vector<GrainUnknowns<2>>&);
-template bool path_is_short<3>(const GranularSystem&, const GranularState&, const TimeStepping&,
-                               const std::vector<GrainUnknowns<3>>&);
-template Path<2> path_to_end(const GranularSystem&, const GranularState&, const TimeStepping&);
-template Path<3> path_to_end(const GranularSystem&, const GranularState&, const TimeStepping&);
+template struct Path<2>;
+template struct Path<3>;
 
 }  // namespace nscdd

@@ -18,30 +18,23 @@ struct Path {
   /// Whether pairs have to be followed. Otherwise nothing moves far enough to matter, and the last place is the only
   /// one.
   bool followed() const { return places.size() > 1; }
+
+  /// To q_m, where the contacts of the next step are found: from q_m of the step before, in the first step of a run
+  /// from q^-. It has one place unless something moves far enough to matter.
+  static Path to_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);
+  /// The same followed in any case, and on for another step as if nothing were met, if `onwards`.
+  static Path whole(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, bool onwards);
+  /// From q_m to the end of a step. `after`: the state there.
+  static Path to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme);
+  /// Whether nothing moves far enough from q_m to the end of a step, with the velocities of all grains there, that
+  /// bodies which are apart would overlap too far.
+  static bool is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
+                       const std::vector<GrainUnknowns<D>>& velocities);
 };
 
 /// The line of centres of two grains that met may turn by this angle, rad, before contacts are found: then their normal
 /// there is right to 0.1 rad. A pair that touches and leaves in between approaches at most at the speed
 /// v sin(largest_turn / 2), 5 % of its relative speed v, which is an error of the same size.
 inline constexpr double largest_turn = 0.1;
-
-/// The path to q_m, where the contacts of the next step are found: from q_m of the step before, in the first step of a
-/// run from q^-. It has one place unless something moves far enough to matter.
-template <int D>
-Path<D> path_to_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);
-
-/// The same followed in any case, and on for another step as if nothing were met, if `onwards`.
-template <int D>
-Path<D> whole_path(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, bool onwards);
-
-/// Whether nothing moves far enough from q_m to the end of a step, with the velocities of all grains there, that bodies
-/// which are apart would overlap too far.
-template <int D>
-bool path_is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
-                   const std::vector<GrainUnknowns<D>>& velocities);
-
-/// The path from q_m to the end of a step. `after`: the state there.
-template <int D>
-Path<D> path_to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme);
 
 }  // namespace nscdd

@@ -42,7 +42,7 @@ void for_each_contact(const GranularSystem& system, const Path<D>& path,
   const double range = path.followed() ? std::max(foreseen, path.reach) : foreseen;  // or has come apart by so much
   const auto visit_if_near = [&](Index a, Index b, const Direction<D>& normal, const Direction<D>& point, double gap,
                                  bool within, const std::function<Direction<D>()>& velocity_of_b) {
-    const auto [overlap, met] = check_passage<D>(system, path, a, b, gap);
+    const auto [overlap, met] = Passage<D>::of(system, path, a, b, gap);
     if (overlap) deep(*overlap);
     if (met) return visit({a, b, widened<D>(*met), widened<D>(point), std::min(gap, 0.0)});
     const auto closing = [&] { return dot<D>(normal, moved_along<D>(velocity_of_b(), -1, velocity(a))); };
@@ -74,7 +74,7 @@ void for_each_contact(const GranularSystem& system, const Path<D>& path,
     if (square > near * near || (!system.free(a) && !system.free(b))) return;
     const double distance = std::sqrt(square);
     if (!(distance > 0) && path.followed()) {
-      if (const auto overlap = check_passage<D>(system, path, a, b, -touch).deep; overlap && overlap->before < touch)
+      if (const auto overlap = Passage<D>::of(system, path, a, b, -touch).deep; overlap && overlap->before < touch)
         return deep(*overlap);
     }
     if (!(distance > 0))

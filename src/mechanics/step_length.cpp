@@ -88,7 +88,7 @@ double safe_step(const GranularSystem& system, const GranularState& state, const
         least = std::min(least, safe_part * (state.step == 0 ? largest_move : met) * system.radius[at(i)] / speed);
     }
     if (least == shorter.step)
-      for (const DeepOverlap& one : deep_overlaps<D>(system, whole_path<D>(system, state, shorter, bounces))) {
+      for (const DeepOverlap& one : Passage<D>::too_deep(system, Path<D>::whole(system, state, shorter, bounces))) {
         if (!is_of_step(one, system, state, interaction, shorter)) continue;
         const double found = short_enough(one, system, state, interaction, shorter);
         least = std::min(least, found < shorter.step ? found : safe_part * shorter.step);
@@ -104,7 +104,7 @@ void check_overlaps(const GranularSystem& system, const GranularState& state, co
                     const TimeStepping& scheme, const std::vector<DeepOverlap>& found) {
   if (found.empty()) return;
   // Now it is worth following all pairs.
-  std::vector<DeepOverlap> deep = deep_overlaps<D>(system, whole_path<D>(system, state, scheme, false));
+  std::vector<DeepOverlap> deep = Passage<D>::too_deep(system, Path<D>::whole(system, state, scheme, false));
   if (deep.empty()) deep = found;
   // A boundary that turned back from a contact that was known has done no harm.
   std::erase_if(deep, [&](const DeepOverlap& one) {
@@ -123,13 +123,13 @@ void check_overlaps(const GranularSystem& system, const GranularState& state, co
 template <int D>
 void check_end_of_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
                        const TimeStepping& scheme, const std::vector<GrainUnknowns<D>>& velocities) {
-  if (path_is_short<D>(system, state, scheme, velocities)) return;
+  if (Path<D>::is_short(system, state, scheme, velocities)) return;
   GranularState after;
   for (const auto values : numbers_of_grains(D)) after.*values = state.*values;
   after.poses = state.poses;
   after.step = state.step;
   finish_step<D>(system, after, scheme, velocities, {});
-  std::vector<DeepOverlap> deep = deep_overlaps<D>(system, path_to_end<D>(system, after, scheme));
+  std::vector<DeepOverlap> deep = Passage<D>::too_deep(system, Path<D>::to_end(system, after, scheme));
   std::erase_if(deep, [&](const DeepOverlap& one) { return !is_of_step(one, system, after, interaction, scheme); });
   if (deep.empty()) return;
   sort(deep);

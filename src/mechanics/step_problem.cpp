@@ -172,7 +172,7 @@ ConsideredContacts for_each_step_contact(const GranularSystem& system, const Gra
     check_moves<D>(system, state, interaction, scheme, i, v);
     if (v.inverse_mass == 0) considered.boundary_speed = std::max(considered.boundary_speed, speed_of<D>(v));
   }
-  const Path<D> path = path_to_contacts<D>(system, state, scheme);
+  const Path<D> path = Path<D>::to_contacts(system, state, scheme);
   const Configuration<D>& where = path.places.back();
   const bool pulls = touch_of(interaction, scheme.step).pulls;
   // Bodies that hold each other are found however short the alert distance.
