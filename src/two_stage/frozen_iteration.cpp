@@ -132,7 +132,7 @@ Vector FrozenIteration<D>::apply(const Vector& y, Index iterations) const {
   }
   for (Index i = 0; i < iterations; ++i) iterate(work, across);
   Vector image(rows());
-  const Vector moved = free_velocities(work);
+  const Vector moved = work.free_velocities();
   image.head(moved.size()) = moved;
   k = moved.size();
   for (const Vector& own : across) {
@@ -144,7 +144,7 @@ Vector FrozenIteration<D>::apply(const Vector& y, Index iterations) const {
 
 template <int D>
 Vector FrozenIteration<D>::coordinates(const GranularDecomposition<D>& parts) const {
-  const Vector velocities = free_velocities(parts);
+  const Vector velocities = parts.free_velocities();
   Vector y(rows());
   y.head(velocities.size()) = velocities;
   if constexpr (D == 3) {
@@ -162,9 +162,9 @@ void FrozenIteration<D>::iterate(GranularDecomposition<D>& work, std::vector<Vec
   for (std::size_t e = 0; e < work.subdomains.size(); ++e)
     for (Index n = 0; n < sweeps_; ++n) sweep(parts_.subdomains[e], frozen_, work.subdomains[e].velocities, across[e]);
   if (work.interface_size() == 0) return;
-  const Vector jumps = interface_jumps(work);
-  apply_interface_impulses(work,
-                           relaxation_ * (enriched_ ? enriched_->solve(jumps) : generic_interface_solve(work, jumps)));
+  const Vector jumps = work.interface_jumps();
+  work.apply_interface_impulses(relaxation_ *
+                                (enriched_ ? enriched_->solve(jumps) : work.generic_interface_solve(jumps)));
 }
 
 template <int D>
@@ -188,7 +188,7 @@ Matrix frozen_contraction(const GranularDecomposition<D>& parts, const std::vect
   Matrix b = Matrix::Identity(system.rows(), system.cols());
   for (Index k = 0; k < system.cols(); ++k) {
     const Vector column = system.col(k);
-    b.col(k) -= relaxation * (enriched ? enriched->solve(column) : generic_interface_solve(parts, column));
+    b.col(k) -= relaxation * (enriched ? enriched->solve(column) : parts.generic_interface_solve(column));
   }
   return b;
 }

@@ -125,19 +125,19 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
 }
 
 template <int D>
-Vector interface_jumps(const GranularDecomposition<D>& parts) {
-  return parts.interface.exchange_with_neighbours(unknowns_of_copies(parts));
+Vector GranularDecomposition<D>::interface_jumps() const {
+  return interface.exchange_with_neighbours(unknowns_of_copies(*this));
 }
 
 template <int D>
-Vector all_interface_jumps(const GranularDecomposition<D>& parts) {
-  return parts.interface.exchange(unknowns_of_copies(parts));
+Vector GranularDecomposition<D>::all_interface_jumps() const {
+  return interface.exchange(unknowns_of_copies(*this));
 }
 
 template <int D>
-Vector free_velocities(const GranularDecomposition<D>& parts) {
+Vector GranularDecomposition<D>::free_velocities() const {
   std::vector<double> values;
-  for (const GranularSubdomain<D>& subdomain : parts.subdomains)
+  for (const GranularSubdomain<D>& subdomain : subdomains)
     for (const GrainVelocity<D>& v : subdomain.velocities) {
       if (v.inverse_mass == 0) continue;
       const GrainUnknowns<D> own = unknowns(v);
@@ -147,31 +147,30 @@ Vector free_velocities(const GranularDecomposition<D>& parts) {
 }
 
 template <int D>
-double glued_speed_squared(const GranularDecomposition<D>& parts, Index subdomain) {
+double GranularDecomposition<D>::glued_speed_squared(Index subdomain) const {
   double sum = 0;
   Index before = -1;
-  for (const Tie& tie : parts.interface.ties(subdomain)) {  // two of them in a row have the same copy
+  for (const Tie& tie : interface.ties(subdomain)) {  // two of them in a row have the same copy
     if (tie.grain == std::exchange(before, tie.grain)) continue;
-    const GrainVelocity<D>& v = copy_of(parts, {subdomain, tie.grain});
+    const GrainVelocity<D>& v = copy_of(*this, {subdomain, tie.grain});
     sum += squared_velocity(v) + squared_rim(v);
   }
   return sum;
 }
 
 template <int D>
-Vector generic_interface_solve(const GranularDecomposition<D>& parts, const Vector& g) {
-  return parts.interface.solve_generic(
-      [&](Index row, Index k) { return parts.copy_mass[at(row)] * inertia_ratio<D>(k); }, g);
+Vector GranularDecomposition<D>::generic_interface_solve(const Vector& g) const {
+  return interface.solve_generic([&](Index row, Index k) { return copy_mass[at(row)] * inertia_ratio<D>(k); }, g);
 }
 
 template <int D>
-void apply_interface_impulses(GranularDecomposition<D>& parts, const Vector& change) {
-  for_each_in_parallel(count(parts.subdomains), [&](Index e) {
-    for (const Tie& tie : parts.interface.ties(e)) {
+void GranularDecomposition<D>::apply_interface_impulses(const Vector& change) {
+  for_each_in_parallel(count(subdomains), [&](Index e) {
+    for (const Tie& tie : interface.ties(e)) {
       GrainUnknowns<D> impulse;
       for (Index k = 0; k < unknowns_of_grain<D>; ++k)
         impulse[at(k)] = -tie.sign * change[unknowns_of_grain<D> * tie.row + k];
-      push(parts.subdomains[at(e)].velocities[at(tie.grain)], impulse);
+      push(subdomains[at(e)].velocities[at(tie.grain)], impulse);
     }
   });
 }
@@ -212,24 +211,13 @@ Partition partition_of_columns(const Partition& of_contacts, Index dimension) {
   return result;
 }
 
+template struct GranularDecomposition<2>;
+template struct GranularDecomposition<3>;
 template GranularDecomposition<2> decompose(const StepProblem<2>&, const Partition&, Choice<ContactOrder>,
                                             std::uint64_t, const std::vector<Index>&, const Processes&);
-template Vector interface_jumps(const GranularDecomposition<2>&);
-template Vector all_interface_jumps(const GranularDecomposition<2>&);
-template Vector free_velocities(const GranularDecomposition<2>&);
-template double glued_speed_squared(const GranularDecomposition<2>&, Index);
-template Vector generic_interface_solve(const GranularDecomposition<2>&, const Vector&);
-template void apply_interface_impulses(GranularDecomposition<2>&, const Vector&);
-template ReferenceProblem reference_problem(const StepProblem<2>&, Index);
-
 template GranularDecomposition<3> decompose(const StepProblem<3>&, const Partition&, Choice<ContactOrder>,
                                             std::uint64_t, const std::vector<Index>&, const Processes&);
-template Vector interface_jumps(const GranularDecomposition<3>&);
-template Vector all_interface_jumps(const GranularDecomposition<3>&);
-template Vector free_velocities(const GranularDecomposition<3>&);
-template double glued_speed_squared(const GranularDecomposition<3>&, Index);
-template Vector generic_interface_solve(const GranularDecomposition<3>&, const Vector&);
-template void apply_interface_impulses(GranularDecomposition<3>&, const Vector&);
+template ReferenceProblem reference_problem(const StepProblem<2>&, Index);
 template ReferenceProblem reference_problem(const StepProblem<3>&, Index);
 
 }  // namespace nscdd

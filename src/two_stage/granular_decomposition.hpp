@@ -29,6 +29,20 @@ struct GranularDecomposition {
   ImpulseScale scale;  ///< of all contacts, of other processes too; of whole grains
 
   Index interface_size() const { return interface.size(); }  ///< n_Gamma
+
+  /// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy; its neighbours take
+  /// part.
+  Vector interface_jumps() const;
+  /// The same of all grains; all processes take part.
+  Vector all_interface_jumps() const;
+  /// Velocities x, y and rim of the free bodies of one subdomain after the other, m/s.
+  Vector free_velocities() const;
+  /// Sum over the copies of shared grains in a subdomain of |V|^2, rim speed included.
+  double glued_speed_squared(Index subdomain) const;
+  /// X_inf^-1 g, see Interface::solve_generic; the rims have their own inertia.
+  Vector generic_interface_solve(const Vector& g) const;
+  /// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma.
+  void apply_interface_impulses(const Vector& change);
 };
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
@@ -40,30 +54,6 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
                                    Choice<ContactOrder> order, std::uint64_t seed,
                                    const std::vector<Index>& process_of_subdomain = {},
                                    const Processes& processes = {});
-
-/// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy; its neighbours take
-/// part.
-template <int D>
-Vector interface_jumps(const GranularDecomposition<D>& parts);
-/// The same of all grains; all processes take part.
-template <int D>
-Vector all_interface_jumps(const GranularDecomposition<D>& parts);
-
-/// Velocities x, y and rim of the free bodies of one subdomain after the other, m/s.
-template <int D>
-Vector free_velocities(const GranularDecomposition<D>& parts);
-
-/// Sum over the copies of shared grains in a subdomain of |V|^2, rim speed included.
-template <int D>
-double glued_speed_squared(const GranularDecomposition<D>& parts, Index subdomain);
-
-/// X_inf^-1 g, see Interface::solve_generic; the rims have their own inertia.
-template <int D>
-Vector generic_interface_solve(const GranularDecomposition<D>& parts, const Vector& g);
-
-/// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma.
-template <int D>
-void apply_interface_impulses(GranularDecomposition<D>& parts, const Vector& change);
 
 /// M and H of a step for the linear analysis. A grain has the rows of its unknowns (a disk x, y, rim with inertia m, m,
 /// m/2), empty ones in H if it is driven. Columns D c, ... are the normal and the tangential directions of contact

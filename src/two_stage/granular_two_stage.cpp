@@ -129,7 +129,7 @@ double GranularTwoStage<D>::dot(const Vector& f, const Vector& g) const {
 template <int D>
 double GranularTwoStage<D>::glued_speed_squared() const {
   Eigen::MatrixXd parts(1, count(parts_.subdomains));
-  for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = nscdd::glued_speed_squared(parts_, e);
+  for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = parts_.glued_speed_squared(e);
   return summed(std::move(parts))[0];
 }
 
@@ -140,13 +140,13 @@ bool GranularTwoStage<D>::enriched_now() const {
 
 template <int D>
 Vector GranularTwoStage<D>::preconditioned(const Vector& g) const {
-  return enriched_now() ? enriched_->solve(g) : generic_interface_solve(parts_, g);
+  return enriched_now() ? enriched_->solve(g) : parts_.generic_interface_solve(g);
 }
 
 template <int D>
 void GranularTwoStage<D>::correct(const Vector& change) {
   interface_impulses_ += change;
-  apply_interface_impulses(parts_, change);
+  parts_.apply_interface_impulses(change);
 }
 
 // One step of preconditioned conjugate gradients (Polak-Ribiere) on jumps = g_0 - S F. A trial Stage 1 at F +
@@ -165,7 +165,7 @@ Vector GranularTwoStage<D>::conjugate_step(const Vector& g, std::vector<SweepSum
   if (dot(d, g) <= 0) d = z;
   correct(d);
   sums = stage_one();
-  const double curvature = dot(d, g - interface_jumps(parts_));
+  const double curvature = dot(d, g - parts_.interface_jumps());
   // If statuses change, there may be no curvature at all. The plain step is safe.
   const double length = curvature > 0 ? std::clamp(dot(d, g) / curvature, 0.1, 10.0) : 1.0;
   correct((length - 1) * d);
@@ -184,11 +184,11 @@ void GranularTwoStage<D>::iterate() {
   Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(quantities, subdomains);
   if (parts_.interface_size() > 0) {
     const Vector pushed = speeds_of_interface_impulses(parts_, interface_impulses_);
-    const Vector g = enriched_now() ? all_interface_jumps(parts_) : interface_jumps(parts_);
+    const Vector g = enriched_now() ? parts_.all_interface_jumps() : parts_.interface_jumps();
     for_each_in_parallel(subdomains, [&](Index e) {
       parts(jumps, e) = interface.part_of_dot(e, g, g);
       // Where copies rest, their velocities are what rounding leaves of M_E^-1 A_E^T F.
-      parts(speeds, e) = std::max(nscdd::glued_speed_squared(parts_, e),
+      parts(speeds, e) = std::max(parts_.glued_speed_squared(e),
                                   ImpulseScale::squared_rounding * interface.part_of_dot(e, pushed, pushed));
     });
     if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {

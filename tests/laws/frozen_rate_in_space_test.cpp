@@ -109,7 +109,7 @@ TEST_CASE(
         REQUIRE(count_of(statuses, ContactStatus::stick) > 10);
         REQUIRE(count_of(statuses, ContactStatus::slide) > 10);
         const FrozenIteration<3> frozen(run.parts(), frozen_contacts(run.parts(), statuses), sweeps, step.enriched);
-        const Index velocities = free_velocities(run.parts()).size();
+        const Index velocities = run.parts().free_velocities().size();
         REQUIRE(frozen.rows() == velocities + count_of(statuses, ContactStatus::slide));
         Vector error = Vector::Zero(z.size());
         const Index gluing = run.parts().interface_size();

@@ -274,7 +274,7 @@ TEST_CASE("glued copies: their masses add up, and in their speed rims count as m
   CHECK(mass == doctest::Approx(3));
   for (GranularSubdomain<2>& subdomain : parts.subdomains)
     for (GrainVelocity<2>& v : subdomain.velocities) v.x = v.y = v.rim = 2;
-  CHECK(glued_speed_squared(parts, 0) + glued_speed_squared(parts, 1) == 2 * (4 + 4 + 4));
+  CHECK(parts.glued_speed_squared(0) + parts.glued_speed_squared(1) == 2 * (4 + 4 + 4));
 }
 
 TEST_CASE("natural map: zero on every status, positive as soon as a law is broken") {

@@ -76,12 +76,12 @@ class NearbyRun {
       : iteration_(iteration),
         solution_(std::move(solution)),
         length_(std::max<Index>(1, iterations / parts_of_run)),
-        speed_(free_velocities(iteration.parts()).norm()) {
+        speed_(iteration.parts().free_velocities().norm()) {
     run();
     statuses_ = iteration_.statuses();
     frozen_ = frozen_contacts(iteration_.parts(), statuses_);
     end_ = iteration_.state();
-    end_velocities_ = free_velocities(iteration_.parts());
+    end_velocities_ = iteration_.parts().free_velocities();
     const Vector f = solution_.tail(iteration_.parts().interface_size());
     const Vector direction = RandomStream(1).normal_vector(f.size());
     error_ = Vector::Zero(solution_.size());
@@ -94,7 +94,7 @@ class NearbyRun {
     for (Index part = 0; part < parts_of_tenth; ++part) {
       iteration_.restart(solution_ + error_);
       run();
-      velocities = free_velocities(iteration_.parts()) - end_velocities_;
+      velocities = iteration_.parts().free_velocities() - end_velocities_;
       const double factor = size_of_errors * speed_ / velocities.norm();
       error_ = factor * (iteration_.state() - end_);
       velocities *= factor;
@@ -166,7 +166,7 @@ Vector restart_at(GranularTwoStage<D>& iteration, const std::vector<GrainContact
   Vector z = Vector::Zero(D * count(contacts) + unknowns);
   for (Index c = 0; c < count(contacts); ++c) set_component<D>(z, c, contacts[at(c)].impulse);
   iteration.restart(z);
-  z.tail(unknowns) = generic_interface_solve(iteration.parts(), interface_jumps(iteration.parts()));
+  z.tail(unknowns) = iteration.parts().generic_interface_solve(iteration.parts().interface_jumps());
   iteration.restart(z);
   return z;
 }
@@ -185,9 +185,9 @@ RateAtSolution rate_in(const Simulation& simulation) {
   if (!(result.report.residual.relative_natural_map() <= solved)) return result;
 
   const Vector z = restart_at(step.iteration, solution.contacts);
-  const Vector before = free_velocities(step.iteration.parts());
+  const Vector before = step.iteration.parts().free_velocities();
   step.iteration.iterate();
-  const double moved = (free_velocities(step.iteration.parts()) - before).norm();
+  const double moved = (step.iteration.parts().free_velocities() - before).norm();
   result.drift = moved == 0 ? 0.0 : moved / before.norm();
   if (before.isZero(0) || z.tail(step.iteration.parts().interface_size()).isZero(0))
     return result;  // no error to watch
