@@ -133,9 +133,8 @@ class SharedTable {
   Index kept_ = 0;
 };
 
-/// The options --resume and --redo, described alike for every verb that has them.
+/// The option --resume, described alike for every verb that has it.
 void declare_resume(Command& command, bool& resume);
-void declare_redo(Command& command, bool& redo);
 
 /// Whether --resume meets a table that is complete, of which a note then tells the user. Throws Error if an
 /// HDF5 file is still asked for, because nothing tells what work the table came from.
@@ -152,35 +151,9 @@ inline std::optional<std::uintmax_t> kept_of_whole(Reopening how) {
 /// Closes an interrupted table, tells the user how to go on, and returns the exit code.
 int leave(ResumableTable& table, const std::string& path);
 
-/// What became of the rows that had not converged or were not certified.
-struct Repaired {
-  Index rows = 0;           ///< computed again
-  Index not_converged = 0;  ///< of these, still not
-  Index not_certified = 0;  ///< of these, converged but not certified where that was asked for
-  Index left = 0;           ///< not reached before an interruption: they stay as they were
-};
-
-/// Goes through the finished table of `work` in the file `path` and computes the rows again that did not
-/// converge or, where the table has a column `certified`, are not certified. What became of them is added to
-/// `repaired`. The options are those of `work`; the other rows keep their bytes. The file is replaced when all
-/// is done, or when `interruption` asks to stop after the row at hand. A table whose rows have no such columns
-/// (links, grains) stays as it is. Throws Error, the file unchanged, where the table is not one of this work.
-void repair_table(const StudyTable& work, const std::string& path, Interruption& interruption, LeadIn& lead_in,
-                  Repaired& repaired);
-
 /// Throws Error where the finished table in the file `path` has other columns, another number of rows or other
 /// parameters in a row than `work`, as far as these are known before it is computed.
 void require_rows_of(const StudyTable& work, const std::string& path);
-
-/// Brings an HDF5 file of tables up to the rows of the CSV files of the same names in its folder. It goes on
-/// with its provenance, to which `command_line` is added as one of the lines of `redone`.
-void update_tables(const std::string& hdf5, const std::string& command_line);
-
-/// Tells the user what --redo came to; returns the exit code. `what`: the file or folder repaired.
-int explain(const Repaired& repaired, const std::string& what);
-
-/// Repairs one table alone and explains; returns the exit code.
-int redo_table(const StudyTable& work, const std::string& path);
 
 /// Versions, command line and the resolved cases, for a result file. Nothing in it changes from run to run.
 Provenance provenance(const Context& context, const std::vector<Case>& cases);

@@ -14,7 +14,6 @@ struct Options {
   SpectralCommandOptions spectral;
   std::string epsilon = "0", csv;
   Reopening how;
-  bool redo = false;
   MemoryLimit memory;
 };
 
@@ -43,11 +42,8 @@ int run(const Options& options, const Context& context) {
   work.sweep.spectral.inertia = machine.inertia;
   work.sweep.spectral.slepc = machine.slepc;
   if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
-  if (options.redo && (options.csv.empty() || is_stream(options.csv) || options.how.resume))
-    fail("--redo: expected a finished table in a file with --csv, without --resume");
-  if (options.redo) require_one_process(machine, "--redo");
   require_shared(work.sweep.spectral, machine);
-  if (!options.redo && nothing_to_resume(options.csv, "", options.how, machine)) return 0;
+  if (nothing_to_resume(options.csv, "", options.how, machine)) return 0;
   const ThreadLimit limit(threads_of(options.threads, machine));
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts, [&](const Model& whole) {
     options.memory.require(sweep_need(whole, work.sweep), machine);
@@ -66,7 +62,6 @@ int run(const Options& options, const Context& context) {
     });
     return 0;
   }
-  if (options.redo) return redo_table(work, options.csv);
   Interruption interruption(machine.processes);
   SharedTable csv(machine, options.csv, table_work(work), options.how);
   const ResultColumns<OptimumResult> columns = optimum_columns(work.sweep.relative_epsilon);
@@ -93,7 +88,6 @@ Action declare_optimum(Command& command) {
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);
-  declare_redo(command, options->redo);
   declare_threads(command, options->threads);
   options->memory.declare(command);
   command.footer =

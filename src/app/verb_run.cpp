@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string study, output = "results";
   Reopening how;
-  bool check = false, redo = false, large = false;
+  bool check = false, large = false;
   Index threads = 0;
   MemoryLimit memory;
 };
@@ -35,8 +35,6 @@ struct Work {
 Work read_work(const Options& options) {
   Work work;
   work.source = find_study(options.study);
-  if (options.redo && (options.how.resume || options.how.force))
-    fail("--redo: expected finished results, to be repaired, without --resume and --force");
   work.study = parse_study(read_text(work.study_file()), work.study_file(), [&](const std::string& name) {
     const fs::path beside = work.source / name;  // a case file of the study's own
     return read_case(fs::exists(beside) ? beside.string() : find_case(name));
@@ -129,26 +127,6 @@ void check_outputs(const Work& work) {
   require_no_input(names, inputs);
 }
 
-int redo(const Work& work, const Options& options, const Context& context) {
-  const auto require_complete = [](const std::string& path) {
-    if (!fs::exists(path) || fs::exists(record_path(path)))
-      fail("--redo: {}: expected a complete result, met none; --resume completes it", path);
-  };
-  require_complete(work.hdf5());
-  for (const StudyTable& table : work.study.tables) {
-    require_complete(work.csv(table));
-    options.memory.require(largest_need(table, 0));
-  }
-  Interruption interruption;
-  LeadIn lead_in;
-  Repaired repaired;
-  for (const StudyTable& table : work.study.tables)
-    repair_table(table, work.csv(table), interruption, lead_in, repaired);
-  update_tables(work.hdf5(), context.command_line);
-  if (const int exit_code = explain(repaired, work.output.string()); exit_code != 0) return exit_code;
-  return options.check ? check_baselines(work) : 0;
-}
-
 int compute(const Work& work, const std::vector<Case>& cases, const Options& options, const Context& context) {
   // Refused before hours of work rather than after them.
   for (const StudyTable& table : work.study.tables)
@@ -183,7 +161,6 @@ int run(const Options& options, const Context& context) {
   if (options.check)  // baselines are read before hours of work rather than after them
     for (const StudyTable& table : work.study.tables) baseline_of(work, table);
   const std::vector<Case> cases = resolve_cases(work.study);
-  if (options.redo) return redo(work, options, context);
   std::error_code status;
   fs::create_directories(work.output, status);
   if (status) fail("{}: cannot be made: {}", work.output.string(), status.message());
@@ -207,7 +184,6 @@ Action declare_run(Command& command) {
   command.add("--large", options->large, "also the tables that the study marks as large");
   declare_resume(command, options->how.resume);
   declare_threads(command, options->threads);
-  declare_redo(command, options->redo);
   options->memory.declare(command);
   command.add("--check", options->check, "compare with the study's baseline; exit code 1 where it differs");
   command.footer = R"(Prints the names of the files written.

@@ -14,7 +14,6 @@ struct Options {
   SpectralCommandOptions spectral;
   std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5, counts;
   Reopening how;
-  bool redo = false;
   std::optional<double> curve;
   Index threads = 0;
   MemoryLimit memory;
@@ -82,8 +81,7 @@ void work_through(const Model& model, const StudyTable& work, SharedTable& csv, 
   sweep(model, work.sweep, write, interruption.watch(work.name, csv.kept()), csv.kept());
   if (interruption.stopped()) return;
   if (unproved > 0) note("{} row(s) did not converge: see the column 'converged'", unproved);
-  if (uncertified > 0)
-    note("{} row(s) converged but are not certified: see the column 'certified'; --redo tries again", uncertified);
+  if (uncertified > 0) note("{} row(s) converged but are not certified: see the column 'certified'", uncertified);
 }
 
 // What is asked for: points, or curves whose points are placed.
@@ -99,9 +97,7 @@ Asked asked(const Options& options, const Machine& machine) {
   sweep.spectral.inertia = machine.inertia;
   sweep.spectral.slepc = machine.slepc;
   if (options.curve) {
-    if (options.how.resume || options.redo)
-      fail("{}: expected a sweep of points given, met --curve, which places them itself",
-           options.redo ? "--redo" : "--resume");
+    if (options.how.resume) fail("--resume: expected a sweep of points given, met --curve, which places them itself");
     asked.curve = curve_parameters(*options.curve, options.epsilon, options.eta, sweep, "--");
     sweep = asked.curve->sweep;
   } else {
@@ -112,26 +108,22 @@ Asked asked(const Options& options, const Machine& machine) {
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
   if (!options.counts.empty()) require_distinct(options.csv, options.counts);
   if (!options.counts.empty() && !options.hdf5.empty()) require_distinct(options.hdf5, options.counts);
-  if (options.redo && (is_stream(options.csv) || !options.hdf5.empty() || options.how.resume))
-    fail("--redo: expected a finished table in a file with --csv, without --hdf5 and --resume");
   return asked;
 }
 
 int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
   auto [work, curve] = in_turn(machine.processes, [&] { return asked(options, machine); });
-  if (options.redo) require_one_process(machine, "--redo");
   require_shared(work.sweep.spectral, machine);
   if (std::ranges::any_of(work.sweep.gauss_seidel_sweeps, [](const auto& sweeps) { return sweeps.has_value(); }))
     require_one_process(machine, "--gauss-seidel-sweeps");
-  if (!options.redo && nothing_to_resume(options.csv, options.hdf5, options.how, machine)) return 0;
+  if (nothing_to_resume(options.csv, options.hdf5, options.how, machine)) return 0;
   const ThreadLimit limit(threads_of(options.threads, machine));
   const Model model = shared_model(
       work.cases.front(), machine, work.sweep.contacts,
       [&, &sweep = work.sweep](const Model& whole) { options.memory.require(sweep_need(whole, sweep), machine); });
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
-  if (options.redo) return redo_table(work, options.csv);
   Interruption interruption(machine.processes);  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
   SharedTable csv(machine, options.csv, curve ? curve_work(work, *curve) : table_work(work), options.how);
@@ -187,7 +179,6 @@ Action declare_sweep(Command& command) {
   command.required("--csv FILE", options->csv, "where the table goes, - for standard output");
   CountsTable::declare(command, options->counts);
   command.add("--hdf5 FILE", options->hdf5, "also write the table, with its provenance, as HDF5");
-  declare_redo(command, options->redo);
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);
   options->memory.declare(command);

@@ -42,19 +42,6 @@ void read_into(const Source& source, hid_t memory_type, void* data, const std::s
 
 std::string until_zero(std::string_view bytes) { return std::string(bytes.substr(0, bytes.find('\0'))); }
 
-Table table_of(const Group& group) {
-  Table table;
-  for (const std::string& name : csv_values(group.text_attribute("columns"), group.path())) {
-    const std::vector<Cell> cells = group.cells(name);
-    if (table.columns.empty()) table.rows.resize(cells.size());
-    if (cells.size() != table.rows.size())
-      fail("{}: expected {} values as in the first column, met {}", group.of(name), table.rows.size(), cells.size());
-    for (std::size_t i = 0; i < cells.size(); ++i) table.rows[i].push_back(cells[i]);
-    table.columns.push_back({name, group.text_attribute("unit", name), group.text_attribute("description", name)});
-  }
-  return table;
-}
-
 }  // namespace
 
 template <class Value>
@@ -116,29 +103,21 @@ std::string Group::text(const std::string& name) const {
   return until_zero(bytes);
 }
 
-std::vector<Cell> Group::cells(const std::string& name) const {
-  const auto as_cells = [](const auto& values) { return std::vector<Cell>(values.begin(), values.end()); };
-  const Source source = dataset_of(*this, name, "a one-dimensional dataset");
-  source.require_that(source.dimensions() == 1);
-  if (source.kind() == H5T_FLOAT) return as_cells(numbers<double>(name));
-  if (source.kind() == H5T_INTEGER && source.size() > 1) return as_cells(numbers<std::int64_t>(name));
-  std::vector<Cell> cells;
-  if (source.kind() == H5T_INTEGER) {
-    for (const std::int8_t flag : numbers<std::int8_t>(name)) cells.emplace_back(flag != 0);
-    return cells;
-  }
-  source.require_that(source.of_texts());
+std::vector<std::string> Group::texts(const std::string& name) const {
+  const Source source = dataset_of(*this, name, "a one-dimensional dataset of texts");
+  source.require_that(source.dimensions() == 1 && source.of_texts());
   require_readable(source.extent() * source.size(), of(name));
   std::string bytes(source.extent() * source.size(), '\0');
   read_into(source, source.type, bytes.data(), of(name));
+  std::vector<std::string> texts;
   for (std::size_t start = 0; start < bytes.size(); start += source.size())
-    cells.emplace_back(until_zero(std::string_view(bytes).substr(start, source.size())));
-  return cells;
+    texts.push_back(until_zero(std::string_view(bytes).substr(start, source.size())));
+  return texts;
 }
 
-std::string Group::text_attribute(const std::string& name, const std::string& member) const {
+std::string Group::text_attribute(const std::string& name) const {
   const std::string unlike = fmt::format("{}: expected a text in the attribute '{}', met none", path_, name);
-  Handle id(H5Aopen_by_name(id_, member.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, unlike);
+  Handle id(H5Aopen(id_, name.c_str(), H5P_DEFAULT), H5Aclose, unlike);
   Handle type(H5Aget_type(id), H5Tclose, unlike), space(H5Aget_space(id), H5Sclose, unlike);
   const Source source{std::move(id), std::move(type), std::move(space), unlike};
   source.require_that(source.of_texts() && source.extent() == 1);
@@ -163,15 +142,6 @@ std::string to_hdf5(const Provenance& provenance, const std::vector<NamedTable>&
       group.put_columns(table);
     }
   });
-}
-
-TablesFile tables_from_hdf5(std::string_view bytes, const std::string& name) {
-  const hdf5::File file(bytes, name);
-  const hdf5::Group root = file.root();
-  TablesFile content{hdf5::provenance_of(root), {}};
-  for (const std::string& table : root.members())
-    if (table != "provenance") content.tables.push_back({table, hdf5::table_of(root.group(table))});
-  return content;
 }
 
 void leave_hdf5_alone_at_exit() { H5dont_atexit(); }

@@ -18,15 +18,6 @@ struct NamedTable {
 /// other file, whereas the HDF5 library cannot give up a file of its own on a full disk.
 std::string to_hdf5(const Provenance& provenance, const std::vector<NamedTable>& tables);
 
-/// What an HDF5 file of tables holds.
-struct TablesFile {
-  Provenance provenance;           ///< in the order of the alphabet
-  std::vector<NamedTable> tables;  ///< likewise; the columns in their own order
-};
-
-/// Reads the bytes that `to_hdf5` made of tables. Throws Error naming `name` (the file) for others.
-TablesFile tables_from_hdf5(std::string_view bytes, const std::string& name);
-
 /// To be called when a program begins: at its end HDF5 would try again to write what a full disk refused, and crash.
 void leave_hdf5_alone_at_exit();
 

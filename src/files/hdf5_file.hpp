@@ -88,8 +88,8 @@ class Group {
   Index rows(const std::string& name) const;  ///< of an array; 0 if there is none
   std::int64_t integer(const std::string& name) const;
   std::string text(const std::string& name) const;
-  std::vector<Cell> cells(const std::string& name) const;  ///< a one-dimensional array; flags are of one byte
-  std::string text_attribute(const std::string& name, const std::string& member = ".") const;
+  std::vector<std::string> texts(const std::string& name) const;  ///< a one-dimensional array
+  std::string text_attribute(const std::string& name) const;
 
   /// Writing. A group or array that exists is taken again; an array with chunks is then resized.
   Group make_group(const std::string& name) const;

@@ -91,7 +91,6 @@ TEST_CASE("curve: what is not one range, and what cannot be proved, is refused b
   check_curve_refused("--epsilon 1:2 --curve 1e-3 --relaxation optimal", {"--relaxation", "--curve", "optimal"});
   check_curve_refused("--epsilon 1:2 --curve 1e-3 --solver arpack", {"--solver", "--curve", "arpack"});
   check_curve_refused("--epsilon 1:2 --curve 1e-3 --resume", {"--resume", "--curve"});
-  check_curve_refused("--epsilon 1:2 --curve 1e-3 --redo", {"--redo", "--curve"});
   check_curve_refused("--epsilon 1:2", {"epsilon", "FROM:TO:COUNT"});
 }
 

@@ -204,7 +204,6 @@ def refusals(folder):
         "expected a number, met 'q'": ["sweep", "disks12", "--epsilon", "1,q", "--csv", new],
         "--gauss-seidel-sweeps: expected one process": ["sweep", "disks12", "--epsilon", "1",
                                                         "--gauss-seidel-sweeps", "inf,3", "--csv", new],
-        "--redo: expected one process": ["sweep", "disks12", "--epsilon", "1", "--redo", "--csv", taken],
         "expected auto, dense or shift-invert with --certify or --eigenvalues, met slepc": [
             "sweep", "disks12", "--epsilon", "1", "--solver", "slepc", "--certify", "--csv", new],
         "--solver arpack: expected one process": ["sweep", *BED, "--epsilon", "1", "--eta", "0.3",

@@ -173,10 +173,8 @@ bool has_summary(const std::string& path, const std::string& column) {
 std::vector<std::string> read_statuses(const std::string& path) {
   const hdf5::File file = open_trajectory(path);
   const Group group = file.root().group("summary");
-  std::vector<std::string> statuses;
-  if (group.members().empty()) return statuses;
-  for (const Cell& cell : group.cells("status")) statuses.push_back(to_text(cell));
-  return statuses;
+  if (group.members().empty()) return {};
+  return group.texts("status");
 }
 
 bool holds_trajectory(const std::string& path) {
