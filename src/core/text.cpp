@@ -128,7 +128,10 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-double parse_number(std::string_view text, std::string_view what) { return parse_all<double>(text, what, "a number"); }
+double parse_number(std::string_view text, std::string_view what) {
+  const std::optional<double> number = number_of(trimmed(text));
+  return number ? *number : parse_all<double>(text, what, "a number");  // which says what is wrong
+}
 
 Index parse_integer(std::string_view text, std::string_view what) { return parse_all<Index>(text, what, "an integer"); }
 

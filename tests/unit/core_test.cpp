@@ -84,6 +84,7 @@ TEST_CASE("numbers: read in full or refused by name") {
   CHECK(parse_number(" 1e-3 ", "n") == 1e-3);
   CHECK(parse_number("+2", "n") == 2);
   CHECK(parse_number("inf", "n") == infinity);
+  CHECK(parse_number("1.5D+01", "n") == 15);
   for (const char* text : {"", " ", "1x", "1 2", "--1", "0x10", "1,5", "+-1", "1e999"})
     CHECK_THROWS_AS(parse_number(text, "n"), Error);
   CHECK(parse_integer("-7", "n") == -7);
