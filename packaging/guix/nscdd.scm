@@ -45,7 +45,7 @@
             (invoke "sh" "-c"
                     (string-append #$output "/bin/nscdd sweep disks4 --epsilon 0 --csv - "
                                    "| grep '0[.]65267561491'")))))))
-  (native-inputs (list cli11 ninja nlohmann-json tomlplusplus))
+  (native-inputs (list ninja nlohmann-json tomlplusplus))
   (inputs (list arpack-ng fmt-9 gsl hdf5 metis onetbb openblas suitesparse))
   (propagated-inputs (list eigen))      ; the headers of nscdd include those of Eigen
   (home-page #f)

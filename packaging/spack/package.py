@@ -33,7 +33,6 @@ class Nscdd(CMakePackage):
     depends_on("gsl@2.7:")
     depends_on("hdf5@1.10: ~mpi", when="~mpi")
     depends_on("hdf5@1.10:", when="+mpi")
-    depends_on("cli11@2:", type="build")
     depends_on("nlohmann-json@3:", type="build")
     depends_on("tomlplusplus@3:", type="build")
     depends_on("fmt@9")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/export_operators.hpp"
 
+#include "app/shared_work.hpp"
 #include "formats/matrices/operators_file.hpp"
 #include "linalg/threads.hpp"
 #include "study/linear/inspection.hpp"
@@ -17,7 +18,6 @@ OperatorParameters parameters(const OperatorsOptions& options, double scale) {
     fail("--epsilon: expected the flexibility behind S with --operators, or --sparse-only to leave S, P and B out");
   result.epsilon = one_value(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
   result.eta = one_value(parse_eta(options.eta), scale, "--eta", options.eta);
-  check_bounds(options.relaxation, Field{.description = "", .minimum = 0, .minimum_excluded = true}, "--relaxation");
   result.relaxation = options.relaxation;
   return result;
 }
@@ -43,9 +43,9 @@ Option& declare_operators(Command& command, OperatorsOptions& options) {
               "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   command.preset("--eta NUMBER[W]", options.eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
-  command.preset("--relaxation", options.relaxation, "omega of B = I - omega P^-1 S");
-  command.preset("--contacts", options.contacts, "contacts of Stage 1: all, active, or unilateral; as of nscdd sweep")
-      .words = all_names<ContactSet>();
+  command.preset("--relaxation", options.relaxation, "omega of B = I - omega P^-1 S",
+                 {.description = "", .minimum = 0, .minimum_excluded = true});
+  declare_contacts(command, options.contacts);
   declare_threads(command, options.threads);
   options.memory.declare(command);
   for (std::size_t k = first; k < command.options.size(); ++k) {
@@ -66,9 +66,8 @@ int export_operators(const OperatorsOptions& options, bool force, const Context&
   const ThreadLimit limit(options.threads);
   const Model model = build(what);
   const OperatorParameters wanted = parameters(options, flexibility_scale(model));
-  const ContactSet contacts = Choice<ContactSet>::parse(options.contacts, "--contacts");
-  options.memory.require(operators_need(model, contacts, wanted.dense));
-  const Selection selection = select(model, contacts);
+  options.memory.require(operators_need(model, options.contacts, wanted.dense));
+  const Selection selection = select(model, options.contacts);
   if (!selection.certain) note("{}: the impulses behind the contacts of Stage 1 were not found to 1e-8", model.name);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): there are no operators of it", model.name, why_empty(model));

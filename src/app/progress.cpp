@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/verbs.hpp"
+#include "app/progress.hpp"
 
 #include <unistd.h>
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/settled_cases.hpp"
+
+#include "app/progress.hpp"
 #include "app/run_summary.hpp"
 #include "core/text.hpp"
 #include "files/csv.hpp"

@@ -36,22 +36,14 @@ std::vector<fs::path> problem_files(const std::string& path) {
   return files;
 }
 
-std::string effort_text(const TrialOptions& options) {
-  const FrictionSolverOptions& solver = options.solver;
-  return fmt::format(
-      "tolerance = {}\nmaximum_sweeps = {}\nmaximum_factorisations = {}\nrelaxation = {}\norder = {}\n"
-      "seed = {}\ncheck_every = {}\ntime_limit = {}\n",
-      to_text(solver.tolerance), solver.maximum_sweeps, solver.maximum_factorisations, to_text(solver.relaxation),
-      to_string(solver.order), solver.seed, solver.check_every, to_text(options.time_limit.value_or(infinity)));
-}
-
 TableWork trial_work(const std::vector<fs::path>& files, const TrialOptions& options) {
   std::string cases, solvers;
   for (const fs::path& file : files)
     cases += fmt::format("{} (content {})\n", file.filename().string(), fingerprint(read_text(file.string())));
   for (const FrictionAlgorithm solver : options.solvers) solvers += fmt::format("solver {}\n", to_string(solver));
   const Index each = count(options.solvers);
-  return {{code_identity(), cases, solvers, effort_text(options)},
+  return {{code_identity(), cases, solvers,
+           field_lines(options.solver) + fmt::format("time_limit = {}\n", options.time_limit.value_or(infinity))},
           headings(columns()),
           count(files) * each,
           [files, each, solvers = options.solvers](Index row) {

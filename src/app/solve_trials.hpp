@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "app/options.hpp"
+#include "app/case_options.hpp"
+#include "app/tables.hpp"
 #include "study/moving/solver_trial.hpp"
 
 namespace nscdd::app {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/tables.hpp"
+
 #include "core/fail.hpp"
 
 #include <filesystem>

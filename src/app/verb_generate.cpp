@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/case_options.hpp"
 #include "files/output_file.hpp"
 #include <nscdd/formats/packing_file.hpp>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/case_options.hpp"
+#include "app/memory_limit.hpp"
 #include "files/csv.hpp"
 #include "study/linear/inspection.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/settled_cases.hpp"
+#include "app/verbs.hpp"
 #include "study/tables/study.hpp"
 
 namespace nscdd::app {

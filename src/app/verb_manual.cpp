@@ -15,25 +15,10 @@ constexpr const char* exit_codes =
 constexpr std::size_t columns = 100, name_columns = 30;
 
 std::string name_and_value(const Option& option) {
-  // What stands for the value, in the order of the alternatives of Option::Target.
-  constexpr std::array placeholders{"TEXT", "NUMBER", "N", "", "TEXT", "NUMBER", "N", "TEXT"};
   std::string names = option.names;
   if (const auto comma = names.find(','); comma != std::string::npos) names.insert(comma + 1, " ");
-  if (option.positional() || option.flag()) return names;
-  if (!option.words.empty()) return names + " WORD";
-  return names + " " + (option.value.empty() ? placeholders.at(option.target.index()) : option.value);
-}
-
-std::string default_text(const Option& option) {
-  if (!option.shows_default) return "";
-  return std::visit(
-      [](const auto* value) -> std::string {
-        if constexpr (fmt::is_formattable<decltype(*value)>::value)
-          return fmt::format("{}", *value);
-        else
-          return "";  // lists and options that may be absent
-      },
-      option.target);
+  if (option.positional() || option.flag) return names;
+  return names + " " + (option.words.empty() ? option.value : "WORD");
 }
 
 // In brackets behind the help: the words it admits where the help does not name them, and the default.
@@ -41,7 +26,7 @@ std::string remarks(const Option& option) {
   const auto named = [&](const std::string& word) { return option.help.find(word) != std::string::npos; };
   std::string words;
   if (!std::ranges::all_of(option.words, named)) words = fmt::format("{}", fmt::join(option.words, "|"));
-  const std::string initial = default_text(option);
+  const std::string& initial = option.initial;
   if (words.empty() && initial.empty()) return option.required && !option.positional() ? " (required)" : "";
   return fmt::format(" [{}{}{}]", words, !words.empty() && !initial.empty() ? "; " : "", initial);
 }
@@ -170,23 +155,6 @@ int run(const Options& options, const std::vector<Verb>& verbs) {
 }
 
 }  // namespace
-
-std::vector<std::string> Command::names() const {
-  std::vector<std::string> all{"--help"};
-  for (const Option& option : options) {
-    if (option.positional()) continue;
-    std::istringstream names(option.names);
-    for (std::string name; std::getline(names, name, ',');) all.push_back(name);
-  }
-  return all;
-}
-
-Option& Command::add_target(const std::string& form, Option::Target target, std::string help) {
-  std::istringstream parts(form);
-  std::string names, value;
-  parts >> names >> value;
-  return options.emplace_back(Option{std::move(names), target, std::move(help), std::move(value)});
-}
 
 std::string short_guide(const std::vector<Verb>& verbs, const Machine& machine) {
   std::string text = fmt::format(R"({} {}: how fast does domain decomposition converge on granular media?

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/case_options.hpp"
+#include "app/memory_limit.hpp"
+#include "app/shared_work.hpp"
 #include "files/csv.hpp"
 #include "linalg/threads.hpp"
 #include "study/linear/inspection.hpp"
@@ -13,21 +15,23 @@ constexpr std::size_t interfaces_shown = 8;
 
 struct Options {
   CaseOptions one;
-  SpectralCommandOptions spectral;
-  std::string epsilon, eta = "inf", end = "slowest", output;
+  SpectralOptions spectral;
+  ContactSet contacts = ContactSet::all;
+  SpectrumSide end = SpectrumSide::slowest;
+  std::string epsilon, eta = "inf", output;
   bool force = false;
   Index threads = 0;
   MemoryLimit memory;
 };
 
 // `scale`: of relative flexibilities, 1/kg. A mode belongs to one operator.
-ModeParameters parameters(const Options& options, double scale) {
+ModeParameters parameters(const Options& options, const Machine& machine, double scale) {
   ModeParameters result;
   result.epsilon = one_value(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
   result.eta = one_value(parse_eta(options.eta), scale, "--eta", options.eta);
-  result.contacts = options.spectral.contact_set();
-  result.side = Choice<SpectrumSide>::parse(options.end, "--end");
-  result.spectral = options.spectral.spectral();
+  result.contacts = options.contacts;
+  result.side = options.end;
+  result.spectral = spectra_on(machine, options.spectral);
   return result;
 }
 
@@ -100,10 +104,10 @@ void tell_doubts(const Model& model, const Mode& mode) {
   }
 }
 
-int run(const Options& options) {
+int run(const Options& options, const Machine& machine) {
   if (options.output.empty() || options.output == "-" || options.output.back() == '/')
     fail("--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output);
-  parameters(options, 1);  // refused before the model is built
+  parameters(options, machine, 1);  // refused before the model is built
   const std::string impulses_name = options.output + "-impulses.csv";
   const std::string velocities_name = options.output + "-velocities.csv";
   const Case what = options.one.resolve({impulses_name, velocities_name});
@@ -115,7 +119,7 @@ int run(const Options& options) {
   // Both files are opened before the spectrum and get their names after it: a run that fails leaves neither.
   CsvWriter impulses(impulses_name, options.force, headings(impulse_columns));
   CsvWriter velocities(velocities_name, options.force, headings(velocity_columns));
-  const ModeParameters wanted = parameters(options, flexibility_scale(model));
+  const ModeParameters wanted = parameters(options, machine, flexibility_scale(model));
   options.memory.require(sweep_need(
       model,
       {.epsilon = {wanted.epsilon}, .eta = {wanted.eta}, .contacts = wanted.contacts, .spectral = wanted.spectral}));
@@ -142,13 +146,10 @@ Action declare_modes(Command& command) {
                    "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   command.preset("--eta NUMBER[W]", options->eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
-  options->spectral.declare(command, "all");
-  command
-      .preset("--end", options->end, "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high")
-      .words = {"slowest", "low", "high"};
-  command.preset("--eigenvalues", options->spectral.options.eigenvalues, "eigenvalues to print at that end");
-  command.add("--certify", options->spectral.options.certify,
-              "prove by inertia counts that no mode lies further out (solvers dense and shift-invert)");
+  declare_contacts(command, options->contacts);
+  command.fields(options->spectral);
+  command.preset("--end", options->end,
+                 "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high");
   command.required("--output PREFIX", options->output, "the tables PREFIX-impulses.csv and PREFIX-velocities.csv");
   command.add("--force", options->force, "replace existing outputs");
   declare_threads(command, options->threads);
@@ -160,7 +161,7 @@ A contact problem has no geometry to place a mode in and is refused.
 Examples:
   nscdd modes hexagonal --epsilon 1e-3 --output slow
   nscdd modes mine.csv --subdomains 3x2 --epsilon 1e-3 --eta 0.3 --end low --output low)";
-  return [options](const Context&) { return run(*options); };
+  return [options](const Context& context) { return run(*options, context.machine); };
 }
 
 }  // namespace nscdd::app

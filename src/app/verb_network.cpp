@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/case_options.hpp"
+#include "app/memory_limit.hpp"
 #include "files/csv.hpp"
 #include "study/linear/inspection.hpp"
 
@@ -8,7 +9,8 @@ namespace {
 
 struct Options {
   CaseOptions one;
-  std::string csv = "-", grains, contacts = "active";
+  std::string csv = "-", grains;
+  ContactSet contacts = ContactSet::active;
   bool force = false;
   MemoryLimit memory;
 };
@@ -26,7 +28,7 @@ int run(const Options& options) {
   const Model model = build(with_overlaps_of_motion(options.one.resolve({options.csv, options.grains})));
   if (!model.has_geometry()) return write_problem(options, model);
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
-  const ContactSet contacts = Choice<ContactSet>::parse(options.contacts, "--contacts");
+  const ContactSet contacts = options.contacts;
   options.memory.require(link_need(model, contacts));
   const ResultColumns<Link> columns = link_columns(contacts, model.problem.dimension);
   CsvWriter links(options.csv, options.force, headings(columns));

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/case_options.hpp"
+#include "app/memory_limit.hpp"
+#include "app/shared_work.hpp"
+#include "app/tables.hpp"
 #include "linalg/threads.hpp"
 #include "study/linear/inspection.hpp"
 #include "study/linear/optimum.hpp"
@@ -11,7 +14,8 @@ namespace {
 struct Options {
   Index threads = 0;
   CaseOptions one;
-  SpectralCommandOptions spectral;
+  SpectralOptions spectral;
+  ContactSet contacts = ContactSet::active;
   std::string epsilon = "0", csv;
   Reopening how;
   MemoryLimit memory;
@@ -25,24 +29,21 @@ void print_report(const OptimumResult& result) {
   }
 }
 
-StudyTable table_of(const Options& options) {
+StudyTable table_of(const Options& options, const Machine& machine) {
   StudyTable work;
   work.name = "optimum";
   work.observable = &observables::optimum;
   std::tie(work.sweep.epsilon, work.sweep.relative_epsilon) = parse_epsilon(options.epsilon);
-  work.sweep.contacts = options.spectral.contact_set();
-  work.sweep.spectral = options.spectral.spectral();
+  work.sweep.contacts = options.contacts;
+  work.sweep.spectral = spectra_on(machine, options.spectral);
   work.cases = {options.one.resolve({options.csv})};
   return work;
 }
 
 int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
-  StudyTable work = in_turn(machine.processes, [&] { return table_of(options); });
-  work.sweep.spectral.inertia = machine.inertia;
-  work.sweep.spectral.slepc = machine.slepc;
+  const StudyTable work = in_turn(machine.processes, [&] { return table_of(options, machine); });
   if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
-  require_shared(work.sweep.spectral, machine);
   if (nothing_to_resume(options.csv, "", options.how, machine)) return 0;
   const ThreadLimit limit(threads_of(options.threads, machine));
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts, [&](const Model& whole) {
@@ -84,7 +85,8 @@ Action declare_optimum(Command& command) {
   options->one.declare(command);
   command.preset("--epsilon SPEC", options->epsilon,
                  "flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
-  options->spectral.declare(command, "active");
+  declare_contacts(command, options->contacts);
+  command.fields(options->spectral, {"certify", "eigenvalues"});
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/case_options.hpp"
+#include "app/memory_limit.hpp"
+#include "app/shared_work.hpp"
 #include "app/step_range.hpp"
 #include "files/output_file.hpp"
 #include "formats/report/report_page.hpp"
@@ -18,15 +20,17 @@ constexpr double bytes_of_steps = 8e6;  // that the steps of a run take on a pag
 
 struct Options {
   CaseOptions one;
-  SpectralCommandOptions spectral;
-  std::string epsilon, eta, output, steps, convergence;
+  SpectralOptions spectral;
+  std::string epsilon = "0,1e-3:1e3:7W", eta = "1e-3:1e3:25W,inf", output, steps, convergence;
   std::vector<std::string> contacts;
   bool no_optimum = false, force = false;
   Index threads = 0;
   MemoryLimit memory;
 };
 
-constexpr const char *epsilon_by_default = "0,1e-3:1e3:7W", *eta_by_default = "1e-3:1e3:25W,inf";
+// The options that say something of a run; and of whatever CASE is. All others are of packings.
+constexpr std::array<std::string_view, 2> of_runs{"--steps", "--convergence"};
+constexpr std::array<std::string_view, 3> of_both{"CASE", "-o,--output", "--force"};
 
 void require_html_name(const std::string& path) {
   if (!path.ends_with(".html") && !path.ends_with(".htm"))
@@ -43,11 +47,9 @@ FlexibilityValues ascending(FlexibilityValues values) {
 PackingReportParameters parameters(const Options& options, const Machine& machine) {
   PackingReportParameters result;
   SweepParameters& sweep = result.sweep;
-  sweep.spectral = options.spectral.spectral();
-  sweep.spectral.inertia = machine.inertia;
-  std::tie(sweep.epsilon, sweep.relative_epsilon) =
-      ascending(parse_epsilon(options.epsilon.empty() ? epsilon_by_default : options.epsilon));
-  std::tie(sweep.eta, sweep.relative_eta) = ascending(parse_eta(options.eta.empty() ? eta_by_default : options.eta));
+  sweep.spectral = spectra_on(machine, options.spectral);
+  std::tie(sweep.epsilon, sweep.relative_epsilon) = ascending(parse_epsilon(options.epsilon));
+  std::tie(sweep.eta, sweep.relative_eta) = ascending(parse_eta(options.eta));
   std::set<ContactSet> sets;
   for (const std::string& name : options.contacts) sets.insert(Choice<ContactSet>::parse(name, "--contacts"));
   result.contact_sets.assign(sets.begin(), sets.end());
@@ -98,11 +100,7 @@ std::string libraries() {
 }
 
 int report_of_packing(const Options& options, const Context& context) {
-  if (!options.steps.empty() || !options.convergence.empty())
-    fail("{}: expected the trajectory of a run (.h5) as CASE with it, met {}",
-         options.steps.empty() ? "--convergence" : "--steps", options.one.name);
   PackingReportParameters wanted = parameters(options, context.machine);
-  require_shared(wanted.sweep.spectral, context.machine);
   const Case one = options.one.resolve({options.output});
   require_writable(options.output, options.force);
   const ThreadLimit limit(options.threads);
@@ -124,31 +122,7 @@ int report_of_packing(const Options& options, const Context& context) {
   return 0;
 }
 
-// Options that say something of a packing alone.
-void require_none_of_packing(const Options& options) {
-  const CaseOptions& one = options.one;
-  const Options unasked;
-  for (const auto& [name, given] :
-       {std::pair("--subdomains", !one.subdomains.empty()),
-        {"--prescribed", !one.prescribed.empty()},
-        {"--set", !one.settings.empty()},
-        {"--density", one.density.has_value()},
-        {"--tolerance", one.tolerance.has_value()},
-        {"--overlap-tolerance", one.overlap_tolerance.has_value()},
-        {"--epsilon", !options.epsilon.empty()},
-        {"--eta", !options.eta.empty()},
-        {"--contacts", !options.contacts.empty()},
-        {"--solver", options.spectral.solver != unasked.spectral.solver},
-        {"--residual-tolerance", options.spectral.options.tolerance != unasked.spectral.options.tolerance},
-        {"--certify", options.spectral.options.certify},
-        {"--no-optimum", options.no_optimum},
-        {"--threads", options.threads != unasked.threads},
-        {"--memory-limit", options.memory.gibibytes.has_value()}})
-    if (given) fail("{}: expected a packing as CASE with it, met the trajectory {}", name, one.name);
-}
-
 int report_of_run(const Options& options, const Context& context) {
-  require_none_of_packing(options);
   const std::string& path = options.one.name;
   require_no_input({options.output}, {path, options.convergence});
   require_writable(options.output, options.force);
@@ -169,9 +143,18 @@ int report_of_run(const Options& options, const Context& context) {
   return 0;
 }
 
-int run(const Options& options, const Context& context) {
+int run(const Options& options, const Command& command, const Context& context) {
   require_html_name(options.output);
-  return holds_trajectory(options.one.name) ? report_of_run(options, context) : report_of_packing(options, context);
+  const bool trajectory = holds_trajectory(options.one.name);
+  const auto is_of = [](const auto& names, const Option& option) {
+    return std::ranges::count(names, option.names) > 0;
+  };
+  for (const Option& option : command.options)
+    if (option.given && !is_of(of_both, option) && is_of(of_runs, option) != trajectory)
+      fail("{}: expected {} as CASE with it, met {}{}", option.names,
+           trajectory ? "a packing" : "the trajectory of a run (.h5)", trajectory ? "the trajectory " : "",
+           options.one.name);
+  return trajectory ? report_of_run(options, context) : report_of_packing(options, context);
 }
 
 }  // namespace
@@ -183,17 +166,16 @@ Action declare_report(Command& command) {
   command.required("-o,--output FILE", options->output, "the page, .html");
   command.add("--force", options->force, "replace an existing page");
   command.add("--epsilon SPEC", options->epsilon,
-              fmt::format("flexibilities of the law on the page ({}), as in nscdd sweep", epsilon_by_default));
+              fmt::format("flexibilities of the law on the page ({}), as in nscdd sweep", options->epsilon));
   command.add("--eta SPEC", options->eta,
-              fmt::format("flexibilities of Stage 2 on the page ({}), as in nscdd sweep", eta_by_default));
+              fmt::format("flexibilities of Stage 2 on the page ({}), as in nscdd sweep", options->eta));
   command
       .add("--contacts", options->contacts,
            "contacts of Stage 1: all, active or unilateral, may be given again; by default all, and with a load active "
            "too")
       .words = all_names<ContactSet>();
-  options->spectral.declare_solver(command);
-  command.add("--certify", options->spectral.options.certify,
-              "prove by inertia counts that no eigenvalue was missed; the page shows the intervals");
+  command.fields(options->spectral, {"eigenvalues"});
+  command.named("--certify").help += "; the page shows the intervals";
   command.add("--no-optimum", options->no_optimum, "leave out the best eta, which takes some 130 spectra per epsilon");
   command.add("--steps A[:B[:K]]", options->steps,
               "of a run: the kept steps to draw; by default as many as take 8 MB, at least 2, evenly spread");
@@ -209,7 +191,7 @@ Examples:
   nscdd report mine.csv --subdomains 2x1 --epsilon 0,1e-2:1e2:3W --eta 1e-2:1e2:9W,inf -o mine.html
   nscdd simulate shear-1k --steps 5 -o shear5.h5 --convergence shear5.csv
   nscdd report shear5.h5 --convergence shear5.csv -o shear5.html)";
-  return [options](const Context& context) { return run(*options, context); };
+  return [options, &command](const Context& context) { return run(*options, command, context); };
 }
 
 }  // namespace nscdd::app

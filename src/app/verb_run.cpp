@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/case_options.hpp"
+#include "app/memory_limit.hpp"
+#include "app/shared_work.hpp"
+#include "app/tables.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5.hpp"
 #include "formats/case/case_file.hpp"

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/case_options.hpp"
 #include "app/counts_table.hpp"
-#include "app/options.hpp"
+#include "app/memory_limit.hpp"
 #include "app/run_summary.hpp"
+#include "app/shared_work.hpp"
 #include "app/simulate_output.hpp"
 #include "core/text.hpp"
 #include "files/output_file.hpp"
@@ -245,12 +247,12 @@ Action declare_simulate(Command& command) {
   Option& every = command.add(
       "--convergence-every", options->files.convergence_every,
       "rows of every Nth iteration; without it of about ten per decade (1, 2, 3, 4, 6, 7, 8, 10, 13, ...), because a "
-      "row costs several sweeps. The last of a step always has one");
-  every.bounds = {1, 1000000000};
+      "row costs several sweeps. The last of a step always has one",
+      {.description = "", .minimum = 1, .maximum = 1e9});
   every.needs = convergence;
   CountsTable::declare(command, options->counts);
-  command.preset("--save-every", options->files.save_every, "keep every Nth step; the last one always is").bounds = {
-      1, 1000000000};
+  command.preset("--save-every", options->files.save_every, "keep every Nth step; the last one always is",
+                 {.description = "", .minimum = 1, .maximum = 1e9});
   command.add("--restart", options->restart, "go on with the output of a run before, up to --steps");
   command.add("--force", options->files.force, "replace existing outputs");
   command.footer =

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/shared_work.hpp"
 #include "app/solve_trials.hpp"
 #include "core/text.hpp"
 #include "files/csv.hpp"
@@ -11,7 +12,7 @@ namespace nscdd::app {
 namespace {
 
 struct Options {
-  std::string file, order = "natural", convergence, output, csv;
+  std::string file, convergence, output, csv;
   std::vector<std::string> algorithms;
   FrictionSolverOptions solver;
   std::optional<double> time_limit;
@@ -165,8 +166,6 @@ void check_options(const Options& options) {
 
 // Every problem of a folder by every solver named.
 int run_trials(const Options& options, const FrictionSolverOptions& solver) {
-  if (options.time_limit && !(*options.time_limit > 0))
-    fail("--time-limit: expected a number > 0, met {}", *options.time_limit);
   const std::vector<FrictionAlgorithm> solvers = options.algorithms.empty()
                                                      ? std::vector{FrictionAlgorithm{solver.algorithm}}
                                                      : contact_solvers_named(options.algorithms, "--solver");
@@ -174,9 +173,7 @@ int run_trials(const Options& options, const FrictionSolverOptions& solver) {
 }
 
 int run(const Options& options, const Context& context) {
-  check_bounds(options.solver.tolerance, Field{.description = "", .minimum = 0, .maximum = 1}, "--tolerance");
   FrictionSolverOptions solver = options.solver;
-  solver.order = options.order;
   const ThreadLimit limit(options.threads);
   if (!options.csv.empty()) return run_trials(options, solver);
   check_options(options);
@@ -226,24 +223,18 @@ Action declare_solve(Command& command) {
   command.required("FILE", options->file,
                    "contact problem with friction, in the plane or in space, HDF5 of FCLIB or .dat of Siconos; with "
                    "--csv also a folder of them");
-  Option& solver = command.add("--solver", options->algorithms,
-                               "auto (the default): sweeps, then continuation; or another alone; with --csv it "
-                               "may be named again, and all stands for every one");
-  solver.words = all_names<FrictionAlgorithm>();
+  command.fields(options->solver);
+  Option& solver = command.named("--solver");
+  solver.help += "; with --csv it may be named again, and all stands for every one";
   solver.words.emplace_back("all");
-  command.preset("--tolerance", options->solver.tolerance, "on the residual");
-  command.preset("--maximum-sweeps", options->solver.maximum_sweeps,
-                 "sweeps over all contacts at most, or iterations of admm and apgd");
-  command.preset("--maximum-factorisations", options->solver.maximum_factorisations,
-                 "of all solvers but nlgs and apgd");
-  command.preset("--relaxation", options->solver.relaxation, "omega in r <- r + omega (r' - r), between 0 and 2");
-  command.preset("--order", options->order, "of the contacts in a sweep").words = all_names<SweepOrder>();
-  command.preset("--seed", options->solver.seed, "of order random").bounds = {0, 1000000000};
+  solver.list = true;
+  solver.set = [options](std::string_view text, std::string_view) { options->algorithms.emplace_back(text); };
   declare_threads(command, options->threads);
-  command.preset("--check-every", options->solver.check_every, "sweeps from one residual to the next");
   const Option* csv = &command.add("--csv FILE", options->csv,
                                    "write a table there, a row per problem and solver, - for standard output");
-  command.add("--time-limit SECONDS", options->time_limit, "of --csv: end a run at its first check after so long")
+  command
+      .add("--time-limit SECONDS", options->time_limit, "of --csv: end a run at its first check after so long",
+           {.description = "", .minimum = 0, .minimum_excluded = true, .also = infinity})
       .needs = csv;
   Option* const alone[] = {
       &command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero"),

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/case_options.hpp"
 #include "app/counts_table.hpp"
+#include "app/memory_limit.hpp"
+#include "app/shared_work.hpp"
 #include "app/sweep_curve.hpp"
 #include "files/hdf5.hpp"
 #include "linalg/threads.hpp"
@@ -11,7 +14,8 @@ namespace {
 
 struct Options {
   CaseOptions one;
-  SpectralCommandOptions spectral;
+  SpectralOptions spectral;
+  ContactSet contacts = ContactSet::all;
   std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5, counts;
   Reopening how;
   std::optional<double> curve;
@@ -20,12 +24,12 @@ struct Options {
 };
 
 // All but the flexibilities, which are a range where a curve is asked for.
-SweepParameters parameters(const Options& options) {
+SweepParameters parameters(const Options& options, const Machine& machine) {
   SweepParameters result;
   result.relaxation = parse_relaxation(options.relaxation);
   result.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
-  result.contacts = options.spectral.contact_set();
-  result.spectral = options.spectral.spectral();
+  result.contacts = options.contacts;
+  result.spectral = spectra_on(machine, options.spectral);
   if (result.spectral.certify || result.spectral.eigenvalues > 1)
     for (const auto& sweeps : result.gauss_seidel_sweeps)
       if (sweeps)
@@ -93,9 +97,7 @@ struct Asked {
 Asked asked(const Options& options, const Machine& machine) {
   Asked asked;
   asked.work.name = "sweep";
-  SweepParameters& sweep = asked.work.sweep = parameters(options);
-  sweep.spectral.inertia = machine.inertia;
-  sweep.spectral.slepc = machine.slepc;
+  SweepParameters& sweep = asked.work.sweep = parameters(options, machine);
   if (options.curve) {
     if (options.how.resume) fail("--resume: expected a sweep of points given, met --curve, which places them itself");
     asked.curve = curve_parameters(*options.curve, options.epsilon, options.eta, sweep, "--");
@@ -114,7 +116,6 @@ Asked asked(const Options& options, const Machine& machine) {
 int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
   auto [work, curve] = in_turn(machine.processes, [&] { return asked(options, machine); });
-  require_shared(work.sweep.spectral, machine);
   if (std::ranges::any_of(work.sweep.gauss_seidel_sweeps, [](const auto& sweeps) { return sweeps.has_value(); }))
     require_one_process(machine, "--gauss-seidel-sweeps");
   if (nothing_to_resume(options.csv, options.hdf5, options.how, machine)) return 0;
@@ -161,18 +162,17 @@ Action declare_sweep(Command& command) {
                    "flexibility, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   command.preset("--eta SPEC", options->eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
-  options->spectral.declare(command, "all");
-  command.add("--certify", options->spectral.options.certify,
-              "prove by inertia counts that no eigenvalue was missed; adds columns with the intervals");
-  command.preset(
-      "--eigenvalues", options->spectral.options.eigenvalues,
-      "eigenvalues at each end; more than one adds columns: their values, and for each end the multiplicity of its "
-      "first value alone (how many of those found agree with it within --residual-tolerance; with --certify how many "
-      "lie in its interval)");
+  declare_contacts(command, options->contacts);
+  command.fields(options->spectral);
+  command.named("--certify").help += "; adds columns with the intervals";
+  command.named("--eigenvalues").help +=
+      "; more than one adds columns: their values, and for each end the multiplicity of its first value alone (how "
+      "many of those found agree with it within --residual-tolerance; with --certify how many lie in its interval)";
   command.add(
       "--curve TOLERANCE", options->curve,
       "prove the curve over a range FROM:TO, whose points are placed for it; one of --epsilon and --eta is the range, "
-      "and the band curve_low to curve_high is at most TOLERANCE x max(1, radius) wide");
+      "and the band curve_low to curve_high is at most TOLERANCE x max(1, radius) wide",
+      {.description = "", .minimum = 0, .minimum_excluded = true});
   declare_threads(command, options->threads);
   command.preset("--relaxation SPEC", options->relaxation, "omega in F <- F + omega (F' - F), or 'optimal'");
   command.preset("--gauss-seidel-sweeps SPEC", options->sweeps, "sweeps n_GS of Stage 1; inf is exact");

@@ -18,15 +18,10 @@ void check_options(Index dimension, Index contacts, const FrictionSolverOptions&
   if (guess.size() != 0 && guess.size() != dimension * contacts)
     fail("guess of the impulses: expected {} x contacts = {} numbers, met {}", dimension, dimension * contacts,
          guess.size());
-  if (!(options.tolerance > 0)) fail("tolerance: expected a number > 0, met {}", options.tolerance);
-  if (!(options.relaxation > 0 && options.relaxation < 2))
-    fail("relaxation: expected a number between 0 and 2, met {}", options.relaxation);
-  if (options.maximum_factorisations < 0)
-    fail("factorisations: expected a maximum >= 0, met {}", options.maximum_factorisations);
-  if (options.maximum_sweeps < 0 || options.check_every < 1 || options.patience < 1)
-    fail("sweeps: expected a maximum >= 0, checks every >= 1 sweep and a patience >= 1, met {}, {} and {}",
-         options.maximum_sweeps, options.check_every, options.patience);
-  if (options.seed < 0) fail("seed: expected a number >= 0, met {}", options.seed);
+  FrictionSolverOptions::fields(
+      options, [](std::string_view key, const auto& value, const Field& field) { check_bounds(value, field, key); });
+  if (options.relaxation == 2) fail("relaxation: expected a number between 0 and 2, met 2");
+  if (options.patience < 1) fail("patience: expected an integer >= 1, met {}", options.patience);
 }
 
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "ddm/stiffest.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
@@ -169,6 +170,13 @@ SpectralRadius relaxed(const SpectralRadius& plain, double omega, double toleran
     result.failure =
         fmt::format("{}: the relaxation {} brings the residual to {:.1e}", plain.solver, omega, result.residual);
   return result;
+}
+
+void check(const SpectralOptions& options, std::string_view dashes) {
+  using enum SpectralSolver;
+  if ((options.solver == arpack || options.solver == slepc) && (options.certify || options.eigenvalues > 1))
+    fail("{0}solver: expected auto, dense or shift-invert with {0}certify or {0}eigenvalues, met {1}", dashes,
+         to_string(options.solver));
 }
 
 SolverChoice choose_solver(Index size, const SpectralOptions& options, bool alone) {

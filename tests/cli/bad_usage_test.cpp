@@ -163,8 +163,9 @@ TEST_CASE("usage: subdomains that make no sense") {
 
 TEST_CASE("usage: what is refused of the command line itself says what was met and which help has more") {
   const std::string help = "'nscdd sweep --help' says how";
-  check_option("--solver", "dens", {"--solver: expected one of auto, dense", "met 'dens'; did you mean dense?", help});
-  check_option("--threads", "-1", {"--threads: expected an integer from 0 to 4096, met '-1'", help});
+  check_option("--solver", "dens",
+               {"--solver: expected one of \"auto\", \"dense\"", "met \"dens\"; did you mean dense?", help});
+  check_option("--threads", "-1", {"--threads: expected a finite number >= 0 and <= 4096, met -1", help});
   check_option("--density", "heavy", {"--density: expected a number, met 'heavy'", help});
   check_usage({"sweep", "disks4", "--epsilon", "1", "--csv"}, {"--csv: expected a value, met none", help});
   check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "a", "--csv", "b"}, {"--csv: expected it once", help});
@@ -172,6 +173,18 @@ TEST_CASE("usage: what is refused of the command line itself says what was met a
   check_usage({"sweep", "disks4", "more", "--epsilon", "1", "--csv", "-"}, {"no further argument, met 'more'", help});
   check_option("--subdomains", "metis:x", {"--subdomains: expected an integer, met 'x'"});
   check_option("--eta", "W", {"expected a number before W", "met 'W'"});
+  check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "-", "--certify=yes"},
+              {"--certify: expected no value, met 'yes'", help});
+  check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "--certify"}, {"--csv: expected a value, met none", help});
+  check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "-", "-o"}, {"expected a known option, met '-o'", help});
+  check_usage({"export", "run.h5", "--vtk", "a", "--lmgc90", "b"}, {"--lmgc90: expected no --vtk with it, met --vtk"});
+}
+
+TEST_CASE("usage: names and values in one word, arguments behind --, and numbers as Fortran writes them") {
+  const Session session;
+  const std::string expected = answer(session, "sweep disks4 --epsilon 1 --csv -");
+  CHECK(answer(session, "sweep --epsilon=1.0D+00 --csv=- -- disks4") == expected);
+  CHECK(answer(session, "generate disks4 -o-") == answer(session, "generate disks4 --output -"));
 }
 
 TEST_CASE("usage: densities and tolerances and settings that make no sense") {

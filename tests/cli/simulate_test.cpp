@@ -116,7 +116,7 @@ TEST_CASE("simulate: the rows of chosen iterations are those of all, and end wit
   CHECK(few.size() < all.rows.size() / 2);
   answer(session, "simulate shear.toml --steps 5 --restart -o run.h5 --convergence few.csv");
   check_refused(session, "simulate shear.toml -o none.h5 --convergence-every 5",
-                {"--convergence-every requires --convergence"});
+                {"--convergence-every: expected --convergence with it, met none"});
 }
 
 TEST_CASE("simulate: says how the run went, one row per iteration") {

@@ -128,7 +128,7 @@ TEST_CASE("solve: bad input is refused, and nothing is overwritten") {
   check_refused(session, "solve text.hdf5 -o new.hdf5", {"text.hdf5", "expected an HDF5 file"});
   check_refused(session, "solve solid.hdf5", {"solid.hdf5: fclib_global/", "expected"});
   check_refused(session, "solve outside.hdf5", {"fclib_global/H/i", "met 36 at position 2"});
-  check_refused(session, "solve p.hdf5 --tolerance 0", {"tolerance", "expected a number > 0"});
+  check_refused(session, "solve p.hdf5 --tolerance 0", {"--tolerance: expected a finite number > 0"});
   check_refused(session, "solve p.hdf5 --relaxation 2", {"relaxation"});
   check_refused(session, "solve p.hdf5 --order sideways", {"--order", "coloured"});
   check_refused(session, "solve p.hdf5 --order random --seed -1", {"--seed"});

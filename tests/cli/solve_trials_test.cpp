@@ -100,8 +100,9 @@ TEST_CASE("solve FOLDER: what is asked for must make sense") {
                 {"empty: expected a folder with contact problems, .hdf5, .h5 or .dat"});
   check_refused(session, "solve problems/b.hdf5 --solver all", {"--solver: expected one, or several with --csv"});
   check_refused(session, "solve problems --solver nlgs --solver nlgs --csv t.csv", {"each solver once", "'nlgs'"});
-  check_refused(session, "solve problems --solver newtn --csv t.csv", {"--solver", "one of auto"});
-  check_refused(session, "solve problems --time-limit 0 --csv t.csv", {"--time-limit: expected a number > 0, met 0"});
+  check_refused(session, "solve problems --solver newtn --csv t.csv", {"--solver", "one of \"auto\""});
+  check_refused(session, "solve problems --time-limit 0 --csv t.csv",
+                {"--time-limit: expected a finite number > 0, or inf, met 0"});
   check_refused(session, "solve problems/b.hdf5 --time-limit 1", {"--time-limit", "--csv"});
   check_refused(session, "solve problems --csv t.csv --guess 1", {"--guess", "--csv"});
   check_refused(session, "solve problems/b.hdf5 --csv problems/b.hdf5 --force", {"problems/b.hdf5"});

@@ -26,7 +26,6 @@ import yaml
 NAMES = {  # CMake: Spack, Guix, codemeta
     "ARPACK": ("arpack-ng", "arpack-ng", "ARPACK-NG"),
     "BLAS": ("openblas", "openblas", "BLAS"),
-    "CLI11": ("cli11", "cli11", "CLI11"),
     "Eigen3": ("eigen", "eigen", "Eigen"),
     "GSL": ("gsl", "gsl", "GSL"),
     "HDF5": ("hdf5", "hdf5", "HDF5"),

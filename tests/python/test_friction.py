@@ -215,7 +215,7 @@ def test_errors_of_files(tmp_path):
     (np.eye(2), [-1, 0], 0.1, {"maximum_sweeps": 1e5}, "maximum_sweeps: expected an integer, met 100000.0"),
     (np.eye(2), [-1, 0], 0.1, {"maximum_sweeps": 10**30}, "maximum_sweeps: expected an integer, met 1000000"),
     (np.eye(2), [-1, 0], 0.1, {"relaxation": "a"}, "relaxation: expected a number, met 'a'"),
-    (np.eye(2), [-1, 0], 0.1, {"check_every": 0}, "checks every >= 1 sweep"),
+    (np.eye(2), [-1, 0], 0.1, {"check_every": 0}, "check_every: expected a finite number >= 1, met 0"),
     (np.eye(2), [-1, 0], 0.1, {"guess": [np.nan, 0]}, "guess: expected finite numbers"),
     (np.eye(2), [-1, 0], 0.1, {"threads": -1}, "threads"),
     (np.eye(2), [-1, 0], 0.1, {"guess": [0]}, "guess of the impulses: expected 2 x contacts = 2 numbers, met 1"),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/choice.hpp>
+#include <nscdd/core/fields.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
 namespace nscdd {
@@ -46,6 +46,26 @@ struct FrictionSolverOptions {
   /// has not fallen by 1 % and the impulses have come back: less than a quarter of the length of their way lies
   /// between.
   Index patience = 1000;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("solver", self.algorithm,
+          Field{.description = "auto, continuation, newton, nlgs, admm or apgd; auto: sweeps, then continuation"});
+    visit("tolerance", self.tolerance,
+          Field{.description = "on the residual", .minimum = 0, .minimum_excluded = true, .maximum = 1});
+    visit("maximum_sweeps", self.maximum_sweeps,
+          Field{.description = "sweeps over all contacts at most, or iterations of admm and apgd", .minimum = 0});
+    visit("maximum_factorisations", self.maximum_factorisations,
+          Field{.description = "of all solvers but nlgs and apgd", .minimum = 0});
+    visit("relaxation", self.relaxation,
+          Field{.description = "omega in r <- r + omega (r' - r), between 0 and 2",
+                .minimum = 0,
+                .minimum_excluded = true,
+                .maximum = 2});
+    visit("order", self.order, Field{.description = "of the contacts in a sweep"});
+    visit("seed", self.seed, Field{.description = "of order random", .minimum = 0});
+    visit("check_every", self.check_every, Field{.description = "sweeps from one residual to the next", .minimum = 1});
+  }
 };
 
 /// How well impulses solve the problem, and what the contacts do under them.

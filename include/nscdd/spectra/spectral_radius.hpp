@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/choice.hpp>
+#include <nscdd/core/fields.hpp>
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 
@@ -30,7 +30,7 @@ struct SpectralRadius;
 using SpectrumSolver = std::function<SpectralRadius(const Contraction&, const SpectralOptions&)>;
 
 struct SpectralOptions {
-  SpectralSolver solver = SpectralSolver::automatic;
+  Choice<SpectralSolver> solver = SpectralSolver::automatic;
   Index dense_limit = 800;  ///< for `automatic`
   double tolerance = 1e-8;  ///< largest residual / max(1, rho) that counts as converged
   Index eigenvalues = 1;    ///< wanted at each end (not by the matrix-free `arpack`, which finds one)
@@ -42,7 +42,24 @@ struct SpectralOptions {
   /// and between the assembly of a dense pencil and its eigenvalues; may be empty. What it throws ends the work and is
   /// passed on. It is called by the thread that asked for the spectrum.
   std::function<void()> checkpoint = {};
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("solver", self.solver,
+          Field{.description =
+                    "auto, dense, arpack, shift-invert, or slepc; auto: dense for small interfaces, else shift-invert; "
+                    "arpack: matrix-free Lanczos; slepc: Krylov-Schur of SLEPc, by nscdd-mpi"});
+    visit("residual_tolerance", self.tolerance,
+          Field{.description = "largest residual that counts as converged", .minimum = 0, .minimum_excluded = true});
+    visit("certify", self.certify, Field{.description = "prove by inertia counts that no eigenvalue was missed"});
+    visit("eigenvalues", self.eigenvalues,
+          Field{.description = "eigenvalues at each end of the spectrum", .minimum = 1, .maximum = 100});
+  }
 };
+
+/// Throws Error where a solver that finds the ends alone (arpack, slepc) shall certify or find more eigenvalues.
+/// `dashes`: what stands before the names of options.
+void check(const SpectralOptions& options, std::string_view dashes = "");
 
 /// How one spectrum is computed.
 struct SolverChoice {

@@ -177,10 +177,10 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
   read_spec(section, "gauss_seidel_sweeps",
             [&](const std::string& spec) { sweep.gauss_seidel_sweeps = parse_sweeps(spec); });
   section.read("contacts", sweep.contacts);
-  section.read("solver", sweep.spectral.solver);
-  section.read("certify", sweep.spectral.certify);
-  if (sweep.spectral.certify && sweep.spectral.solver == SpectralSolver::arpack)
-    section.fail("certify", "a solver other than \"arpack\", which proves nothing", "\"arpack\"");
+  SpectralOptions::fields(sweep.spectral, [&](std::string_view key, auto& value, const Field& field) {
+    if (table.observable->uses(key)) section.read(key, value, field);
+  });
+  section.located("certify", [&] { check(sweep.spectral); });
   Index seed = 1;
   section.read("seed", seed);
   if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));

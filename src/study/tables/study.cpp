@@ -123,11 +123,10 @@ std::string options_text(const StudyTable& table) {
 
 // Every member of SpectralOptions but the factorisation, which no study chooses.
 std::string effort_text(const SpectralOptions& options) {
-  return fmt::format(
-      "solver = {}\ndense_limit = {}\ntolerance = {}\nbasis = {}\nmaximum_restarts = {}\n"
-      "arpack_tolerance = {}\ncertify = {}\neigenvalues = {}\n",
-      to_string(options.solver), options.dense_limit, options.tolerance, options.arpack.basis,
-      options.arpack.maximum_restarts, options.arpack.tolerance, options.certify, options.eigenvalues);
+  return field_lines(options) +
+         fmt::format("dense_limit = {}\nbasis = {}\nmaximum_restarts = {}\narpack_tolerance = {}\n",
+                     options.dense_limit, options.arpack.basis, options.arpack.maximum_restarts,
+                     options.arpack.tolerance);
 }
 
 }  // namespace

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/case_options.hpp"
+
+#include "formats/case/case_file.hpp"
+#include "study/linear/values.hpp"
+
+namespace nscdd::app {
+
+namespace {
+
+PrescribedVelocity parse_prescribed(const std::string& text) {
+  const std::string what = "--prescribed";
+  const std::vector<std::string_view> parts = split(text, ':');
+  if (parts.size() != 3 && parts.size() != 4)
+    fail("{}: expected GRAIN:VX:VY such as 3:-1:0, or GRAIN:VX:VY:VZ in space, met '{}'", what, text);
+  const auto component = [&](std::size_t k) { return parse_number(parts[k], what); };
+  PrescribedVelocity velocity{parse_integer(parts[0], what), {component(1), component(2)}};
+  if (parts.size() == 4) velocity.velocity = {component(1), component(2), component(3)};
+  check_bounds(velocity.velocity, Field{.description = ""}, what);
+  return velocity;
+}
+
+}  // namespace
+
+CaseSpec find_spec(const std::string& name) { return spec_of_file(find_case(name)); }
+
+void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
+  for (const std::string& setting : settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos) fail("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting);
+    override_case(spec, setting.substr(0, equals), setting.substr(equals + 1));
+  }
+}
+
+void CaseOptions::declare(Command& command, bool contact_problems) {
+  command.required("CASE", name,
+                   fmt::format("case or packing file{}, or a known case; case files end in .toml, packing files in "
+                               ".csv or .h5 with x,y,radius[,mass], or in .txt with lines x y radius, or are a folder "
+                               "DATBOX of LMGC90{}",
+                               contact_problems ? ", contact problem" : "",
+                               contact_problems ? ", contact problems of FCLIB in .hdf5, of Siconos in .dat" : ""));
+  declare_options(command);
+}
+
+void CaseOptions::declare_options(Command& command) {
+  command.add("--subdomains PARTITION", subdomains, "partition: NXxNY[xNZ] for a regular grid, metis:N for METIS");
+  command.add("--prescribed GRAIN:VX:VY", prescribed,
+              "arriving velocity of a grain, m/s (grains from 0, -1 the last); in space GRAIN:VX:VY:VZ");
+  command.add("--density", density, "masses = density x area, kg/m^2, or in space x volume, kg/m^3");
+  command.add("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
+  command.add("--overlap-tolerance", overlap_tolerance, "overlap accepted, times smaller radius (1e-7)");
+  command.add("--set KEY=VALUE", settings, "a parameter of the case, such as packing.grains=16");
+}
+
+void set_partition(CaseSpec& spec, const std::string& subdomains) {
+  spec.partition = parse_partitioner(subdomains, "--subdomains");
+  std::erase_if(spec.lines, [](const auto& line) { return line.first.starts_with("partition"); });
+}
+
+Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
+  CaseSpec spec = find_spec(name);
+  if (!subdomains.empty()) set_partition(spec, subdomains);
+  if (!prescribed.empty()) {
+    spec.prescribed.clear();
+    std::erase_if(spec.lines, [](const auto& line) { return line.first.starts_with("prescribed"); });
+  }
+  for (const std::string& text : prescribed) {
+    const PrescribedVelocity velocity = parse_prescribed(text);
+    for (const PrescribedVelocity& other : spec.prescribed)
+      if (other.grain == velocity.grain)
+        fail("--prescribed: expected each grain once, met grain {} again", velocity.grain);
+    spec.prescribed.push_back(velocity);
+  }
+  if (density) override_case(spec, "masses.density", field_text(*density));
+  if (tolerance) override_case(spec, "contacts.tolerance", field_text(*tolerance));
+  if (overlap_tolerance) override_case(spec, "contacts.overlap_tolerance", field_text(*overlap_tolerance));
+  apply_settings(spec, settings);
+  return resolve_case(spec, outputs);
+}
+
+Provenance provenance(const Context& context, const std::vector<Case>& cases) {
+  std::string libraries, resolved;
+  for (const auto& [name, version] : dependency_versions()) libraries += fmt::format("{} {}\n", name, version);
+  for (const Case& one : cases) {
+    resolved += fmt::format("# case {}\n{}\n", one.spec.name, to_toml(one.spec));
+    if (!one.settled_from.empty()) resolved += one.settled_from + "\n";
+  }
+  return {{"program", "nscdd " + version()},
+          {"libraries", libraries},
+          {"command_line", context.command_line},
+          {"cases", resolved}};
+}
+
+}  // namespace nscdd::app

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/fields.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <functional>
+#include <optional>
+
+namespace nscdd::app {
+
+/// An option of a verb, described once: the command line is read by it, and help, manual pages and the completion of
+/// the shell are made from it.
+struct Option {
+  std::string names;  ///< "-o,--output", or "CASE" where it has no name
+  std::string help;
+  std::string value = {};  ///< what stands for its value in the help, such as FILE
+  bool flag = false;       ///< without a value
+  bool list = false;       ///< may be given again
+  /// Sets the target from a text. Throws Error naming the option, for what cannot be read or is out of bounds.
+  std::function<void(std::string_view text, std::string_view name)> set = {};
+  bool required = false;
+  std::string initial = {};             ///< value if it is not given, as the help shows it; empty where it shows none
+  std::vector<std::string> words = {};  ///< the only values that are accepted, unless empty
+  const Option* needs = nullptr;        ///< refused without the other one
+  const Option* excludes = nullptr;     ///< refused with the other one
+  bool given = false;                   ///< on the command line
+
+  bool positional() const { return names.front() != '-'; }
+  std::vector<std::string> spellings() const;  ///< "-o" and "--output"
+};
+
+/// Sets an option's target. An optional stays empty, and a list stays as it is, where the option is not given.
+template <class Value>
+void take(std::string_view text, Value& value, std::string_view name, const Field& field) {
+  if constexpr (std::is_enum_v<Value>) {
+    value = Choice<Value>::parse(text, name);
+  } else {
+    parse_value(text, value, name);
+    check_bounds(value, field, name);
+  }
+}
+template <class Value>
+void take(std::string_view text, std::optional<Value>& value, std::string_view name, const Field& field) {
+  take(text, value.emplace(), name, field);
+}
+inline void take(std::string_view text, std::vector<std::string>& values, std::string_view, const Field&) {
+  values.emplace_back(text);
+}
+
+/// The words that a value is one of; none for other values.
+template <class Value>
+std::vector<std::string> words_of(const Value&) {
+  return {};
+}
+template <Named Enum>
+std::vector<std::string> words_of(const Enum&) {
+  return all_names<Enum>();
+}
+template <Named Enum>
+std::vector<std::string> words_of(const Choice<Enum>&) {
+  return all_names<Enum>();
+}
+
+/// A value as the help shows it.
+template <class Value>
+std::string shown(const Value& value) {
+  if constexpr (requires { to_string(value); })
+    return std::string(to_string(value));
+  else
+    return fmt::format("{}", value);
+}
+
+/// The options of one verb, in the order of its help.
+struct Command {
+  std::deque<Option> options;  // addresses stay: options name each other
+  std::string footer;          ///< remarks and examples below the options
+
+  /// `form`: names, and after a blank what stands for the value, "-o,--output FILE". A bool makes it a flag.
+  template <class Value>
+  Option& add(const std::string& form, Value& value, std::string help, const Field& bounds = {}) {
+    constexpr bool integer = std::is_same_v<Value, Index> || std::is_same_v<Value, std::optional<Index>>;
+    constexpr bool number = std::is_same_v<Value, double> || std::is_same_v<Value, std::optional<double>>;
+    const auto blank = std::min(form.find(' '), form.size());
+    Option& option = options.emplace_back(Option{.names = form.substr(0, blank), .help = std::move(help)});
+    option.value = blank < form.size() ? form.substr(blank + 1) : integer ? "N" : number ? "NUMBER" : "TEXT";
+    option.flag = std::is_same_v<Value, bool>;
+    option.list = std::is_same_v<Value, std::vector<std::string>>;
+    option.set = [&value, bounds](std::string_view text, std::string_view name) { take(text, value, name, bounds); };
+    option.words = words_of(value);
+    return option;
+  }
+  template <class Value>
+  Option& required(const std::string& form, Value& value, std::string help) {
+    Option& option = add(form, value, std::move(help));
+    option.required = true;
+    return option;
+  }
+  /// One whose help shows the value that it has if it is not given.
+  template <class Value>
+  Option& preset(const std::string& form, Value& value, std::string help, const Field& bounds = {}) {
+    Option& option = add(form, value, std::move(help), bounds);
+    option.initial = shown(value);
+    return option;
+  }
+  /// An option --like-this for each parameter like_this of a struct (core/fields.hpp), but for those in `without`.
+  template <class Parameters>
+  void fields(Parameters& parameters, std::initializer_list<std::string_view> without = {}) {
+    Parameters::fields(parameters, [&]<class Value>(std::string_view key, Value& value, const Field& field) {
+      if (std::ranges::find(without, key) != without.end()) return;
+      std::string name = "--" + std::string(key);
+      std::ranges::replace(name, '_', '-');
+      Option& option = add(name, value, std::string(field.description), field);
+      if (!option.flag) option.initial = shown(value);
+    });
+  }
+
+  Option& named(std::string_view name);    ///< "--output" or "-o"; throws Error with the nearest name for another
+  std::vector<std::string> names() const;  ///< "--help" and every name of every option that has one
+};
+
+/// Sets the targets of the options that are given. Throws Error for arguments that do not fit the description.
+void parse(Command& command, std::span<const char* const> arguments);
+
+}  // namespace nscdd::app

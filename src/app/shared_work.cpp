@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/shared_work.hpp"
+
+#include "app/memory_limit.hpp"
+
+namespace nscdd::app {
+
+namespace {
+
+// A fingerprint of the model, compared across ranks.
+std::vector<double> features(const Model& model) {
+  double places = 0;
+  for (Index c = 0; c < model.problem.contacts(); ++c)
+    places += static_cast<double>(model.partition.subdomain_of_contact[at(c)] * (c % 1009 + 1));
+  return {static_cast<double>(model.grains()),
+          static_cast<double>(model.problem.contacts()),
+          static_cast<double>(model.partition.subdomains),
+          static_cast<double>(model.parts.interface_size()),
+          model.problem.inertia.norm(),
+          model.problem.h.norm(),
+          places};
+}
+
+}  // namespace
+
+void declare_threads(Command& command, Index& threads) {
+  command.preset("--threads", threads, "threads at the most, 0 for all; results do not depend on it",
+                 {.description = "", .minimum = 0, .maximum = 4096});
+}
+
+void declare_contacts(Command& command, ContactSet& contacts) {
+  command.preset("--contacts", contacts,
+                 "contacts of Stage 1: all, active, or unilateral; active: in compression in the linear rigid problem; "
+                 "unilateral: carrying in the frictionless unilateral problem");
+}
+
+SpectralOptions spectra_on(const Machine& machine, SpectralOptions options) {
+  check(options, "--");
+  if (options.solver == SpectralSolver::arpack) require_one_process(machine, "--solver arpack");
+  if (options.solver == SpectralSolver::slepc && !machine.slepc)
+    fail("--solver: expected auto, dense, arpack or shift-invert with {}, met slepc, which nscdd-mpi has",
+         machine.program);
+  options.inertia = machine.inertia;
+  options.slepc = machine.slepc;
+  return options;
+}
+
+Model shared_model(const Case& one, const Machine& machine, ContactSet contacts,
+                   const std::function<void(const Model&)>& check) {
+  const Processes& all = machine.processes;
+  return all.together([&] {
+    Model whole = all.together([&] {
+      Model built = cut_up(one, all);
+      check(built);
+      return built;
+    });
+    require_same(features(whole), one.spec.name, all);
+    Model own = share_of(std::move(whole), all);
+    if (!all.alone()) {
+      if (contacts == ContactSet::all && own.parts.interface_size() > 0)  // an empty interface is explained by H
+        own.problem.h = SparseMatrix(own.problem.h.rows(), own.problem.h.cols());
+      give_back_freed_memory();
+    }
+    return own;
+  });
+}
+
+void require_same(const std::vector<double>& numbers, const std::string& name, const Processes& processes) {
+  const std::vector<double> of_all = processes.gather(numbers);
+  for (std::size_t k = 0; k < of_all.size(); ++k)
+    if (of_all[k] != of_all[k % numbers.size()])
+      fail("{}: expected the same case and options in all processes, met others in process {}", name,
+           k / numbers.size());
+}
+
+void require_one_process(const Machine& machine, std::string_view what) {
+  if (!machine.processes.alone()) fail("{}: expected one process, met {}: nscdd has it", what, machine.processes.size);
+}
+
+}  // namespace nscdd::app
