@@ -5,38 +5,12 @@
 #include "core/fail.hpp"
 #include "long_work.hpp"
 #include "module.hpp"
+#include "options.hpp"
 
 namespace nscdd::python {
 namespace {
 
 using Shared = std::shared_ptr<FrictionSolution>;
-
-template <class Number>
-Number number(const py::dict& options, const char* name, std::string_view expected) {
-  const py::object given = options[name];
-  try {
-    if (std::is_floating_point_v<Number> || PyIndex_Check(given.ptr())) return given.cast<Number>();
-  } catch (const py::cast_error&) {  // a text, or an integer beyond 64 bits
-  }
-  fail("{}: expected {}, met {}", name, expected, std::string(py::repr(given)));
-}
-
-Index integer(const py::dict& options, const char* name) { return number<Index>(options, name, "an integer"); }
-
-FrictionSolverOptions options_of(const std::string& solver, double tolerance, const std::string& order,
-                                 const py::dict& more) {
-  FrictionSolverOptions options;
-  options.algorithm = Choice<FrictionAlgorithm>::parse(solver, "solver");
-  options.order = Choice<SweepOrder>::parse(order, "order");
-  check_bounds(tolerance, Field{.description = "", .minimum = 0, .maximum = 1}, "tolerance");
-  options.tolerance = tolerance;
-  options.maximum_sweeps = integer(more, "maximum_sweeps");
-  options.maximum_factorisations = integer(more, "maximum_factorisations");
-  options.relaxation = number<double>(more, "relaxation", "a number");
-  options.seed = integer(more, "seed");
-  options.check_every = integer(more, "check_every");
-  return options;
-}
 
 Shared solved(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const py::object& guess,
               const py::object& callback, Index threads) {
@@ -99,14 +73,15 @@ void bind_solution(py::module_& module) {
 void bind_friction(py::module_& module) {
   bind_solution(module);
   bind_contact_problems(module);
+  module.attr("friction_options") = described_fields<FrictionSolverOptions>();
   module.def(
       "solve",
-      [](const ContactProblem& problem, const std::string& solver, double tolerance, const std::string& order,
-         const py::dict& more, const py::object& guess, const py::object& callback, Index threads) {
-        return solved(*problem.reduced(), options_of(solver, tolerance, order, more), guess, callback, threads);
+      [](const ContactProblem& problem, const py::dict& options, const py::object& guess, const py::object& callback,
+         Index threads) {
+        const auto asked = with_fields<FrictionSolverOptions>(options);
+        return solved(*problem.reduced(), asked, guess, callback, threads);
       },
-      py::arg("problem"), py::arg("solver"), py::arg("tolerance"), py::arg("order"), py::arg("more"), py::arg("guess"),
-      py::arg("callback"), py::arg("threads"));
+      py::arg("problem"), py::arg("options"), py::arg("guess"), py::arg("callback"), py::arg("threads"));
 }
 
 }  // namespace nscdd::python

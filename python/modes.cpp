@@ -73,12 +73,9 @@ void bind_modes(py::module_& module) {
       });
   module.def(
       "mode",
-      [](const std::shared_ptr<Model>& parts, const Contraction& b, const std::string& end, const std::string& solver,
-         double tolerance, Index eigenvalues, bool certify, Index threads) {
-        return found(parts, b, end, spectral_options(solver, tolerance, eigenvalues, certify), threads);
-      },
-      py::arg("parts"), py::arg("b"), py::arg("end"), py::arg("solver"), py::arg("residual_tolerance"),
-      py::arg("eigenvalues"), py::arg("certify"), py::arg("threads"));
+      [](const std::shared_ptr<Model>& parts, const Contraction& b, const std::string& end, const py::dict& options,
+         Index threads) { return found(parts, b, end, spectral_options(options), threads); },
+      py::arg("parts"), py::arg("b"), py::arg("end"), py::arg("options"), py::arg("threads"));
 }
 
 }  // namespace nscdd::python

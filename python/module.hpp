@@ -24,6 +24,6 @@ void bind_simulation(pybind11::module_& module);
 void warn_of(const std::vector<std::string>& remarks);
 
 /// How spectra are computed, from keyword arguments. Throws Error naming the argument.
-SpectralOptions spectral_options(const std::string& solver, double tolerance, Index eigenvalues, bool certify);
+SpectralOptions spectral_options(const pybind11::dict& given);
 
 }  // namespace nscdd::python

@@ -3,6 +3,7 @@
 #include "core/fail.hpp"
 #include "long_work.hpp"
 #include "module.hpp"
+#include "options.hpp"
 #include "study/linear/values.hpp"
 #include <nscdd/study/sweep.hpp>
 
@@ -137,34 +138,26 @@ void bind_radius(py::module_& module) {
 
 }  // namespace
 
-SpectralOptions spectral_options(const std::string& solver, double tolerance, Index eigenvalues, bool certify) {
-  SpectralOptions options;
-  options.solver = Choice<SpectralSolver>::parse(solver, "solver");
+SpectralOptions spectral_options(const py::dict& given) {
+  auto options = with_fields<SpectralOptions>(given);
   if (options.solver == SpectralSolver::slepc)
     fail("solver: expected auto, dense, arpack or shift-invert, met slepc, which nscdd-mpi has");
-  if (options.solver == SpectralSolver::arpack && (certify || eigenvalues > 1))
-    fail("solver: expected auto, dense or shift-invert with certify or eigenvalues, met arpack");
-  check_bounds(tolerance, Field{.description = "", .minimum = 0, .minimum_excluded = true}, "residual_tolerance");
-  check_bounds(eigenvalues, Field{.description = "", .minimum = 1, .maximum = 100}, "eigenvalues");
-  options.tolerance = tolerance;
-  options.eigenvalues = eigenvalues;
-  options.certify = certify;
+  check(options);
   return options;
 }
 
 void bind_spectra(py::module_& module) {
   bind_operators(module);
   bind_radius(module);
+  module.attr("spectral_options") = described_fields<SpectralOptions>();
   module.def(
       "spectral_radius",
-      [](const Contraction& b, const std::string& solver, double tolerance, Index eigenvalues, bool certify,
-         Index threads) {
+      [](const Contraction& b, const py::dict& given, Index threads) {
         LongWork work;
-        const SpectralOptions options = work.watched(spectral_options(solver, tolerance, eigenvalues, certify));
+        const SpectralOptions options = work.watched(spectral_options(given));
         return std::make_shared<SpectralRadius>(work.run(threads, [&] { return spectral_radius(b, options); }));
       },
-      py::arg("b"), py::arg("solver"), py::arg("residual_tolerance"), py::arg("eigenvalues"), py::arg("certify"),
-      py::arg("threads"));
+      py::arg("b"), py::arg("options"), py::arg("threads"));
 }
 
 }  // namespace nscdd::python

@@ -12,10 +12,7 @@ namespace {
 
 // How the spectra of a table are computed, and how the work is watched.
 struct TableOptions {
-  std::string solver;
-  double residual_tolerance;
-  Index eigenvalues;
-  bool certify;
+  SpectralOptions spectral;
   py::object progress;
   Index threads;
 };
@@ -38,8 +35,7 @@ SweepParameters parameters_of(const std::string& epsilon, const std::string& con
   SweepParameters parameters;
   std::tie(parameters.epsilon, parameters.relative_epsilon) = parse_epsilon(epsilon);
   parameters.contacts = Choice<ContactSet>::parse(contacts, "contacts");
-  parameters.spectral =
-      spectral_options(options.solver, options.residual_tolerance, options.eigenvalues, options.certify);
+  parameters.spectral = options.spectral;
   return parameters;
 }
 
@@ -49,7 +45,7 @@ py::list swept(const Model& model, const std::string& epsilon, const std::string
   std::tie(parameters.eta, parameters.relative_eta) = parse_eta(eta);
   parameters.relaxation = parse_relaxation(relaxation);
   parameters.gauss_seidel_sweeps = parse_sweeps(sweeps);
-  if (options.certify || options.eigenvalues > 1)
+  if (options.spectral.certify || options.spectral.eigenvalues > 1)
     for (const auto& some : parameters.gauss_seidel_sweeps)
       if (some)
         fail(
@@ -67,7 +63,7 @@ py::tuple traced(const Model& model, const std::string& epsilon, const std::stri
   SweepParameters sweep;
   sweep.relaxation = parse_relaxation(relaxation);
   sweep.contacts = Choice<ContactSet>::parse(contacts, "contacts");
-  sweep.spectral = spectral_options(options.solver, options.residual_tolerance, options.eigenvalues, options.certify);
+  sweep.spectral = options.spectral;
   CurveParameters parameters = curve_parameters(tolerance, epsilon, eta, std::move(sweep));
   LongWork watch(options.progress);
   std::vector<CurveReport> reports;
@@ -103,12 +99,10 @@ std::string columns_text(const ResultColumns<Result>& columns) {
 
 void bind_tables(py::module_& module) {
   py::class_<TableOptions>(module, "TableOptions")
-      .def(py::init([](std::string solver, double tolerance, Index eigenvalues, bool certify, py::object progress,
-                       Index threads) {
-             return TableOptions{std::move(solver), tolerance, eigenvalues, certify, std::move(progress), threads};
+      .def(py::init([](const py::dict& options, py::object progress, Index threads) {
+             return TableOptions{spectral_options(options), std::move(progress), threads};
            }),
-           py::arg("solver"), py::arg("residual_tolerance"), py::arg("eigenvalues"), py::arg("certify"),
-           py::arg("progress"), py::arg("threads"));
+           py::arg("options"), py::arg("progress"), py::arg("threads"));
   module.def("sweep", &swept, py::arg("parts"), py::arg("epsilon"), py::arg("eta"), py::arg("relaxation"),
              py::arg("gauss_seidel_sweeps"), py::arg("contacts"), py::arg("options"));
   module.def("curve", &traced, py::arg("parts"), py::arg("epsilon"), py::arg("eta"), py::arg("tolerance"),

@@ -2,12 +2,15 @@
 """Arguments of Python in the form that the command line has them: both are then read and refused alike."""
 from __future__ import annotations
 
+import functools
+import inspect
 import operator
 import os
 import sys
+import textwrap
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Callable, Union
+from typing import Any, Callable, TypeVar, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +26,36 @@ Subdomains = Union[str, tuple[int, int], tuple[int, int, int], ArrayLike]
 Progress = Union[bool, Callable[[int, int], object], None]
 #: Velocities (vx, vy), in space (vx, vy, vz), by the number of a grain, m/s; numbers count from 0, and -1 is the last.
 Prescribed = Mapping[int, Sequence[float]]
+#: An option that is described by the compiled module, see `takes`.
+Option = Union[str, float, bool]
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def takes(described: list[tuple[str, Any, str]], without: Sequence[str] = ()) -> Callable[[Function], Function]:
+    """Gives a function that ends in **options the options that are described, (name, default, description), as keyword
+    arguments: its signature and hints name them, others are refused, and the docstring has them at "OPTIONS"."""
+    options = [one for one in described if one[0] not in without]
+    lines = "\n".join(textwrap.fill(text, 110, initial_indent=f"{name:<12} ", subsequent_indent=" " * 13)
+                      for name, _, text in options)
+
+    def changed(function: Function) -> Function:
+        own = [one for one in inspect.signature(function).parameters.values() if one.kind != one.VAR_KEYWORD]
+        own += [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=value, annotation=type(value).__name__)
+                for name, value, _ in options]
+        signature = inspect.signature(function).replace(parameters=own)
+
+        @functools.wraps(function)
+        def called(*arguments: Any, **keywords: Any) -> Any:
+            signature.bind(*arguments, **keywords)  # raises TypeError for what is not known
+            return function(*arguments, **keywords)
+
+        setattr(called, "__signature__", signature)
+        called.__annotations__ = {one.name: one.annotation for one in own} | {"return": signature.return_annotation}
+        if called.__doc__:  # not with python3 -OO
+            called.__doc__ = inspect.cleandoc(called.__doc__).replace("OPTIONS", lines)
+        return cast(Function, called)
+
+    return changed
 
 
 def masked(values: object) -> bool:

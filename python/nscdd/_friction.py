@@ -136,21 +136,18 @@ class ContactProblem:
         is not positive definite."""
         return self._of(self._core.reduced())
 
-    def solve(self, *, solver: str = "auto", tolerance: float = 1e-8, guess: ArrayLike | None = None,
-              callback: Observer = None, threads: int = 0, order: str = "natural", maximum_sweeps: int = 100_000,
-              maximum_factorisations: int = 1000, relaxation: float = 1.0, seed: int = 1,
-              check_every: int = 10) -> FrictionSolution:
+    @_arguments.takes(_core.friction_options)
+    def solve(self, *, guess: ArrayLike | None = None, callback: Observer = None, threads: int = 0,
+              **options: _arguments.Option) -> FrictionSolution:
         """Solves it, with the arguments of `nscdd solve`. How it ended, `status` of the result says.
 
-        solver   "auto", "continuation", "newton", "nlgs", "admm" or "apgd"
-        guess    impulses to start from, 2c or 3c numbers
-        callback is shown the solution at every check; where it returns False, the solver stops
+        OPTIONS
+        guess        impulses to start from, 2c or 3c numbers
+        callback     is shown the solution at every check; where it returns False, the solver stops
 
         Solvers that factorise are faster where the problem has bodies.
         """
-        more: dict[str, object] = dict(maximum_sweeps=maximum_sweeps, maximum_factorisations=maximum_factorisations,
-                                       relaxation=relaxation, seed=seed, check_every=check_every)
-        return _core.solve(self._core, solver, tolerance, order, more, guess, callback, threads)
+        return _core.solve(self._core, dict(options), guess, callback, threads)
 
     def __repr__(self) -> str:
         return f"<nscdd.ContactProblem of {self.contacts} contacts, {'with' if self.has_bodies else 'without'} bodies>"
@@ -173,26 +170,18 @@ def write_contact_problem(path: str | os.PathLike[str], problem: ContactProblem,
     _core.write_contact_problem(problem._core, _arguments.path(path), solution, info, force)
 
 
-def solve(W: Any, q: ArrayLike, mu: ArrayLike, *, solver: str = "auto", tolerance: float = 1e-8,
-          guess: ArrayLike | None = None, callback: Observer = None, threads: int = 0, order: str = "natural",
-          maximum_sweeps: int = 100_000, maximum_factorisations: int = 1000, relaxation: float = 1.0, seed: int = 1,
-          check_every: int = 10) -> FrictionSolution:
+@_arguments.takes(_core.friction_options)
+def solve(W: Any, q: ArrayLike, mu: ArrayLike, *, guess: ArrayLike | None = None, callback: Observer = None,
+          threads: int = 0, **options: _arguments.Option) -> FrictionSolution:
     """Solves `ContactProblem(W, q, mu)`, with the arguments of its method `solve`. How it ended, `status` of the result
     says. Raises Error as ContactProblem does."""
-    return ContactProblem(W, q, mu).solve(
-        solver=solver, tolerance=tolerance, guess=guess, callback=callback, threads=threads, order=order,
-        maximum_sweeps=maximum_sweeps, maximum_factorisations=maximum_factorisations, relaxation=relaxation, seed=seed,
-        check_every=check_every)
+    return ContactProblem(W, q, mu).solve(guess=guess, callback=callback, threads=threads, **options)
 
 
-def reduce_and_solve(M: Any, H: Any, f: ArrayLike, w: ArrayLike, mu: ArrayLike, *, solver: str = "auto",
-                     tolerance: float = 1e-8, guess: ArrayLike | None = None, callback: Observer = None,
-                     threads: int = 0, order: str = "natural", maximum_sweeps: int = 100_000,
-                     maximum_factorisations: int = 1000, relaxation: float = 1.0, seed: int = 1,
-                     check_every: int = 10) -> FrictionSolution:
+@_arguments.takes(_core.friction_options)
+def reduce_and_solve(M: Any, H: Any, f: ArrayLike, w: ArrayLike, mu: ArrayLike, *, guess: ArrayLike | None = None,
+                     callback: Observer = None, threads: int = 0, **options: _arguments.Option) -> FrictionSolution:
     """Solves `ContactProblem.of_bodies(M, H, f, w, mu)`, likewise. Also raises Error for an M that is not positive
     definite."""
-    return ContactProblem.of_bodies(M, H, f, w, mu).solve(
-        solver=solver, tolerance=tolerance, guess=guess, callback=callback, threads=threads, order=order,
-        maximum_sweeps=maximum_sweeps, maximum_factorisations=maximum_factorisations, relaxation=relaxation, seed=seed,
-        check_every=check_every)
+    problem = ContactProblem.of_bodies(M, H, f, w, mu)
+    return problem.solve(guess=guess, callback=callback, threads=threads, **options)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import _core
+from . import _arguments, _core
 from ._core import SpectralRadius
 from ._operators import Contraction, _of
 from ._tables import Table
@@ -94,8 +94,8 @@ class Mode:
                 f"converged = {self.converged}>")
 
 
-def mode(b: Contraction, end: str = "slowest", *, certify: bool = False, eigenvalues: int = 1, solver: str = "auto",
-         residual_tolerance: float = 1e-8, threads: int = 0) -> Mode:
+@_arguments.takes(_core.spectral_options)
+def mode(b: Contraction, end: str = "slowest", *, threads: int = 0, **options: _arguments.Option) -> Mode:
     """The mode of one end of the spectrum: "slowest" (of larger modulus), "low" or "high". The other arguments are those
     of `spectral_radius`."""
-    return Mode(_core.mode(_of(b).parts, b._core, end, solver, residual_tolerance, eigenvalues, certify, threads))
+    return Mode(_core.mode(_of(b).parts, b._core, end, dict(options), threads))

@@ -119,17 +119,16 @@ def _of(b: Contraction) -> Contraction:
     return b
 
 
-def spectral_radius(b: Contraction, *, certify: bool = False, eigenvalues: int = 1, solver: str = "auto",
-                    residual_tolerance: float = 1e-8, threads: int = 0) -> SpectralRadius:
+@_arguments.takes(_core.spectral_options)
+def spectral_radius(b: Contraction, *, threads: int = 0, **options: _arguments.Option) -> SpectralRadius:
     """Spectral radius of a contraction operator, with a bound on its error.
 
-    certify      prove by inertia counts that no eigenvalue was missed (not with arpack)
-    eigenvalues  wanted at each end, in `low` and `high` of the result (not with arpack)
-    solver       "auto", "dense", "shift-invert" or "arpack" (matrix-free)
-    residual_tolerance   largest residual, relative to max(1, rho), that counts as converged
+    OPTIONS
     threads      at most; 0 for all of the machine. No result depends on them
 
+    The residual counts relative to max(1, rho). Eigenvalues are `low` and `high` of the result. "arpack" neither
+    certifies nor finds more than one at each end.
     What was not reached is told by `converged` of the result. Ctrl-C ends the work between two products or solves; the
     eigenvalues of a dense matrix are one call of LAPACK, which is left alone until it is done.
     """
-    return _core.spectral_radius(_of(b)._core, solver, residual_tolerance, eigenvalues, certify, threads)
+    return _core.spectral_radius(_of(b)._core, dict(options), threads)

@@ -38,10 +38,11 @@ class Table(dict[str, np.ndarray]):
         return f"<nscdd.Table of {self.rows} rows, columns {', '.join(self)}>"
 
 
+@_arguments.takes(_core.spectral_options)
 def sweep(parts: Decomposition, epsilon: _arguments.Values, eta: _arguments.Values | None = math.inf, *,
           relaxation: _arguments.Values = 1.0, gauss_seidel_sweeps: _arguments.Values | None = None,
-          contacts: str = "all", certify: bool = False, eigenvalues: int = 1, solver: str = "auto",
-          residual_tolerance: float = 1e-8, progress: _arguments.Progress = None, threads: int = 0) -> Table:
+          contacts: str = "all", progress: _arguments.Progress = None, threads: int = 0,
+          **options: _arguments.Option) -> Table:
     """Spectral radii at every point of a sweep: a row for each combination of the values given, the last one running
     fastest. Values are numbers, or texts as `nscdd sweep` takes them: "1e-3:1e3:61", "0.1W,1W".
 
@@ -51,10 +52,9 @@ def sweep(parts: Decomposition, epsilon: _arguments.Values, eta: _arguments.Valu
     The other arguments are those of `contraction` and `spectral_radius`. `progress` counts rows. A row that did not
     converge has False in its column `converged`. Columns:
     """
-    options = _core.TableOptions(solver, residual_tolerance, eigenvalues, certify, _arguments.progress(progress),
-                                 threads)
+    how = _core.TableOptions(dict(options), _arguments.progress(progress), threads)
     return Table(_core.sweep(parts, _arguments.spec(epsilon), _arguments.spec(eta), _arguments.spec(relaxation),
-                             _arguments.spec(gauss_seidel_sweeps), contacts, options))
+                             _arguments.spec(gauss_seidel_sweeps), contacts, how))
 
 
 class CurveTable(Table):
@@ -71,10 +71,11 @@ class CurveTable(Table):
         return all(one == "proved" for one in self.status)
 
 
+@_arguments.takes(_core.spectral_options, without=["eigenvalues"])
 def curve(parts: Decomposition, epsilon: _arguments.Values | tuple[float, float],
           eta: _arguments.Values | tuple[float, float] | None = math.inf, *, tolerance: float = 1e-3,
-          relaxation: _arguments.Values = 1.0, contacts: str = "all", certify: bool = False, solver: str = "auto",
-          residual_tolerance: float = 1e-8, progress: _arguments.Progress = None, threads: int = 0) -> CurveTable:
+          relaxation: _arguments.Values = 1.0, contacts: str = "all", progress: _arguments.Progress = None,
+          threads: int = 0, **options: _arguments.Option) -> CurveTable:
     """Curves of the spectral radius that are proved between their points, which are placed by themselves.
 
     epsilon, eta   one of them is a range, (1e-3, 1e3) or a text "1e-3:1e3" or "0.1:10W"; there is a curve for every value
@@ -87,19 +88,19 @@ def curve(parts: Decomposition, epsilon: _arguments.Values | tuple[float, float]
     those of `sweep`. Columns:
 
     """
-    options = _core.TableOptions(solver, residual_tolerance, 1, certify, _arguments.progress(progress), threads)
+    how = _core.TableOptions(dict(options), _arguments.progress(progress), threads)
     return CurveTable(*_core.curve(parts, _arguments.interval(epsilon), _arguments.interval(eta), tolerance,
-                                   _arguments.spec(relaxation), contacts, options))
+                                   _arguments.spec(relaxation), contacts, how))
 
 
+@_arguments.takes(_core.spectral_options, without=["eigenvalues"])
 def optimum(parts: Decomposition, epsilon: _arguments.Values = 0.0, *, contacts: str = "active",
-            certify: bool = False, solver: str = "auto", residual_tolerance: float = 1e-8,
-            progress: _arguments.Progress = None, threads: int = 0) -> Table:
+            progress: _arguments.Progress = None, threads: int = 0, **options: _arguments.Option) -> Table:
     """The best flexibility eta of Stage 2, with and without relaxation: a row for each epsilon. `progress` counts rows.
     How a row came about, its columns `status` and `relaxed_status` say. Columns:
     """
-    options = _core.TableOptions(solver, residual_tolerance, 1, certify, _arguments.progress(progress), threads)
-    return Table(_core.optimum(parts, _arguments.spec(epsilon), contacts, options))
+    how = _core.TableOptions(dict(options), _arguments.progress(progress), threads)
+    return Table(_core.optimum(parts, _arguments.spec(epsilon), contacts, how))
 
 
 if sweep.__doc__ and optimum.__doc__ and curve.__doc__:  # not with python3 -OO

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Spectra from outside: what the library finds against dense spectra of NumPy and sparse ones of SciPy, which see only
 M, H and A, or the operators."""
+import inspect
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -186,3 +188,19 @@ def test_errors_of_spectral_radius(arguments, words):
     b = nscdd.contraction(nscdd.decompose(lattice(4, 4), (2, 1)), 1.0)
     with pytest.raises(nscdd.Error, match=words):
         nscdd.spectral_radius(b, **arguments)
+
+
+def test_options_are_named_by_signatures_and_documentation():
+    """They come from one description; a function takes no others."""
+    parameters = inspect.signature(nscdd.spectral_radius).parameters
+    assert parameters["residual_tolerance"].default == 1e-8 and parameters["certify"].annotation == "bool"
+    assert list(inspect.signature(nscdd.solve).parameters)[:3] == ["W", "q", "mu"]
+    assert inspect.signature(nscdd.solve).parameters["maximum_sweeps"].default == 100_000
+    assert "no eigenvalue was missed" in nscdd.spectral_radius.__doc__
+    parts = nscdd.decompose(lattice(4, 4), (2, 1))
+    with pytest.raises(TypeError, match="unexpected keyword argument 'certified'"):
+        nscdd.spectral_radius(nscdd.contraction(parts, 1.0), certified=True)
+    with pytest.raises(TypeError, match="'eigenvalues'"):
+        nscdd.curve(parts, (1, 2), eigenvalues=2)
+    with pytest.raises(nscdd.Error, match="certify: expected True or False, met 'yes'"):
+        nscdd.spectral_radius(nscdd.contraction(parts, 1.0), certify="yes")
