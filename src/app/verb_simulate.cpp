@@ -24,14 +24,11 @@ struct Options {
   std::string name, subdomains, counts;
   RunFiles files;
   std::vector<ParameterOption> parameters{
-      {"--algorithm", "WORD", "solver.algorithm",
-       "nlgs, generic, enriched, auto, continuation, newton, admm, apgd, two_stage_newton or two_stage_admm",
-       all_names<StepAlgorithm>()},
+      {"--algorithm", "WORD", "solver.algorithm", names_where<StepAlgorithm>(), all_names<StepAlgorithm>()},
       {"--gauss-seidel-sweeps", "N", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration"},
       {"--eta", "NUMBER[W]", "solver.eta",
        "flexibility of the enriched Stage 2: 1/kg, times the mean of W_nn (10W), or optimal"},
-      {"--criterion", "WORD", "solver.criterion",
-       "zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r or none", all_names<Criterion>()},
+      {"--criterion", "WORD", "solver.criterion", names_where<Criterion>(), all_names<Criterion>()},
       {"--tolerance", "NUMBER", "solver.tolerance", "of the criterion"},
       {"--iterations", "N", "solver.maximum_iterations", "of a step at the most"},
       {"--steps", "N", "dynamics.steps", "number of time steps"}};
@@ -72,13 +69,11 @@ void require_effect(const Given& given, const CaseSpec& spec) {
     fail("{}: expected a parameter of the motion, met one of the linear study alone", given.option);
   const bool one_subdomain = subdomains(spec.partition) == 1;
   if (given.key.starts_with("partition.") && !decomposes(dynamics.solver.algorithm) && !one_subdomain)
-    fail(
-        "{}: expected --algorithm generic, enriched, two_stage_newton or two_stage_admm with it, met {}, which does "
-        "not decompose",
-        given.option, to_string(dynamics.solver.algorithm));
+    fail("{}: expected --algorithm {} with it, met {}, which does not decompose", given.option,
+         algorithms_with<step_algorithms::Subdomains>(), to_string(dynamics.solver.algorithm));
   nscdd::require_effect(dynamics, given.key, given.option);
   Dynamics undivided = dynamics;
-  undivided.solver.algorithm = StepAlgorithm::nlgs;
+  undivided.solver.algorithm = step_algorithm<step_algorithms::Nlgs>;
   if (!has_effect(undivided, given.key) && one_subdomain)
     note("{}: without effect on one subdomain, which has no interface", given.option);
 }
@@ -152,10 +147,8 @@ void require_shared(const CaseSpec& spec, const Machine& machine) {
   if (machine.processes.alone()) return;
   const StepSolver& solver = spec.dynamics->solver;
   if (!decomposes(solver.algorithm))
-    fail(
-        "solver.algorithm: expected generic, enriched, two_stage_newton or two_stage_admm on several processes, met "
-        "{}: nscdd has it on one",
-        to_string(solver.algorithm));
+    fail("solver.algorithm: expected {} on several processes, met {}: nscdd has it on one",
+         algorithms_with<step_algorithms::Subdomains>(), to_string(solver.algorithm));
   if (solver.model != SwitchedModel::none)
     require_one_process(machine, fmt::format("solver.switch {}", to_string(solver.model)));
   require_subdomains(subdomains(spec.partition), machine.processes.size);

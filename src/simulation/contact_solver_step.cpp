@@ -59,22 +59,16 @@ std::vector<ContactStatus> statuses_of(const ContactLaw& law, const std::vector<
 }
 
 FrictionSolverOptions options_of(const StepSolver& solver) {
-  FrictionSolverOptions options{.tolerance = solver.tolerance,
-                                .maximum_sweeps = 100 * solver.maximum_iterations,
-                                .maximum_factorisations = solver.maximum_iterations,
-                                .relaxation = solver.contact_relaxation};
-  if (solver.algorithm == StepAlgorithm::two_stage_newton)
-    options.algorithm = FrictionAlgorithm::automatic;
-  else if (solver.algorithm == StepAlgorithm::two_stage_admm)
-    options.algorithm = FrictionAlgorithm::admm;
-  else
-    options.algorithm = std::string(to_string(StepAlgorithm{solver.algorithm}));
-  return options;
+  return {.algorithm = contact_solver_of(solver.algorithm).value(),
+          .tolerance = solver.tolerance,
+          .maximum_sweeps = 100 * solver.maximum_iterations,
+          .maximum_factorisations = solver.maximum_iterations,
+          .relaxation = solver.contact_relaxation};
 }
 
 // Answers of Newton's steps are refined: their errors are about the square of the tolerance.
 CutOptions cut_options(const StepSolver& solver, const InertiaMethod& inertia) {
-  const bool admm = solver.algorithm == StepAlgorithm::two_stage_admm;
+  const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
   return {.network = solver.interface_network,
           .flexibility = admm ? 1 : solver.interface_flexibility,
           .tolerance = admm ? std::min(1e-8, solver.tolerance) : std::min(1e-4, 1e4 * solver.tolerance),
@@ -107,7 +101,7 @@ void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts
   if (decomposes(solver.algorithm)) {
     CutContacts<D> cut(linear_decomposition(simulation, problem, step.partition, step.share),
                        cut_options(solver, stage_two_inertia(simulation)));
-    const bool admm = solver.algorithm == StepAlgorithm::two_stage_admm;
+    const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
     divided.emplace(problem, step.partition, std::move(parts), contact_colours(simulation, problem), std::move(cut),
                     admm ? Refinement::none : Refinement::one_step);
   } else {

@@ -51,9 +51,7 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
   const double value = criterion_value(solver_.criterion, record, residual);
   if (++looks_ <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
   // Contacts may have settled within subdomains while their copies of shared grains still differ.
-  const bool semi_implicit =
-      solver_.algorithm == StepAlgorithm::enriched && solver_.enrichment == Enrichment::semi_implicit;
-  const bool glued = record.gluing <= solver_.gluing_tolerance || semi_implicit;
+  const bool glued = record.gluing <= solver_.gluing_tolerance || semi_implicit(solver_);
   const auto status = watch_.judge(record.iteration, std::isfinite(record.gluing) ? value : not_a_number,
                                    record.impulses, first_impulses_, glued);
   const bool goes_on = !status || *status == SolverStatus::stalled;

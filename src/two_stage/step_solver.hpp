@@ -2,35 +2,10 @@
 #pragma once
 
 #include "mechanics/flexibility.hpp"
+#include "two_stage/step_algorithm.hpp"
 #include <nscdd/core/fields.hpp>
 
 namespace nscdd {
-
-/// Plain nonlinear Gauss-Seidel; Algorithm 1 of [ADI12] in its generic or enriched form; a contact solver on the
-/// contact problem of the whole packing (see FrictionAlgorithm); or one whose linear systems are cut into subdomains
-/// (see CutContacts).
-enum class StepAlgorithm {
-  nlgs,
-  generic,
-  enriched,
-  automatic,
-  continuation,
-  newton,
-  admm,
-  apgd,
-  two_stage_newton,
-  two_stage_admm
-};
-constexpr auto names_of(StepAlgorithm) {
-  return std::to_array<std::string_view>({"nlgs", "generic", "enriched", "auto", "continuation", "newton", "admm",
-                                          "apgd", "two_stage_newton", "two_stage_admm"});
-}
-/// Whether an algorithm is a contact solver, whose tolerance is on the natural map.
-constexpr bool is_contact_solver(StepAlgorithm one) { return one >= StepAlgorithm::automatic; }
-/// Whether an algorithm cuts a step into subdomains.
-constexpr bool decomposes(StepAlgorithm one) {
-  return one == StepAlgorithm::generic || one == StepAlgorithm::enriched || one >= StepAlgorithm::two_stage_newton;
-}
 
 /// Indicator that ends the iterations of a step (see IterationRecord and ContactResidual).
 enum class Criterion { zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r, none };
@@ -120,9 +95,10 @@ inline std::string field_text(const EtaChoice& choice) {
 }
 inline void check_bounds(const EtaChoice&, const Field&, std::string_view) {}
 
-/// How the contact problem of a step is solved.
+/// How the contact problem of a step is solved. A key means the same to all algorithms that have it, and keeps its
+/// value when another algorithm is chosen.
 struct StepSolver {
-  Choice<StepAlgorithm> algorithm = StepAlgorithm::automatic;
+  Choice<StepAlgorithm> algorithm = step_algorithm<step_algorithms::Automatic>;
   Index gauss_seidel_sweeps = 1;  ///< n_GS
   Index maximum_iterations = 1000;
   Choice<Criterion> criterion = Criterion::natural_map;
@@ -148,64 +124,78 @@ struct StepSolver {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("algorithm", self.algorithm, Field{.description = "solver of a step"});
-    visit("gauss_seidel_sweeps", self.gauss_seidel_sweeps,
+    options(self, [&](auto, std::string_view key, auto& value, const Field& field) { visit(key, value, field); });
+  }
+
+  /// The fields, each with the part of an algorithm that it is an option of.
+  template <class Self, class Visitor>
+  static void options(Self& self, Visitor&& visit) {
+    using namespace step_algorithms;
+    visit(Iterations{}, "algorithm", self.algorithm, Field{.description = "solver of a step"});
+    visit(Sweeps{}, "gauss_seidel_sweeps", self.gauss_seidel_sweeps,
           Field{.description = "sweeps per iteration and subdomain", .minimum = 1, .maximum = 1e9});
-    visit("maximum_iterations", self.maximum_iterations,
+    visit(Iterations{}, "maximum_iterations", self.maximum_iterations,
           Field{.description = "iterations of a step at the most", .minimum = 1, .maximum = 1e9});
-    visit("criterion", self.criterion, Field{.description = "indicator that ends the iterations"});
-    visit("criterion_interval", self.criterion_interval,
+    visit(Sweeps{}, "criterion", self.criterion, Field{.description = "indicator that ends the iterations"});
+    visit(Sweeps{}, "criterion_interval", self.criterion_interval,
           Field{.description = "iterations from one look at the criterion to the next", .minimum = 1, .maximum = 1e9});
-    visit("tolerance", self.tolerance,
+    visit(Iterations{}, "tolerance", self.tolerance,
           Field{.description = "value of the indicator that is small enough", .minimum = 0, .maximum = 1});
-    visit("gluing_tolerance", self.gluing_tolerance,
+    visit(StageTwo{}, "gluing_tolerance", self.gluing_tolerance,
           Field{.description = "largest jump at the interface of a converged step, relative to the speeds of "
                                "its grains (not asked of the semi-implicit scheme)",
                 .minimum = 0});
-    visit("order", self.order, Field{.description = "order of a sweep"});
-    visit("seed", self.seed, Field{.description = "seed of order random", .minimum = 0});
-    visit("contact_relaxation", self.contact_relaxation,
+    visit(Sweeps{}, "order", self.order, Field{.description = "order of a sweep"});
+    visit(Sweeps{}, "seed", self.seed, Field{.description = "seed of order random", .minimum = 0});
+    visit(Relaxation{}, "contact_relaxation", self.contact_relaxation,
           Field{.description = "part of each local change of impulse that is made",
                 .minimum = 0,
                 .minimum_excluded = true,
                 .maximum = 1.99});
-    visit("warm_start", self.warm_start,
+    visit(Iterations{}, "warm_start", self.warm_start,
           Field{.description = "start from the impulses of the last step, not from zero"});
-    visit("eta", self.eta,
+    visit(EnrichedStageTwo{}, "eta", self.eta,
           Field{.description = "flexibility of the enriched Stage 2: a number, a multiple of W, or optimal",
                 .unit = "1/kg"});
-    visit("network", self.network,
+    visit(EnrichedStageTwo{}, "network", self.network,
           Field{.description = "contacts Stage 2 sees: all considered, or those that carried an impulse in the "
                                "last step"});
-    visit("enrichment", self.enrichment,
+    visit(EnrichedStageTwo{}, "enrichment", self.enrichment,
           Field{.description = "where the enriched Stage 2 acts; the semi-implicit scheme: once, on the contacts that "
                                "carried an impulse in the last step"});
-    visit("interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
-    visit("interface_relaxation", self.interface_relaxation,
+    visit(StageTwo{}, "interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
+    visit(StageTwo{}, "interface_relaxation", self.interface_relaxation,
           Field{.description = "relaxation omega of Stage 2", .minimum = 0, .minimum_excluded = true, .maximum = 1000});
-    visit("interface_network", self.interface_network,
+    visit(CutSystems{}, "interface_network", self.interface_network,
           Field{.description = "contacts that precondition the interface of the two-stage Newton method and ADMM"});
-    visit("interface_flexibility", self.interface_flexibility,
+    visit(SofterNetwork{}, "interface_flexibility", self.interface_flexibility,
           Field{.description = "c: these are so many times as flexible as the contacts of its linear systems",
                 .minimum = 0,
                 .minimum_excluded = true,
                 .maximum = 1e6});
-    visit("redecompose", self.redecompose,
+    visit(Subdomains{}, "redecompose", self.redecompose,
           Field{.description = "steps between two decompositions", .minimum = 1, .maximum = 1e9});
-    visit("switch", self.model, Field{.description = "what a subdomain becomes whose statuses have stood still"});
-    visit("switch_after", self.switch_after,
+    visit(StageTwo{}, "switch", self.model,
+          Field{.description = "what a subdomain becomes whose statuses have stood still"});
+    visit(StageTwo{}, "switch_after", self.switch_after,
           Field{.description = "iterations for which the statuses of a subdomain stand still before it is switched; "
                                "with warm_start they are counted over steps",
                 .minimum = 1,
                 .maximum = 1e9});
-    visit("switch_flexibility", self.switch_flexibility,
+    visit(StageTwo{}, "switch_flexibility", self.switch_flexibility,
           Field{.description = "flexibility of the contacts of a switched subdomain: a number, or a multiple of W",
                 .unit = "1/kg",
                 .minimum = 0,
                 .minimum_excluded = true});
-    visit("switch_cells", self.switch_cells,
+    visit(StageTwo{}, "switch_cells", self.switch_cells,
           Field{.description = "cells of the coarse mesh over a homogenised subdomain", .minimum = 1, .maximum = 1000});
   }
 };
+
+/// Whether Stage 2 acts once, and nothing iterates on the jumps at the interface.
+inline bool semi_implicit(const StepSolver& solver) {
+  return has_part<step_algorithms::EnrichedStageTwo>(solver.algorithm) &&
+         solver.enrichment == Enrichment::semi_implicit;
+}
 
 }  // namespace nscdd

@@ -74,9 +74,10 @@ constinit const Observable observables::interface_iterations = at_steps<cut_colu
      .rows = row_per_step,
      .known = known_step,
      .check = [](const CaseSpec& spec) {
-       if (spec.dynamics->solver.algorithm != StepAlgorithm::two_stage_newton)
+       using Expected = step_algorithms::TwoStageNewton;
+       if (const StepSolver& solver = spec.dynamics->solver; solver.algorithm != step_algorithm<Expected>)
          throw Error("solver.algorithm",
-                     fmt::format("expected two_stage_newton, met {}", to_string(spec.dynamics->solver.algorithm)));
+                     fmt::format("expected {}, met {}", Expected::name, to_string(solver.algorithm)));
      }});
 
 }  // namespace nscdd

@@ -51,7 +51,9 @@ struct SolvedCase {
   StepReport report;  ///< of its last step
 
   const StepSolver& solver() const { return simulation.dynamics.solver; }
-  double flexibility() const { return solver().algorithm == StepAlgorithm::enriched ? report.eta : infinity; }
+  double flexibility() const {
+    return has_part<step_algorithms::EnrichedStageTwo>(solver().algorithm) ? report.eta : infinity;
+  }
 };
 const ResultColumns<SolvedCase>& solver_columns();
 
