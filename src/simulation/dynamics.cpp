@@ -113,93 +113,80 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
 
 namespace {
 
-constexpr std::string_view above_zero = "> 0";
-
-// A parameter that has an effect only if another one has one of these values, or one above zero.
-struct Effect {
-  std::string_view path, with, values;
+// What a parameter needs of another one in order to have an effect.
+struct Need {
+  std::string path, with, expected, found;
+  bool met;
 };
 
-constexpr std::string_view with_friction = "coulomb or cohesive", opening = "coulomb, frictionless or cohesive",
-                           switched = "linear or homogenised", divided = "generic or enriched",
-                           two_stages = "two_stage_newton or two_stage_admm",
-                           cut = "generic, enriched, two_stage_newton or two_stage_admm",
-                           iterated = "nlgs, generic or enriched",
-                           criteria = "zeta, interface_change, gluing, natural_map, quad_dv or mean_dv_over_r";
-
-constexpr Effect effects[] = {
-    {"interaction.friction", "interaction.law", with_friction},
-    {"interaction.boundary_friction", "interaction.law", with_friction},
-    {"interaction.cohesion", "interaction.law", "cohesive"},
-    {"interaction.epsilon", "interaction.law", "linear_viscous"},
-    {"interaction.tangential_restitution", "interaction.law", "coulomb, cohesive or linear_viscous"},
-    {"dynamics.penetration_correction", "interaction.restitution", "0"},
-    {"dynamics.maximum_push_speed", "interaction.restitution", "0"},
-    {"dynamics.maximum_push_speed", "dynamics.penetration_correction", above_zero},
-    {"solver.tolerance", "solver.criterion", criteria},
-    {"solver.gauss_seidel_sweeps", "solver.algorithm", iterated},
-    {"solver.criterion", "solver.algorithm", iterated},
-    {"solver.criterion_interval", "solver.algorithm", iterated},
-    {"solver.order", "solver.algorithm", iterated},
-    {"solver.gluing_tolerance", "solver.algorithm", divided},
-    {"solver.gluing_tolerance", "solver.criterion", criteria},
-    {"solver.contact_relaxation", "solver.algorithm", "nlgs, generic, enriched, auto, newton or two_stage_newton"},
-    {"solver.seed", "solver.order", "random"},
-    {"solver.eta", "solver.algorithm", "enriched"},
-    {"solver.network", "solver.algorithm", "enriched"},
-    {"solver.network", "solver.enrichment", "every_iteration or first_iteration"},
-    {"solver.enrichment", "solver.algorithm", "enriched"},
-    {"solver.interface_method", "solver.algorithm", divided},
-    {"solver.interface_relaxation", "solver.algorithm", divided},
-    {"solver.interface_relaxation", "solver.interface_method", "richardson"},
-    {"solver.interface_network", "solver.algorithm", two_stages},
-    {"solver.interface_flexibility", "solver.algorithm", "two_stage_newton"},
-    {"solver.interface_flexibility", "solver.interface_network", "all or active"},
-    {"solver.redecompose", "solver.algorithm", cut},
-    {"solver.switch", "solver.algorithm", divided},
-    {"solver.switch", "solver.interface_method", "richardson"},
-    {"solver.switch", "interaction.law", opening},
-    {"solver.switch_after", "solver.switch", switched},
-    {"solver.switch_cells", "solver.switch", "homogenised"},
-    {"solver.switch_flexibility", "solver.switch", switched}};
-
-// The value of a parameter of the interaction, the motion or the solver as a text without quotes.
-std::string value_of(const Dynamics& dynamics, std::string_view path) {
-  std::string text;
-  for (const FieldDescription& field : path.starts_with("solver.")     ? describe_fields(dynamics.solver)
-                                       : path.starts_with("dynamics.") ? describe_fields(dynamics.time)
-                                                                       : describe_fields(dynamics.interaction))
-    if (path.substr(path.find('.') + 1) == field.key) text = field.value;
-  std::erase(text, '"');
-  return text == "-0.0" ? "0" : text;
+template <Named Enum, class Predicate>
+Need need(std::string path, std::string with, Choice<Enum> now, const Predicate& right) {
+  return {std::move(path), std::move(with), names_where<Enum>(right), std::string(to_string(now)), right(now)};
 }
 
-// The first entry of the list that keeps the parameter from having an effect; null if it has one.
-const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
-  const auto missing = std::ranges::find_if(effects, [&](const Effect& effect) {
-    if (effect.path != path) return false;
-    if (is_contact_solver(dynamics.solver.algorithm)) {  // its criterion is the natural map
-      if (effect.with == "solver.criterion") return false;
-      if (effect.path == "solver.criterion") return dynamics.solver.criterion != Criterion::natural_map;
-    }
-    const std::string value = value_of(dynamics, effect.with);
-    if (effect.values == above_zero) return value == "0";
-    std::string allowed = fmt::format(" {} ", effect.values);
-    std::ranges::replace(allowed, ',', ' ');
-    return allowed.find(" " + value + " ") == std::string::npos;
+void add_needs(std::vector<Need>& needs, const StepSolver& solver) {
+  const bool sweeps = has_part<step_algorithms::Sweeps>(solver.algorithm);
+  StepSolver::options(solver, [&]<class Part>(Part, std::string_view key, const auto&, const Field&) {
+    needs.push_back(need(fmt::format("solver.{}", key), "solver.algorithm", solver.algorithm, has_part<Part>));
+    if (key == "criterion" && !sweeps) needs.back().met = solver.criterion == Criterion::natural_map;  // its own
   });
-  return missing == std::end(effects) ? nullptr : missing;
+  const auto add = [&](const char* path, const char* with, auto now, const auto& right) {
+    needs.push_back(need(path, with, now, right));
+  };
+  const auto is = [](auto value) { return [value](auto now) { return now == value; }; };
+  const auto is_not = [](auto value) { return [value](auto now) { return now != value; }; };
+  for (const char* path : {"solver.tolerance", "solver.gluing_tolerance"})
+    if (sweeps) add(path, "solver.criterion", solver.criterion, is_not(Criterion::none));
+  add("solver.seed", "solver.order", solver.order, is(ContactOrder::random));
+  add("solver.network", "solver.enrichment", solver.enrichment, is_not(Enrichment::semi_implicit));
+  for (const char* path : {"solver.interface_relaxation", "solver.switch"})
+    add(path, "solver.interface_method", solver.interface_method, is(InterfaceMethod::richardson));
+  add("solver.interface_flexibility", "solver.interface_network", solver.interface_network,
+      is_not(InterfaceNetwork::none));
+  for (const char* path : {"solver.switch_after", "solver.switch_flexibility"})
+    add(path, "solver.switch", solver.model, is_not(SwitchedModel::none));
+  add("solver.switch_cells", "solver.switch", solver.model, is(SwitchedModel::homogenised));
+}
+
+void add_needs(std::vector<Need>& needs, const Interaction& interaction, double penetration_correction) {
+  const auto add_law = [&](const char* path, const auto& right) {
+    needs.push_back(need(path, "interaction.law", interaction.law, [&](LawName law) {
+      return std::visit(right, Alternatives<ContactLaw>::at(static_cast<std::size_t>(law)));
+    }));
+  };
+  for (const char* path : {"interaction.friction", "interaction.boundary_friction"})
+    add_law(path, [](const auto& law) { return law.opens && law.rubs; });
+  add_law("interaction.cohesion", [](const auto& law) { return law.pulls; });
+  add_law("interaction.epsilon", [](const auto& law) { return !law.opens; });
+  add_law("interaction.tangential_restitution", [](const auto& law) { return law.rubs; });
+  add_law("solver.switch", [](const auto& law) { return law.opens; });
+
+  const auto add = [&](const char* path, const char* with, const char* expected, double now, bool met) {
+    needs.push_back({path, with, expected, field_text(now == 0 ? 0.0 : now), met});
+  };
+  for (const char* path : {"dynamics.penetration_correction", "dynamics.maximum_push_speed"})
+    add(path, "interaction.restitution", "0", interaction.restitution, interaction.restitution == 0);
+  add("dynamics.maximum_push_speed", "dynamics.penetration_correction", "> 0", penetration_correction,
+      penetration_correction != 0);
+}
+
+// The first need of a parameter that is not met, if there is one.
+std::optional<Need> missing_for(const Dynamics& dynamics, std::string_view path) {
+  std::vector<Need> needs;
+  add_needs(needs, dynamics.solver);
+  add_needs(needs, dynamics.interaction, dynamics.time.penetration_correction);
+  const auto missing = std::ranges::find_if(needs, [&](const Need& one) { return one.path == path && !one.met; });
+  return missing == needs.end() ? std::nullopt : std::optional(*missing);
 }
 
 }  // namespace
 
-bool has_effect(const Dynamics& dynamics, std::string_view path) { return missing_for(dynamics, path) == nullptr; }
+bool has_effect(const Dynamics& dynamics, std::string_view path) { return !missing_for(dynamics, path); }
 
 void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where, bool algorithm_stated) {
-  const Effect* missing = missing_for(dynamics, path);
-  if (missing == nullptr) return;
-  fail("{}: expected {} {} with it, met {}{}", where, missing->with, missing->values, value_of(dynamics, missing->with),
-       missing->with == "solver.algorithm" && !algorithm_stated ? ", the default" : "");
+  if (const auto missing = missing_for(dynamics, path))
+    fail("{}: expected {} {} with it, met {}{}", where, missing->with, missing->expected, missing->found,
+         missing->with == "solver.algorithm" && !algorithm_stated ? ", the default" : "");
 }
 
 bool switches_models(const Dynamics& dynamics) {
