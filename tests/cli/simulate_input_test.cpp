@@ -33,13 +33,9 @@ TEST_CASE("simulate: a value without effect is refused, not passed over") {
     check_refused(session, "simulate shear.toml -o run.h5 " + options, parts);
   };
   refused("--set solver.eta=2", {"--set solver.eta: expected solver.algorithm enriched", "met generic"});
-  refused("--set solver.enrichment=first_iteration", {"--set solver.enrichment", "enriched", "met generic"});
   refused("--set solver.interface_relaxation=0.5 --algorithm nlgs",
           {"--set solver.interface_relaxation: expected solver.algorithm generic or enriched", "met nlgs"});
   refused("--set partition.grid=2,2 --algorithm nlgs", {"--set partition.grid", "met nlgs"});
-  refused("--set interaction.cohesion=5", {"--set interaction.cohesion", "cohesive", "met coulomb"});
-  refused("--set interaction.boundary_friction=-0.5",
-          {"interaction.boundary_friction: expected", ">= 0", "or -1", "met -0.5"});
   refused("--set interaction.law=frictionless --set interaction.tangential_restitution=0.5",
           {"--set interaction.tangential_restitution: expected interaction.law", "met frictionless"});
   refused("--set interaction.restitution=0.5 --set dynamics.penetration_correction=0.5",
@@ -137,8 +133,6 @@ TEST_CASE("simulate: every indicator that can end the iterations is a criterion"
       if (value != 0) CHECK((std::abs(value) <= 1e-3) == last);
     }
   }
-  check_refused(session, "simulate shear.toml -o none.h5 --criterion gluing --algorithm nlgs",
-                {"solver.criterion", "gluing", "generic or enriched", "met nlgs"});
   check_refused(session,
                 "simulate shear.toml -o none.h5 --criterion gluing --algorithm enriched --set "
                 "solver.enrichment=semi_implicit",
