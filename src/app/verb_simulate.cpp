@@ -112,21 +112,19 @@ void require_not_beside(const std::string& output, const std::string& table) {
 }
 
 void check_names(const Options& options) {
-  require_hdf5_name(options.files.output);
-  if (!options.files.convergence.empty()) {
-    require_distinct(options.files.output, options.files.convergence);
-    require_not_beside(options.files.output, options.files.convergence);
-  }
-  if (!options.counts.empty()) {
-    require_distinct(options.files.output, options.counts);
-    require_not_beside(options.files.output, options.counts);
-    if (!options.files.convergence.empty()) require_distinct(options.files.convergence, options.counts);
-  }
-  if (options.restart && options.files.force)
+  const RunFiles& files = options.files;
+  require_hdf5_name(files.output);
+  for (const std::string& table : {files.convergence, options.counts})
+    if (!table.empty()) {
+      require_distinct(files.output, table);
+      require_not_beside(files.output, table);
+    }
+  if (!files.convergence.empty() && !options.counts.empty()) require_distinct(files.convergence, options.counts);
+  if (options.restart && files.force)
     fail("--restart: expected either to go on with a run or to replace it, met --force too");
   if (options.restart) return;
-  require_writable(options.files.output, options.files.force);
-  if (!options.files.convergence.empty()) require_writable(options.files.convergence, options.files.force);
+  require_writable(files.output, files.force);
+  if (!files.convergence.empty()) require_writable(files.convergence, files.force);
 }
 
 int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunTotals& totals) {
