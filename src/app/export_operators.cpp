@@ -59,6 +59,7 @@ Option& declare_operators(Command& command, OperatorsOptions& options) {
 
 int export_operators(const OperatorsOptions& options, bool force, const Context& context) {
   parameters(options, 1);  // refused before the model is built
+  options.memory.apply();
   const std::filesystem::path path(options.folder);
   const Case what = options.one.resolve(
       {(path / OperatorsFolder::manifest_name).string(), (path / OperatorsFolder::hdf5_name).string()});
@@ -66,7 +67,6 @@ int export_operators(const OperatorsOptions& options, bool force, const Context&
   const ThreadLimit limit(options.threads);
   const Model model = build(what);
   const OperatorParameters wanted = parameters(options, flexibility_scale(model));
-  options.memory.require(operators_need(model, options.contacts, wanted.dense));
   const Selection selection = select(model, options.contacts);
   if (!selection.certain) note("{}: the impulses behind the contacts of Stage 1 were not found to 1e-8", model.name);
   if (model.parts.interface_size() == 0)

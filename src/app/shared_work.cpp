@@ -45,15 +45,10 @@ SpectralOptions spectra_on(const Machine& machine, SpectralOptions options) {
   return options;
 }
 
-Model shared_model(const Case& one, const Machine& machine, ContactSet contacts,
-                   const std::function<void(const Model&)>& check) {
+Model shared_model(const Case& one, const Machine& machine, ContactSet contacts) {
   const Processes& all = machine.processes;
   return all.together([&] {
-    Model whole = all.together([&] {
-      Model built = cut_up(one, all);
-      check(built);
-      return built;
-    });
+    Model whole = all.together([&] { return cut_up(one, all); });
     require_same(features(whole), one.spec.name, all);
     Model own = share_of(std::move(whole), all);
     if (!all.alone()) {

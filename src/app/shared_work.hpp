@@ -30,10 +30,8 @@ auto in_turn(const Processes& processes, Work&& work) {
 }
 
 /// The model of a case as this process has it; H of the undivided packing keeps its entries only where contacts must be
-/// chosen. `check` is called with all subdomains before, which have no matrices yet. Throws Error in all processes if
-/// one throws it, or if they do not have the same.
-Model shared_model(const Case& one, const Machine& machine, ContactSet contacts,
-                   const std::function<void(const Model& whole)>& check);
+/// chosen. Throws Error in all processes if one throws it, or if they do not have the same.
+Model shared_model(const Case& one, const Machine& machine, ContactSet contacts);
 
 /// Throws Error in all processes unless they have the same numbers, which tell one case from another.
 void require_same(const std::vector<double>& numbers, const std::string& name, const Processes& processes);

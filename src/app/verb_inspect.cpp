@@ -82,6 +82,7 @@ void print_geometry(const Inspection& found, Index dimension) {
 }
 
 int run(const Options& options) {
+  options.memory.apply();
   if (options.histogram == "-") fail("--histogram: expected a file name, met -; standard output is for the report");
   const Case one = options.one.resolve({options.histogram});
   const ResultColumns<GrainSizes>& columns = size_columns(dimension_of(one).value_or(2));
@@ -89,9 +90,6 @@ int run(const Options& options) {
   if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, headings(columns));
   const Model model = build(with_overlaps_of_motion(one), progress("generate"));
   const Index ranks_up_to = options.ranks ? std::numeric_limits<Index>::max() : ranks_up_to_by_default;
-  MemoryNeed need = rank_need(model);
-  if (options.ranks) need.advice = "no --ranks, " + need.advice;
-  if (model.contacts() <= ranks_up_to) options.memory.require(need);
   const Inspection found = inspect(model, ranks_up_to);
   if (histogram) {
     grain_sizes(model, [&](const GrainSizes& sizes) { histogram->write(row(columns, sizes)); });

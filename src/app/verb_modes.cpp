@@ -108,6 +108,7 @@ int run(const Options& options, const Machine& machine) {
   if (options.output.empty() || options.output == "-" || options.output.back() == '/')
     fail("--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output);
   parameters(options, machine, 1);  // refused before the model is built
+  options.memory.apply();
   const std::string impulses_name = options.output + "-impulses.csv";
   const std::string velocities_name = options.output + "-velocities.csv";
   const Case what = options.one.resolve({impulses_name, velocities_name});
@@ -120,9 +121,6 @@ int run(const Options& options, const Machine& machine) {
   CsvWriter impulses(impulses_name, options.force, headings(impulse_columns));
   CsvWriter velocities(velocities_name, options.force, headings(velocity_columns));
   const ModeParameters wanted = parameters(options, machine, flexibility_scale(model));
-  options.memory.require(sweep_need(
-      model,
-      {.epsilon = {wanted.epsilon}, .eta = {wanted.eta}, .contacts = wanted.contacts, .spectral = wanted.spectral}));
   const Mode mode = interface_mode(model, wanted);
   mode_impulses(model, wanted, mode, [&](const ModeImpulse& one) { impulses.write(row(impulse_columns, one)); });
   mode_velocities(model, mode, [&](const ModeVelocity& one) { velocities.write(row(velocity_columns, one)); });

@@ -25,11 +25,11 @@ int write_problem(const Options& options, const Model& model) {
 }
 
 int run(const Options& options) {
+  options.memory.apply();
   const Model model = build(with_overlaps_of_motion(options.one.resolve({options.csv, options.grains})));
   if (!model.has_geometry()) return write_problem(options, model);
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
   const ContactSet contacts = options.contacts;
-  options.memory.require(link_need(model, contacts));
   const ResultColumns<Link> columns = link_columns(contacts, model.problem.dimension);
   CsvWriter links(options.csv, options.force, headings(columns));
   std::optional<CsvWriter> grains;

@@ -62,17 +62,6 @@ void require_drawable(const std::string& name, Index disks, std::string_view wha
     fail("{}: expected at most {} {}, which a page can still show, met {}", name, most_grains, what, disks);
 }
 
-void check(const Model& model, const PackingReportParameters& wanted, const MemoryLimit& memory) {
-  require_geometry(model, "report");
-  require_drawable(model.name, model.grains(), "grains");
-  memory.require(link_need(model, ContactSet::active));
-  for (const ContactSet contacts : wanted.contact_sets) {
-    SweepParameters sweep = wanted.sweep;
-    sweep.contacts = contacts;
-    memory.require(sweep_need(model, sweep));
-  }
-}
-
 // Writes the page in one piece, says what it is, and how large.
 void write(const std::string& path, const std::string& page, bool force, const std::string& what) {
   write_file(path, page, force);
@@ -100,13 +89,15 @@ std::string libraries() {
 }
 
 int report_of_packing(const Options& options, const Context& context) {
+  options.memory.apply();
   PackingReportParameters wanted = parameters(options, context.machine);
   const Case one = options.one.resolve({options.output});
   require_writable(options.output, options.force);
   const ThreadLimit limit(options.threads);
   const Model model = build(one, progress("generate"));
   if (wanted.contact_sets.empty()) wanted.contact_sets = contact_sets_of(model);
-  check(model, wanted, options.memory);
+  require_geometry(model, "report");
+  require_drawable(model.name, model.grains(), "grains");
   Interruption interruption;
   const auto report = report_packing(model, wanted, interruption.watch("report " + model.name, 0, "spectrum"));
   if (!report || interruption.stopped()) return nothing_written(options.output);

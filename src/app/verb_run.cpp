@@ -132,8 +132,7 @@ void check_outputs(const Work& work) {
 
 int compute(const Work& work, const std::vector<Case>& cases, const Options& options, const Context& context) {
   // Refused before hours of work rather than after them.
-  for (const StudyTable& table : work.study.tables)
-    options.memory.require(largest_need(table, kept_rows(work.csv(table), table_work(table), options.how).rows));
+  for (const StudyTable& table : work.study.tables) kept_rows(work.csv(table), table_work(table), options.how);
   Interruption interruption;
   OutputFile hdf5(work.hdf5(), options.how.force, kept_of_whole(options.how));
   std::vector<NamedTable> tables;
@@ -158,6 +157,7 @@ int compute(const Work& work, const std::vector<Case>& cases, const Options& opt
 
 int run(const Options& options, const Context& context) {
   const ThreadLimit limit(options.threads);
+  options.memory.apply();
   Work work = read_work(options);
   check_outputs(work);
   if (!options.large) leave_out_large(work.study);

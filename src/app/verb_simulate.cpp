@@ -34,6 +34,7 @@ struct Options {
       {"--steps", "N", "dynamics.steps", "number of time steps"}};
   std::vector<std::string> settings;
   Index threads = 0;
+  MemoryLimit memory;
   bool restart = false;
 };
 
@@ -173,6 +174,7 @@ std::vector<double> features(const Simulation& simulation, const std::string& ca
 int run(const Options& options, const Context& context) {
   const Processes& all = context.machine.processes;
   const ThreadLimit limit(threads_of(options.threads, context.machine));
+  options.memory.apply(context.machine.processes_here);
   CaseSpec spec = all.together([&] {
     if (all.first()) check_names(options);
     const std::string path = find_case(options.name);
@@ -246,6 +248,7 @@ Action declare_simulate(Command& command) {
                  {.description = "", .minimum = 1, .maximum = 1e9});
   command.add("--restart", options->restart, "go on with the output of a run before, up to --steps");
   command.add("--force", options->files.force, "replace existing outputs");
+  options->memory.declare(command);
   command.footer =
       R"(Prints how the run went; layout of the trajectory in docs/formats.md. A run that is killed, interrupted or
 finished goes on with --restart, bit for bit as in one piece.

@@ -115,14 +115,13 @@ Asked asked(const Options& options, const Machine& machine) {
 
 int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
+  options.memory.apply(machine.processes_here);
   auto [work, curve] = in_turn(machine.processes, [&] { return asked(options, machine); });
   if (std::ranges::any_of(work.sweep.gauss_seidel_sweeps, [](const auto& sweeps) { return sweeps.has_value(); }))
     require_one_process(machine, "--gauss-seidel-sweeps");
   if (nothing_to_resume(options.csv, options.hdf5, options.how, machine)) return 0;
   const ThreadLimit limit(threads_of(options.threads, machine));
-  const Model model = shared_model(
-      work.cases.front(), machine, work.sweep.contacts,
-      [&, &sweep = work.sweep](const Model& whole) { options.memory.require(sweep_need(whole, sweep), machine); });
+  const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
   Interruption interruption(machine.processes);  // from here on there is something to be left in good order

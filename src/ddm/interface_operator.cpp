@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "core/memory.hpp"
 #include "ddm/enriched_inertia.hpp"
 #include "ddm/rigid_motions.hpp"
 #include "ddm/shifted_pencil.hpp"
@@ -62,6 +63,10 @@ class InterfaceFamily::Preparation {
         inertia(std::move(method)),
         row_inertia(Vector::Zero(parts.interface_size())),
         locals(parts.subdomains.size()) {
+    double modes = 0;
+    for (const Subdomain& one : parts.subdomains)
+      if (const Index n = one.inertia.size(); n <= limit) modes += bytes_of_matrix(n, n);
+    require_memory(modes, fmt::format("the modes of {} subdomains", parts.subdomains.size()), "fewer grains");
     for_each_in_parallel(count(locals),
                          [&](Index e) { locals[nscdd::at(e)].emplace(parts.subdomains[nscdd::at(e)], dense_limit); });
     const Index d = parts.dofs_per_grain();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "core/memory.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/threads.hpp"
 
@@ -29,8 +30,9 @@ Vector start_vector(Index n) {
   return v;
 }
 
-a_int checked_size(Index n) {
+a_int checked_size(Index n, Index basis) {
   if (n < arpack_smallest_size) fail("ARPACK: expected a problem of size >= {}, met {}", arpack_smallest_size, n);
+  require_memory(bytes_of_matrix(n, std::min(n, basis) + 4), fmt::format("a basis of {} vectors", basis));
   return static_cast<a_int>(n);
 }
 
@@ -46,7 +48,7 @@ struct Workspace {
   a_int ipntr[14] = {};
   a_int lworkl, ido = 0, info = 1;  // info = 1: resid holds the start vector
   Workspace(Index size, Index wanted, const ArpackOptions& options, a_int mode)
-      : n(checked_size(size)),
+      : n(checked_size(size, options.basis)),
         nev(static_cast<a_int>(std::min(wanted, size - 2))),
         ncv(static_cast<a_int>(std::min(size, std::max(options.basis, 2 * wanted + 3)))),
         resid(start_vector(size)),

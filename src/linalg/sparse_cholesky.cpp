@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/sparse_cholesky.hpp"
 
+#include "core/memory.hpp"
 #include "linalg/threads.hpp"
 
 #include <cholmod.h>
+#include <fmt/format.h>
 #include <metis.h>
 
 #include <new>
@@ -57,6 +59,14 @@ cholmod_sparse view(const SparseMatrix& lower) {
   return a;
 }
 
+// The sum of the lengths of the columns of L to a power.
+double column_lengths(const cholmod_factor& factor, int power) {
+  const int* lengths = static_cast<const int*>(factor.ColCount);
+  double sum = 0;
+  for (std::size_t j = 0; j < factor.n; ++j) sum += std::pow(lengths[j], power);
+  return sum;
+}
+
 }  // namespace
 
 CholeskyAnalysis::CholeskyAnalysis(const SparseMatrix& pattern) {
@@ -76,8 +86,18 @@ CholeskyAnalysis::CholeskyAnalysis(const SparseMatrix& pattern) {
   symbolic_ = symbolic;
 }
 
+double CholeskyAnalysis::bytes_at_once(const SparseMatrix& matrix) const {
+  const cholmod_factor& factor = *symbolic_->factor;
+  const auto of = [](double bytes, std::size_t number) { return bytes * static_cast<double>(number); };
+  const double permuted_matrix = of(12, at(matrix.nonZeros())) + of(4, factor.n);
+  if (factor.is_super == 0) return permuted_matrix + 12 * column_lengths(factor, 1) + of(48, factor.n);
+  return permuted_matrix + of(8, factor.xsize + factor.maxcsize) + of(4, factor.ssize) + of(12, factor.nsuper) +
+         of(28, factor.n);
+}
+
 SparseCholesky::SparseCholesky(const CholeskyAnalysis& analysis, const SparseMatrix& matrix)
     : numeric_(std::make_shared<CholmodFactor>()) {
+  require_memory(analysis.bytes_at_once(matrix), fmt::format("a Cholesky factor of {} rows", matrix.rows()));
   const OneBlasThread serial_blas;
   cholmod_sparse a = view(matrix);
   numeric_->factor = cholmod_copy_factor(analysis.symbolic_->factor, &numeric_->common);
@@ -103,20 +123,9 @@ Matrix SparseCholesky::solve(const Matrix& b) const {
   return result;
 }
 
-namespace {
-
-// The sum of the lengths of the columns of L to a power.
-double column_lengths(const cholmod_factor& factor, int power) {
-  const int* lengths = static_cast<const int*>(factor.ColCount);
-  double sum = 0;
-  for (std::size_t j = 0; j < factor.n; ++j) sum += std::pow(lengths[j], power);
-  return sum;
-}
-
-}  // namespace
-
 double SparseCholesky::factorisation_operations() const { return column_lengths(*numeric_->factor, 2); }
 double SparseCholesky::solve_operations() const { return 4 * column_lengths(*numeric_->factor, 1); }
+double SparseCholesky::bytes_at_most() const { return static_cast<double>(numeric_->common.memory_usage); }
 
 std::vector<int> nested_dissection(Graph graph, std::vector<int> weight, int seed) {
   auto n = static_cast<idx_t>(graph.start.size() - 1);

@@ -14,6 +14,9 @@ class CholeskyAnalysis {
   /// `pattern`: n x n symmetric, n >= 1, lower triangle read, values ignored.
   explicit CholeskyAnalysis(const SparseMatrix& pattern);
 
+  /// Bytes that CHOLMOD allocates at most while it factorises a matrix of this pattern, its factor among them.
+  double bytes_at_once(const SparseMatrix& a) const;
+
  private:
   friend class SparseCholesky;
   std::shared_ptr<const CholmodFactor> symbolic_;
@@ -23,12 +26,14 @@ class CholeskyAnalysis {
 /// error: `positive_definite()` is false and `solve` must not be called. Solving is safe from one thread at a time.
 class SparseCholesky {
  public:
+  /// Throws Error before any work if the factor does not fit into memory (require_memory).
   SparseCholesky(const CholeskyAnalysis& analysis, const SparseMatrix& a);
   bool positive_definite() const { return positive_definite_; }
   Matrix solve(const Matrix& b) const;  ///< A^-1 b, n x k
   /// Floating-point operations of the factorisation and of a solve with one column, from the pattern of the factor.
   double factorisation_operations() const;
   double solve_operations() const;
+  double bytes_at_most() const;  ///< that the factorisation took, as CHOLMOD counts them
 
  private:
   std::shared_ptr<CholmodFactor> numeric_;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/active_set.hpp"
 
+#include "core/memory.hpp"
 #include "linalg/least_squares.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_rank.hpp"
+
+#include <fmt/format.h>
 
 namespace nscdd {
 namespace {
@@ -104,6 +107,8 @@ RigidImpulses rigid_impulses(const ReferenceProblem& problem) {
   result.impulses = Vector::Zero(problem.contacts());
   if (problem.contacts() == 0) return result;
   if (problem.contacts() <= dense_impulse_limit) {
+    require_memory(bytes_of_matrix(b.rows(), b.cols()), fmt::format("the impulses of {} contacts", b.cols()),
+                   "fewer grains");
     const LeastSquares least = minimum_norm_least_squares(Matrix(b), load);
     result.unique = least.rank == problem.contacts();
     result.impulses = least.solution;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/disjoint_sets.hpp"
 #include "core/fail.hpp"
+#include "core/memory.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
@@ -243,7 +244,13 @@ LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::str
   check(problem, name);
   const Pieces pieces(problem.mass);
   const std::vector<std::vector<Index>> columns = touching_columns(problem.h, pieces);
+  std::size_t entries = 0;
+  for (const std::vector<Index>& of_piece : columns) entries += of_piece.size() * of_piece.size();
+  // A triplet of each, and W twice while it is made of them: a number and a place.
+  require_memory(static_cast<double>(entries) * (sizeof(Eigen::Triplet<double>) + 2 * 12),
+                 fmt::format("W of {} contacts", problem.contacts()), "fewer contacts");
   SparseEntries w;
+  w.reserve(entries);
   Vector free = Vector::Zero(problem.mass.rows());  // M^-1 f
   for (Index p = 0; p < count(pieces.unknowns); ++p) {
     const std::vector<Index>& unknowns = pieces.unknowns[at(p)];

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/memory.hpp"
 #include "linalg/pencil.hpp"
 #include "spectra/spectrum_memory.hpp"
 
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 
 namespace nscdd {
 namespace {
+
+// P, S, their scaled copy and difference, and the Cholesky factor and reduced matrix of LAPACK. In the rigid limit
+// there may also be a kernel with its complement, a basis, and the restricted pencil.
+constexpr double matrices_at_once = 6, rigid_matrices_at_once = 13;
 
 // The pencil (A, P) on the P-orthogonal complement of the span of `kernel`: with P = L L^T and Q an orthonormal basis
 // of the complement of L^T kernel, the columns of L^-T Q are P-orthonormal and P-orthogonal to the kernel.
@@ -33,13 +39,17 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   const auto look = [&] {
     if (options.checkpoint) options.checkpoint();
   };
+  const Index n = b.rows();
+  require_memory((b.system.eta() == 0 ? rigid_matrices_at_once : matrices_at_once) * bytes_of_matrix(n, n),
+                 fmt::format("matrices of {} interface unknowns", n),
+                 "fewer subdomains or grains, or the solver arpack");
   // Both matrices are scaled by D^-1/2 from both sides, D = diag(X): unequal masses no longer spoil the condition.
   const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
   const Matrix p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
   look();
   // P B. The pencil (P B, P) has the eigenvalues mu themselves, so that small radii keep their digits.
   const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
-  const Index n = b.rows(), unit_multiplicity = b.system.nullity();
+  const Index unit_multiplicity = b.system.nullity();
   const double tilt = b.system.uncertainty();
   if (unit_multiplicity == n) return all_unit(n, "dense", std::isfinite(tilt));
   const auto ends_of = [&](Index wanted) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "core/memory.hpp"
 #include "ddm/stiffest.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
@@ -51,6 +52,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   const double tilt = b.system.uncertainty();
   if (unit_multiplicity == n) return all_unit(n, "arpack", std::isfinite(tilt));
   if (unit_multiplicity > 0) {
+    require_memory(5 * bytes_of_matrix(n, n), fmt::format("the kernel of S of {} interface unknowns", n));
     // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma. This is a Rayleigh quotient
     // of the complement, so it lies between its ends.
     const Vector root = b.system.scale().cwiseSqrt();

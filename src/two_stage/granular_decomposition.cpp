@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "two_stage/granular_decomposition.hpp"
 
+#include "core/memory.hpp"
 #include "core/sum_of_parts.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/connectivity.hpp"
 #include "mechanics/impulse_scale.hpp"
+
+#include <fmt/format.h>
 
 namespace nscdd {
 namespace {
@@ -102,6 +105,11 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
                                    Choice<ContactOrder> order, std::uint64_t seed,
                                    const std::vector<Index>& process_of_subdomain, const Processes& processes) {
   check(partition, count(problem.contacts));
+  // Of each contact its number, its row and its impulse, and in turn for each subdomain its copy and its point.
+  constexpr double of_contact = sizeof(Index) + sizeof(ContactRow<D>) + sizeof(SweptVector<D>);
+  require_memory(of_contact * static_cast<double>(problem.contacts.size()) +
+                     sizeof(GrainVelocity<D>) * static_cast<double>(problem.free.size()),
+                 fmt::format("subdomains with {} contacts", problem.contacts.size()), "fewer grains");
   GranularDecomposition<D> parts;
   parts.contacts = count(problem.contacts);
   parts.scale = scale_of(problem, partition, processes);

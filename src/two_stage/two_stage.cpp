@@ -2,6 +2,7 @@
 #include "two_stage/two_stage.hpp"
 
 #include "core/fail.hpp"
+#include "core/memory.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
@@ -142,6 +143,9 @@ MapRadius map_radius(Index n, const LinearMap& given, const SpectralOptions& opt
   };
   const auto radius_by = [&](SpectralSolver solver) {
     if (solver == SpectralSolver::arpack) return map_radius_by_arpack(n, map, options, units);
+    // With its Hessenberg and Schur forms, their bases, and complex eigenvectors.
+    require_memory(9 * bytes_of_matrix(n, n), fmt::format("a dense map of {} unknowns", n),
+                   "fewer subdomains or grains, or the solver arpack");
     Matrix columns(n, n);
     for (Index j = 0; j < n; ++j) columns.col(j) = map(Vector::Unit(n, j));
     return map_radius(columns, options, units);

@@ -5,7 +5,6 @@
 #include "../support/run_program.hpp"
 #include "core/text.hpp"
 #include "files/resumable_table.hpp"
-#include "study/linear/memory_estimate.hpp"
 #include "study/tables/study.hpp"
 #include <nscdd/core/table.hpp>
 
@@ -218,27 +217,4 @@ TEST_CASE("cells read back to the last bit") {
   }
   CHECK_THROWS_AS(parse_cell("1.5", "integer", "x"), Error);
   CHECK_THROWS_AS(parse_cell("maybe", "boolean", "x"), Error);
-}
-
-TEST_CASE("memory: six matrices for a dense pencil, and the case that needs most") {
-  const Model model = build(testing::random_lattice(1, 40, 40, {8, 8}));
-  SweepParameters dense, sparse;
-  dense.spectral.solver = SpectralSolver::dense;
-  sparse.spectral.solver = SpectralSolver::arpack;
-  const double n = static_cast<double>(model.parts.interface_size());
-  const double matrices = 6 * 8 * n * n;
-  CHECK(sweep_need(model, dense).bytes > matrices);
-  CHECK(sweep_need(model, dense).bytes < matrices + 2e7);
-  CHECK(sweep_need(model, dense).bytes > sweep_need(model, sparse).bytes);
-  SweepParameters rigid = dense;
-  rigid.epsilon = {1.0, 0.0};
-  CHECK(sweep_need(model, rigid).bytes > 2 * matrices);
-  SweepParameters chosen = sparse;
-  chosen.contacts = ContactSet::active;
-  CHECK(sweep_need(model, chosen).bytes > 1.5 * sweep_need(model, sparse).bytes);  // impulses, to choose contacts by
-  StudyTable table = two_variations();
-  const MemoryNeed largest = largest_need(table);
-  CHECK(largest.name == "strip4");  // both bases are varied alike: the first of equals
-  CHECK(largest.bytes == sweep_need(build(varied_case(table, 5).one), table.sweep).bytes);
-  CHECK(largest_need(table, *row_count(table)).bytes == 0);
 }

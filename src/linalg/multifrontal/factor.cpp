@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/multifrontal/factor.hpp"
 
+#include "core/memory.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/threads.hpp"
 
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <tbb/parallel_for.h>
 
@@ -173,7 +175,9 @@ Index column_entries(const FrontTree& tree, bool on_border) {
 
 LargeArray memory_of_factor(const InteriorFronts& interior) {
   const std::lock_guard lock(interior.mutex);
-  return interior.left ? std::move(interior.left) : large_array(column_entries(*interior.tree, true));
+  if (interior.left) return std::move(interior.left);
+  require_memory(interior.tree->memory(FactorShape::symmetric).border, "another factor of one matrix");
+  return large_array(column_entries(*interior.tree, true));
 }
 
 }  // namespace
@@ -241,6 +245,7 @@ FactorFronts::~FactorFronts() {
 }
 
 SymmetricInterior::SymmetricInterior(const SymmetricAnalysis& analysis, const SparseMatrix& lower) {
+  require_memory(analysis.memory().at_once, fmt::format("a factor of {} rows", lower.rows()));
   with_threads([&] { fronts_ = std::make_shared<const InteriorFronts>(analysis.tree_, lower); });
 }
 

@@ -7,6 +7,7 @@
 namespace nscdd {
 
 struct FrontTree;
+struct FactorMemory;
 struct InteriorFronts;
 struct FactorFronts;
 
@@ -45,6 +46,7 @@ class SymmetricAnalysis {
                     const std::vector<Index>& border = {}, const MergedColumns& merged = usually_merged);
 
   double entries() const;  ///< of the factor
+  FactorMemory memory() const;
   EliminationWork work() const;
   std::vector<Index> kept_rows() const;  ///< in the order of their groups
   const std::shared_ptr<const FrontTree>& tree() const { return tree_; }
@@ -57,6 +59,7 @@ class SymmetricAnalysis {
 /// The elimination of all apart from the border: factorisations of a family of matrices have it in common.
 class SymmetricInterior {
  public:
+  /// Throws Error before any work if it and a factor do not fit into memory (require_memory).
   SymmetricInterior(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
 
  private:
@@ -71,6 +74,7 @@ class SymmetricInterior {
 /// are not delayed from front to front: the caller must see that this matrix is near enough to A.
 class SymmetricFactor {
  public:
+  /// Throws Error before any work if it does not fit into memory.
   SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
   /// The same, to the last bit, of a matrix that has this interior.
   SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower);

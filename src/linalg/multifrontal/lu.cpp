@@ -6,6 +6,7 @@
 #include "linalg/multifrontal/lu.hpp"
 
 #include "core/fail.hpp"
+#include "core/memory.hpp"
 #include "linalg/multifrontal/factor.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/sparse_entries.hpp"
@@ -124,7 +125,7 @@ struct LuFactors {
   LargeArray memory;
   Index largest_front = 0;  // its rows
   std::atomic<bool> singular = false;
-  double operations_of_factorisation = 0, operations_of_solve = 0, operations = 0;
+  double operations_of_factorisation = 0, operations_of_solve = 0, operations = 0, bytes_at_once = 0;
 };
 
 LuFactors::LuFactors(const SparseMatrix& pattern) {
@@ -138,6 +139,9 @@ LuFactors::LuFactors(const SparseMatrix& pattern) {
     operations_of_factorisation += 2.0 / 3 * (rows * rows * rows - rest * rest * rest);
   }
   operations_of_solve = 2.0 * static_cast<double>(values);
+  bytes_at_once = tree->memory(FactorShape::full).at_once + sizeof(LuEntry) * static_cast<double>(pattern.nonZeros()) +
+                  sizeof(LuFront) * static_cast<double>(tree->size());
+  require_memory(bytes_at_once, fmt::format("L U of {} rows", tree->rows));
   memory = large_array(values);
   swaps.resize(at(tree->rows));
   double* next = memory.get();
@@ -286,5 +290,6 @@ int SparseLu::determinant_sign() const {
 }
 
 double SparseLu::operations() const { return factors_->operations; }
+double SparseLu::bytes_at_once() const { return factors_->bytes_at_once; }
 
 }  // namespace nscdd

@@ -13,8 +13,8 @@ struct LuFactors;
 /// factors; each is used from one thread at a time.
 class SparseLu {
  public:
-  /// `pattern`: n x n, compressed, values ignored. What it lacks of a symmetric pattern counts as zeros. Throws
-  /// std::bad_alloc if memory runs out.
+  /// `pattern`: n x n, compressed, values ignored. What it lacks of a symmetric pattern counts as zeros. Throws Error
+  /// if the factors do not fit into memory (require_memory), std::bad_alloc if memory runs out.
   explicit SparseLu(const SparseMatrix& pattern);
 
   /// `a`: of that pattern. Returns false if a pivot is zero or not finite; `solve` must not be called then. Throws
@@ -26,6 +26,8 @@ class SparseLu {
   int determinant_sign() const;
   /// Floating-point operations of all factorisations and solves so far, from the sizes of the fronts.
   double operations() const;
+  /// Bytes that the factors and a factorisation take at most.
+  double bytes_at_once() const;
 
  private:
   std::shared_ptr<LuFactors> factors_;

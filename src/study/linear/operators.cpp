@@ -2,6 +2,7 @@
 #include "study/linear/operators.hpp"
 
 #include "core/fail.hpp"
+#include "core/memory.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/contraction.hpp>
@@ -122,6 +123,12 @@ std::array<Index, 2> CaseOperator::shape() const {
 
 bool case_operators(const Model& model, const Selection& selection, const OperatorParameters& parameters,
                     const Sink<CaseOperator>& sink, const Monitor& monitor) {
+  const Index n = model.parts.interface_size();
+  // S, P and B, each as it is made and in the file that HDF5 holds in memory, the bytes of that file, and the condensed
+  // matrix of a subdomain or the columns at hand.
+  if (parameters.dense)
+    require_memory(12 * bytes_of_matrix(n, n), fmt::format("S, P and B of {} interface unknowns", n),
+                   "--sparse-only, which leaves these out, or fewer subdomains");
   hand_undivided(model, sink);
   hand_subdomains(model, selection, sink);
   if (model.parts.interface_size() == 0) return true;

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/memory.hpp"
+
+#include "core/fail.hpp"
+
+#include <malloc.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace nscdd {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double usable_share = 0.9;  // of what is available: other programs need some, too
+
+double system_available() {
+  std::ifstream stream("/proc/meminfo");
+  std::string key, unit;
+  for (double kibibytes = 0; stream >> key >> kibibytes; std::getline(stream, unit))
+    if (key == "MemAvailable:") return 1024 * kibibytes;
+  return infinity;
+}
+
+// The number in a file of a control group; infinite if the file is missing or says "max".
+double number_in(const fs::path& file) {
+  std::ifstream stream(file);
+  double value = 0;
+  return stream >> value ? value : infinity;
+}
+
+// What a group, and every group that it lies in, leave of their limits.
+double left_in(const fs::path& root, fs::path group, const char* limit_name, const char* usage_name) {
+  for (double left = infinity;; group = group.parent_path()) {
+    const fs::path folder = root / group;
+    const double limit = number_in(folder / limit_name), usage = number_in(folder / usage_name);
+    if (limit < infinity && usage < infinity) left = std::min(left, std::max(limit - usage, 0.0));
+    if (group.empty()) return left;
+  }
+}
+
+double control_groups_available() {
+  std::ifstream stream("/proc/self/cgroup");  // lines "number:controllers:/path", "0::/path" for version 2
+  double left = infinity;
+  for (std::string line; std::getline(stream, line);) {
+    const auto first = line.find(':'), second = line.find(':', first + 1);
+    if (first == std::string::npos || second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    const fs::path group = fs::path(line.substr(second + 1)).relative_path();
+    if (controllers.empty()) left = std::min(left, left_in("/sys/fs/cgroup", group, "memory.max", "memory.current"));
+    if (controllers == "memory")
+      left = std::min(left, left_in("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes"));
+  }
+  return left;
+}
+
+// Bytes of this process in physical memory.
+struct Resident {
+  double all = 0, of_files = 0;
+};
+
+Resident resident() {
+  std::ifstream stream("/proc/self/statm");
+  const auto page = static_cast<double>(sysconf(_SC_PAGESIZE));
+  double size = 0, all = 0, of_files = 0;
+  stream >> size >> all >> of_files;
+  return {page * all, page * of_files};
+}
+
+rlimit own_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_RSS, &limit) != 0) limit.rlim_cur = limit.rlim_max = RLIM_INFINITY;
+  return limit;
+}
+
+}  // namespace
+
+void limit_memory(double bytes) {
+  rlimit limit = own_limit();
+  if (bytes < static_cast<double>(limit.rlim_max)) limit.rlim_cur = static_cast<rlim_t>(std::ceil(bytes));
+  if (setrlimit(RLIMIT_RSS, &limit) != 0) throw Error("memory: expected a limit that can be set, met another");
+}
+
+double memory_limit() {
+  if (const rlimit own = own_limit(); own.rlim_cur != RLIM_INFINITY) return static_cast<double>(own.rlim_cur);
+  return usable_share * (resident().all + std::min(system_available(), control_groups_available()));
+}
+
+// The heap keeps what was freed: it is resident, but free for what comes next.
+double memory_in_use() {
+#ifdef __GLIBC__
+  const auto heap = mallinfo2();
+  return static_cast<double>(heap.uordblks + heap.hblkhd) + resident().of_files;
+#else
+  return resident().all;
+#endif
+}
+
+void require_memory(double bytes, std::string_view what, std::string_view advice) {
+  if (bytes < smallest_checked_need) return;
+  const double limit = memory_limit(), in_use = memory_in_use();
+  if (in_use + bytes <= limit) return;
+  fail(
+      "expected to fit into {:.3g} GiB of memory ({}), met {:.3g} GiB in use and {:.3g} GiB for {}; {}, or a larger "
+      "limit (--memory-limit, ulimit -m) may help",
+      limit / gibibyte,
+      own_limit().rlim_cur != RLIM_INFINITY ? "the limit of this process" : "90 % of what is available",
+      in_use / gibibyte, bytes / gibibyte, what, advice);
+}
+
+}  // namespace nscdd
