@@ -208,15 +208,6 @@ RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& gro
   return result;
 }
 
-Index rows_and_columns_left(const RigidNetwork& network) {
-  const RigidMotions motions = rigid_motions(network);
-  if (!motions.searched) return network.h.rows() + network.h.cols();
-  const SparseMatrix left = selected_columns(motions.h, peel(motions.bodies, {}, motions.h).left);
-  std::vector<char> met(at(left.rows()), 0);
-  for_entries(left, [&](Index i, Index, double) { met[at(i)] = 1; });
-  return std::ranges::count(met, 1) + left.cols();
-}
-
 MatrixRank rigid_rank(const RigidNetwork& network) {
   const RigidMotions motions = rigid_motions(network);
   if (!motions.searched) return sparse_rank(network.h);

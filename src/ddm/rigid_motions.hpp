@@ -44,10 +44,6 @@ RigidMotions rigid_motions(const RigidNetwork& network);
 /// left.
 RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded = {}, Tilt tilt = Tilt::measured);
 
-/// Rows and columns of what a rank or a choice of columns takes a factorisation for: what is left of Z^T H once bodies
-/// are set aside.
-Index rows_and_columns_left(const RigidNetwork& network);
-
 /// Rank of H, from that of Z^T H.
 MatrixRank rigid_rank(const RigidNetwork& network);
 

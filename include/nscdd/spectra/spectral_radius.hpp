@@ -5,7 +5,6 @@
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -65,9 +64,6 @@ void check(const SpectralOptions& options, std::string_view dashes = "");
 struct SolverChoice {
   SpectralSolver solver = SpectralSolver::dense;  ///< never `automatic`
   std::vector<SpectralSolver> fallbacks = {};     ///< tried in this order if the one before has no proved answer
-
-  /// Whether `one` may be asked, first or later.
-  bool may_take(SpectralSolver one) const { return solver == one || std::ranges::count(fallbacks, one) > 0; }
 };
 
 /// For the pencil of `size` interface unknowns. `automatic` takes the dense pencil up to `dense_limit` unknowns and
