@@ -90,7 +90,8 @@ class FixedColumns {
     for (char& c : copy)
       if (c == 'D' || c == 'd') c = 'E';
     const auto sign = copy.find_last_of("+-");
-    if (sign != std::string::npos && sign > 0 && copy[sign - 1] >= '.' && copy[sign - 1] <= '9') copy.insert(sign, 1, 'E');
+    if (sign != std::string::npos && sign > 0 && copy[sign - 1] >= '.' && copy[sign - 1] <= '9')
+      copy.insert(sign, 1, 'E');
     const char* begin = copy.data() + (!copy.empty() && copy[0] == '+' ? 1 : 0);
     double value = 0;
     const auto [end, status] = std::from_chars(begin, copy.data() + copy.size(), value);
