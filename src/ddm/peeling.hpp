@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/rigid_motions.hpp"
+#include <nscdd/core/types.hpp>
 
 namespace nscdd {
+
+/// What moves as one: a grain by itself, or a cluster of grains (see rigid_clusters) with more contacts than can be
+/// independent.
+struct RigidBody {
+  Index first_row = 0, rows = 0;  ///< of its motions among those of all bodies
+  Index grains = 1;
+  Index grain = -1;  ///< the local number of a grain by itself
+};
 
 /// Columns of Z^T H, told apart by whether bodies could be set aside with them.
 struct Peeled {

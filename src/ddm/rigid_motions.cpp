@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/rigid_motions.hpp"
 
-#include "ddm/peeling.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "mechanics/rigid_clusters.hpp"
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/hdf5.hpp"
+
 #include "core/fail.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/process_guard.hpp"
-#include "files/hdf5.hpp"
+#include <nscdd/core/table.hpp>
 
 #include <hdf5.h>
 

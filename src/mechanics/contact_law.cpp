@@ -1,111 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/contact_law.hpp"
 
-#include "mechanics/impulse_scale.hpp"
-
 namespace nscdd {
-namespace {
-
-// Rounding of a sum of impulses may leave the edge of the cone by some units in the last place.
-constexpr double edge_tolerance = 1e-12;
-
-constexpr double squared_rounding = 1e-28;  // of velocities of a step, relative to those that it begins with
-
-template <class Law, int D>
-ContactStatus status_under(const Law&, const GrainContact<D>& c) {
-  if constexpr (!Law::opens) return ContactStatus::stick;
-  return contact_status(LocalVector<D>{c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
-}
-
-template <class Law, int D>
-void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVelocities<D> v) {
-  const LocalVector<D> r = c.impulse, shifted{r.n + c.pull, r.t};
-  const LocalVector<D> next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
-  const LocalVector<D> change = c.inverse_w.apply(next - r);
-  const LocalVector<D> here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
-  sum.impulses += squared(shifted);
-  sum.violation += squared(change);
-  sum.work += dot(0.5 * (next + r), change);
-  sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
-  sum.scale_velocity += (squared(here) + squared(there)) / 2;
-  if constexpr (!Law::opens) {
-    sum.natural_map += squared(next - r);
-  } else {
-    const LocalVector<D> velocity = relative_velocity(c, v) + c.bias;
-    sum.natural_map += squared(natural_map(shifted, velocity, c.friction, c.inverse_w.inverse_n));
-  }
-  if (!carries(r)) return;
-  ++sum.active;
-  const ContactStatus status = status_under(law, c);
-  sum.stick += status == ContactStatus::stick;
-  sum.slide += slides(status);
-}
-
-template <int D, class Contact>
-ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, GrainVelocities<D> v, const Contact& contact) {
-  ContactResidual sum;
-  const auto under = [&](const auto& one) {
-    for (std::size_t k = 0; k < contacts; ++k) add(sum, one, contact(k), v);
-  };
-  std::visit(under, law);
-  return sum;
-}
-
-}  // namespace
 
 ContactLaw contact_law(const Interaction& interaction, double h, double scale) {
   ContactLaw law = Alternatives<ContactLaw>::at(static_cast<std::size_t>(LawName{interaction.law}));
   std::visit([&](auto& one) { one = one.of(interaction, h, scale); }, law);
   return law;
 }
-
-ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
-  using Sums = ContactResidual;
-  for (const auto sum :
-       {&Sums::natural_map, &Sums::impulses, &Sums::violation, &Sums::work, &Sums::scale_work, &Sums::scale_velocity})
-    this->*sum += other.*sum;
-  for (const auto sum : {&Sums::active, &Sums::stick, &Sums::slide}) this->*sum += other.*sum;
-  return *this;
-}
-
-double ContactResidual::relative_natural_map() const {
-  if (natural_map == 0) return 0;
-  return std::sqrt(natural_map / natural_map_scale(natural_map, impulses, scale.alone, scale.momenta, true));
-}
-
-double ContactResidual::quad_dv() const {
-  if (violation == 0) return 0;
-  const bool noise = violation <= squared_rounding * scale.speeds;
-  return std::sqrt(violation / (noise ? std::max(scale_velocity, scale.speeds) : scale_velocity));
-}
-
-double ContactResidual::mean_dv_over_r() const {
-  if (work == 0) return 0;
-  const bool noise = std::abs(work) <= squared_rounding * scale.energies;
-  return work / (noise ? std::max(scale_work, scale.energies) : scale_work);
-}
-
-template <int D>
-ContactResidual contact_residual(const ContactLaw& law, const ContactRows<D>& contacts, GrainVelocities<D> v) {
-  return sum_over<D>(law, contacts.size(), v, [&](std::size_t k) { return contacts.contact(k, v); });
-}
-
-template <int D>
-ContactResidual contact_residual(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
-                                 GrainVelocities<D> v) {
-  return sum_over<D>(law, contacts.size(), v, [&](std::size_t k) { return contacts[k]; });
-}
-
-template <int D>
-ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& contact) {
-  return std::visit([&](const auto& one) { return status_under(one, contact); }, law);
-}
-
-template ContactResidual contact_residual(const ContactLaw&, const ContactRows<2>&, GrainVelocities<2>);
-template ContactResidual contact_residual(const ContactLaw&, const ContactRows<3>&, GrainVelocities<3>);
-template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<2>>&, GrainVelocities<2>);
-template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<3>>&, GrainVelocities<3>);
-template ContactStatus status_of(const ContactLaw&, const GrainContact<2>&);
-template ContactStatus status_of(const ContactLaw&, const GrainContact<3>&);
 
 }  // namespace nscdd

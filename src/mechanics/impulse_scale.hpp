@@ -5,6 +5,20 @@
 
 namespace nscdd {
 
+/// What drives the contacts of a step, before any impulse acts: sums over contacts. r^1 is the impulse that a contact
+/// takes while the others have none, s the sum of the speeds of its two bodies, rims included.
+struct ImpulseScale {
+  double alone = 0;     ///< |r^1|^2, (N s)^2
+  double momenta = 0;   ///< p^2, the sum of (s/W_nn)^2, (N s)^2
+  double speeds = 0;    ///< the sum of s^2, (m/s)^2
+  double energies = 0;  ///< the sum of s^2/W_nn, J
+
+  /// Squared impulses below this part of `momenta` are rounding.
+  static constexpr double squared_rounding = 1e-24;
+  /// max(|r^1|, p), N s: velocities that impulses must change are no larger than those of the bodies.
+  double driving() const { return std::sqrt(std::max(alone, momenta)); }
+};
+
 /// Rounding of the velocities of a body, which are sums over its contacts, relative to what is added up.
 inline constexpr double rounding_of_sums = 1e-14;
 

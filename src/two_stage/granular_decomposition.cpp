@@ -5,7 +5,6 @@
 #include "core/sum_of_parts.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/connectivity.hpp"
-#include "mechanics/impulse_scale.hpp"
 
 #include <fmt/format.h>
 

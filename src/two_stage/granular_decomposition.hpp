@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "mechanics/contact_residual.hpp"
 #include "mechanics/time_stepping.hpp"
 #include "two_stage/contact_order.hpp"
 #include <nscdd/ddm/interface_operator.hpp>

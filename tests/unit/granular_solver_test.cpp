@@ -4,7 +4,7 @@
 #include "../support/dense.hpp"
 #include "../support/granular.hpp"
 #include "linalg/random.hpp"
-#include "mechanics/grain_contacts.hpp"
+#include "mechanics/contact_residual.hpp"
 #include "two_stage/granular_two_stage.hpp"
 
 #include <doctest/doctest.h>

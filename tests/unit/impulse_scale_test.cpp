@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What residuals are measured against: no noise, and nothing that grows with the fault. Right values come from the
 // momentum of the grains and from closed forms of sweeps; a change of units changes no bit.
-#include "mechanics/impulse_scale.hpp"
-
 #include "../support/granular.hpp"
 #include "../support/sanitized.hpp"
 #include "../support/spheres.hpp"
+#include "mechanics/contact_residual.hpp"
 #include "simulation/contact_solver_step.hpp"
 #include "study/moving/predicted_observed.hpp"
 #include "study/moving/rate_at_solution.hpp"

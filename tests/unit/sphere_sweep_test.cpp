@@ -2,7 +2,7 @@
 // Sweeps over spheres are written number by number, some contacts two at once: here against the law itself, contact by
 // contact in its frame.
 #include "linalg/random.hpp"
-#include "mechanics/grain_contacts.hpp"
+#include "mechanics/contact_residual.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "formats/report/report_page.hpp"
+#include "formats/report/run_report.hpp"
+#include "study/linear/packing_report.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -28,7 +29,6 @@ std::vector<To> converted(const Values& values) {
 /// A number with seven digits, for what is only drawn.
 Json drawn(double value);
 
-Json json_of(const PageOrigin& origin);
 Json json_of(const Model& model, const PackingReport& report);
 Json json_of(const RunReport& report);
 

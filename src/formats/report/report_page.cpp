@@ -69,7 +69,12 @@ std::string filled(const Json& data, const std::string& title) {
 }
 
 Json with_origin(const PageOrigin& origin, Json data) {
-  Json all{{"origin", json_of(origin)}};
+  Json all{{"origin",
+            {{"program", "nscdd " + version()},
+             {"name", origin.name},
+             {"command_line", origin.command_line},
+             {"case", origin.case_text},
+             {"libraries", origin.libraries}}}};
   all.update(data);
   return all;
 }
@@ -84,14 +89,6 @@ Json packed(const std::vector<std::uint32_t>& values) { return packed_as("uint32
 Json drawn(double value) {
   if (!std::isfinite(value)) return nullptr;
   return std::stod(fmt::format("{:.7g}", value));
-}
-
-Json json_of(const PageOrigin& origin) {
-  return {{"program", "nscdd " + version()},
-          {"name", origin.name},
-          {"command_line", origin.command_line},
-          {"case", origin.case_text},
-          {"libraries", origin.libraries}};
 }
 
 }  // namespace page
