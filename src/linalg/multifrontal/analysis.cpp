@@ -2,9 +2,6 @@
 #include "linalg/multifrontal/analysis.hpp"
 
 #include "core/memory.hpp"
-#include "linalg/multifrontal/factor.hpp"
-#include "linalg/multifrontal/fronts.hpp"
-#include "linalg/multifrontal/group_order.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
+#include "linalg/multifrontal/group_order.hpp"
 
 #include <tbb/task_group.h>
 
@@ -99,6 +99,51 @@ struct FrontTree {
     one(children[0]);
     tasks.wait();
   }
+};
+
+/// Over which fronts a solve goes.
+enum class Fronts {
+  all,
+  border,  ///< those on the way from a border row to the root
+};
+
+/// What the interior and the border of a matrix take: additions and multiplications of the elimination, and entries of
+/// the factor, each of which a triangular solve multiplies and adds once.
+struct EliminationWork {
+  double interior_flops = 0, interior_entries = 0, border_flops = 0, border_entries = 0;
+
+  double flops(bool with_interior) const { return border_flops + (with_interior ? interior_flops : 0.0); }
+  double solve_flops(Fronts up, Fronts down) const;
+};
+
+/// The same of one dense front on the border.
+EliminationWork work_of_front(Index eliminated, Index others);
+
+/// Elimination order and fronts of one sparsity pattern, for every matrix that has it: nested dissection (METIS) of the
+/// graph of row groups, supernodes of the groups (CHOLMOD).
+class SymmetricAnalysis {
+ public:
+  /// `pattern`: n x n symmetric, lower triangle stored, values ignored. `group`: for each row the number of its group,
+  /// 0 ... groups - 1. Rows of a group are eliminated together, so that pivots can be chosen among them: a multiplier
+  /// of a saddle point belongs with what it ties. -1 puts a row with the last of the groups that it touches, one at
+  /// least; by then all that the row ties can serve as its pivot. Groups that come last, or are kept, take such a row
+  /// only if it touches no other. Groups that come last make `SymmetricFactor::inverse_block` on their rows cheap; only
+  /// groups of the border may be kept. `border`: rows on which solutions are wanted. The matrices of a family may
+  /// differ between two rows of groups of the border only; fronts on no way from a border row to the root then serve
+  /// the whole family, see SymmetricInterior. `merged`: of groups, see supernodes. Throws std::bad_alloc if the
+  /// libraries run out of memory.
+  SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const GroupFlags& flags = {},
+                    const std::vector<Index>& border = {}, const MergedColumns& merged = usually_merged);
+
+  double entries() const;  ///< of the factor
+  FactorMemory memory() const;
+  EliminationWork work() const;
+  std::vector<Index> kept_rows() const;  ///< in the order of their groups
+  const std::shared_ptr<const FrontTree>& tree() const { return tree_; }
+
+ private:
+  friend class SymmetricInterior;
+  std::shared_ptr<const FrontTree> tree_;
 };
 
 }  // namespace nscdd
