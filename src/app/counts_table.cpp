@@ -55,16 +55,10 @@ CountsTable::CountsTable(const std::string& path, bool force, const Machine& mac
 
 void CountsTable::finish() {
   if (!wanted_) return;
-  const WorkCount work = *processes_.counts;
-  const std::array own{work.messages,   work.message_bytes,   work.sums,
-                       work.sum_bytes,  work.contact_updates, work.flops,
-                       work.path_flops, seconds() - begun_,   largest_resident_set()};
-  const std::vector<double> numbers = processes_.gather(own);
+  const ProcessCounts own{processes_.rank, *processes_.counts, seconds() - begun_, largest_resident_set()};
+  const std::vector<ProcessCounts> all = processes_.gather_each(own);
   if (!csv_) return;
-  for (Index p = 0; p < processes_.size; ++p) {
-    const double* n = numbers.data() + at(p) * own.size();
-    csv_->write(row(columns(), {p, {n[0], n[1], n[2], n[3], n[4], n[5], n[6]}, n[7], n[8]}));
-  }
+  for (const ProcessCounts& one : all) csv_->write(row(columns(), one));
   csv_->finish();
 }
 

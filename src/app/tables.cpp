@@ -33,7 +33,7 @@ SharedTable::SharedTable(const Machine& machine, const std::string& path, const 
     : path_(machine.processes.first() ? path : "/dev/null") {
   const Reopening own = machine.processes.first() ? how : Reopening{};
   kept_ = machine.processes.together([&] { return table_.emplace(path_, work, own).kept(); });
-  kept_ = static_cast<Index>(machine.processes.sum(static_cast<double>(kept_)));
+  kept_ = machine.processes.sum(kept_);
 }
 
 int leave(ResumableTable& table, const std::string& path) {

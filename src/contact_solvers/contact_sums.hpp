@@ -30,7 +30,7 @@ class ContactSums {
   double squared_norm(const Vector& a) const { return parts_ == 0 ? a.squaredNorm() : dot(a, a); }
   double norm(const Vector& a) const { return parts_ == 0 ? a.norm() : std::sqrt(dot(a, a)); }
 
-  Index total(Index own) const { return static_cast<Index>(processes_.sum(static_cast<double>(own))); }
+  Index total(Index own) const { return processes_.sum(own); }
   bool any(bool own) const { return processes_.any(own); }
   bool all_zero(const Vector& a) const { return !any(!a.isZero(0)); }
   /// Of entries >= 0; infinite if one is not a number.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "linalg/sparse_entries.hpp"
-#include <nscdd/ddm/partitioner.hpp>
+#include <nscdd/ddm/decomposition.hpp>
 
 #include <numeric>
 
@@ -33,21 +33,6 @@ void check(const Partition& partition, Index contacts) {
       fail("partition: expected a subdomain in 0..{} for contact {}, met {}", partition.subdomains - 1, c, e);
 }
 
-Partitioner parse_partitioner(std::string_view text, std::string_view what) {
-  std::optional<Partitioner> found;
-  std::string forms;
-  for_each_partitioner([&](auto one) {
-    forms += fmt::format("{}{}", forms.empty() ? "" : ", or ", one.option_form);
-    if (const auto colon = text.find(':'); colon < text.size() && text.substr(0, colon) != one.name) return;
-    const std::optional<std::string> value = one.value_of_option(text);
-    if (!value || found) return;
-    override_field(one, one.name, *value, what);
-    found = one;
-  });
-  if (!found) fail("{}: expected {}, met '{}'", what, forms, text);
-  return *found;
-}
-
 namespace {
 
 // The contacts of every subdomain, and the grains that these touch, ascending.
@@ -68,57 +53,39 @@ std::vector<Subdomain> with_contacts(const ReferenceProblem& problem, const Part
   return subdomains;
 }
 
-// M_E of every subdomain. `number`: what the interface calls a grain.
-template <class Number>
-void share_inertia(Decomposition& parts, const ReferenceProblem& problem, Number number) {
+// The numbers that a packing has for some grains of the problem.
+std::vector<Index> numbers_of(std::vector<Index> grains, const PackingShare& share) {
+  if (!share.numbers.empty())
+    for (Index& grain : grains) grain = share.numbers[at(grain)];
+  return grains;
+}
+
+Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape,
+                  const PackingShare& share) {
+  Decomposition parts;
+  parts.contacts = problem.contacts();
+  parts.subdomains = with_contacts(problem, partition);
+  std::vector<std::vector<Index>> held;
+  for (const Subdomain& subdomain : parts.subdomains) held.push_back(numbers_of(subdomain.grains, share));
+  const Index grains = share.numbers.empty() ? problem.grains() : share.numbers.back() + 1;
+  parts.interface =
+      shared_interface(problem.dofs_per_grain, grains, held, {}, share.process_of_subdomain, share.processes, shape);
   const Index d = problem.dofs_per_grain;
-  for (Subdomain& subdomain : parts.subdomains) {
+  for (std::size_t e = 0; e < held.size(); ++e) {
+    Subdomain& subdomain = parts.subdomains[e];
     subdomain.inertia.resize(d * count(subdomain.grains));
     for (Index i = 0; i < count(subdomain.grains); ++i) {
-      const Index grain = subdomain.grains[at(i)];
-      subdomain.inertia.segment(d * i, d) =
-          problem.inertia.segment(d * grain, d) / static_cast<double>(parts.interface.multiplicity(number(grain)));
+      const auto copies = static_cast<double>(parts.interface.multiplicity(held[e][at(i)]));
+      subdomain.inertia.segment(d * i, d) = problem.inertia.segment(d * subdomain.grains[at(i)], d) / copies;
     }
   }
+  return parts;
 }
 
 }  // namespace
 
 Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
-  Decomposition parts;
-  parts.contacts = problem.contacts();
-  parts.subdomains = with_contacts(problem, partition);
-  std::vector<std::span<const Index>> held;
-  for (const Subdomain& subdomain : parts.subdomains) held.emplace_back(subdomain.grains);
-  parts.interface = Interface(problem.dofs_per_grain, problem.grains(), held, {}, shape);
-  share_inertia(parts, problem, [](Index grain) { return grain; });
-  return parts;
-}
-
-Decomposition decompose_own(const ReferenceProblem& problem, const Partition& partition,
-                            const std::vector<Index>& numbers, const std::vector<Index>& process_of_subdomain,
-                            const Processes& processes) {
-  const auto number = [&](Index grain) { return numbers[at(grain)]; };
-  Decomposition parts;
-  parts.subdomains = with_contacts(problem, partition);
-  std::vector<std::vector<Index>> held;
-  for (const Subdomain& subdomain : parts.subdomains) {
-    held.emplace_back();
-    std::ranges::transform(subdomain.grains, std::back_inserter(held.back()), number);
-  }
-  parts.interface = shared_interface(problem.dofs_per_grain, numbers.empty() ? 0 : numbers.back() + 1, held, {},
-                                     process_of_subdomain, processes);
-  share_inertia(parts, problem, number);
-  parts = with_matrices(std::move(parts), problem);
-  const auto own = static_cast<double>(problem.contacts());
-  const std::vector<double> contacts = processes.gather({&own, 1});
-  const auto first = std::accumulate(contacts.begin(), contacts.begin() + processes.rank, 0.0);
-  parts.contacts = static_cast<Index>(std::accumulate(contacts.begin(), contacts.end(), 0.0));
-  for (std::size_t e = 0; e < held.size(); ++e) {
-    parts.subdomains[e].grains = std::move(held[e]);
-    for (Index& contact : parts.subdomains[e].contacts) contact += static_cast<Index>(first);
-  }
-  return parts;
+  return cut(problem, partition, shape, {});
 }
 
 Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem) {
@@ -132,41 +99,34 @@ Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem
   return parts;
 }
 
-Decomposition decompose(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
-  return with_matrices(cut(problem, partition, shape), problem);
+Decomposition decompose(const ReferenceProblem& problem, const Partition& partition, GluingShape shape,
+                        const PackingShare& share) {
+  Decomposition parts = with_matrices(cut(problem, partition, shape, share), problem);
+  const std::vector<Index> contacts = share.processes.gather_each(problem.contacts());
+  parts.contacts = std::accumulate(contacts.begin(), contacts.end(), Index{0});
+  parts.first_contact = std::accumulate(contacts.begin(), contacts.begin() + share.processes.rank, Index{0});
+  for (Subdomain& subdomain : parts.subdomains) {
+    subdomain.grains = numbers_of(subdomain.grains, share);
+    for (Index& contact : subdomain.contacts) contact += parts.first_contact;
+  }
+  return parts;
 }
 
-namespace {
-
-// `kept`: one flag per contact from number `first` on.
-Decomposition restricted(Decomposition parts, const std::vector<char>& kept, Index first) {
-  const auto stays = [&](Index contact) { return kept[at(contact - first)] != 0; };
-  for (Subdomain& subdomain : parts.subdomains) {
+Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept) {
+  const Index end = parts.first_contact + count(kept);
+  const auto has_flags = [&](const Subdomain& one) { return one.contacts.empty() || one.contacts.back() < end; };
+  if (end > parts.contacts || !std::ranges::all_of(parts.subdomains, has_flags))
+    fail("contact selection: expected a flag for each of {} contacts, met {}", parts.contacts, kept.size());
+  const auto stays = [&](Index contact) { return kept[at(contact - parts.first_contact)] != 0; };
+  Decomposition restricted = parts;
+  for (Subdomain& subdomain : restricted.subdomains) {
     std::vector<Index> columns;
     for (Index c = 0; c < count(subdomain.contacts); ++c)
       if (stays(subdomain.contacts[at(c)])) columns.push_back(c);
     subdomain.h = selected_columns(subdomain.h, columns);
     std::erase_if(subdomain.contacts, [&](Index contact) { return !stays(contact); });
   }
-  return parts;
-}
-
-}  // namespace
-
-Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept) {
-  if (count(kept) != parts.contacts) fail("contact selection: expected {} flags, met {}", parts.contacts, kept.size());
-  return restricted(parts, kept, 0);
-}
-
-Decomposition restrict_own(const Decomposition& parts, const std::vector<char>& kept) {
-  Index first = parts.contacts, end = 0;  // the contacts of this process, of which some may be left out already
-  for (const Subdomain& subdomain : parts.subdomains)
-    if (!subdomain.contacts.empty()) {
-      first = std::min(first, subdomain.contacts.front());
-      end = std::max(end, subdomain.contacts.back() + 1);
-    }
-  if (end - first > count(kept)) fail("contact selection: expected {} flags, met {}", end - first, kept.size());
-  return restricted(parts, kept, first);
+  return restricted;
 }
 
 Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain,

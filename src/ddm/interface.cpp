@@ -35,7 +35,7 @@ Interface::Interface(Index dofs_per_grain, Index grains, const std::vector<std::
 
 Interface Interface::of_process(const std::vector<Index>& process_of_subdomain, Processes processes) const {
   Interface shared = *this;
-  for (std::size_t e = 0; e < ties_.size(); ++e)
+  for (std::size_t e = 0; e < process_of_subdomain.size(); ++e)
     if (process_of_subdomain[e] != processes.rank) {
       shared.ties_[e] = {};
       shared.held_[e] = 0;
@@ -47,26 +47,25 @@ Interface Interface::of_process(const std::vector<Index>& process_of_subdomain, 
 
 Interface shared_interface(Index dofs_per_grain, Index grains, std::vector<std::vector<Index>> held,
                            const std::vector<char>& tied, const std::vector<Index>& process_of_subdomain,
-                           const Processes& processes) {
-  const auto own = [&](std::size_t e) { return process_of_subdomain[e] == processes.rank; };
-  const auto all_grains = static_cast<Index>(processes.maximum(static_cast<double>(grains)));
+                           const Processes& processes, GluingShape shape) {
+  struct Held {
+    Index grain, subdomain;
+  };
+  const Index all_grains = processes.maximum(grains);
   std::vector<char> tied_of_all(at(all_grains), 1);
   std::copy(tied.begin(), tied.end(), tied_of_all.begin());
   std::vector<double> copies(at(all_grains), 0);
   for (const std::vector<Index>& numbers : held)
     for (const Index grain : numbers) copies[at(grain)] += tied_of_all[at(grain)];
   processes.add_up(copies);
-  std::vector<double> shared;  // grains that several subdomains hold, with the subdomain
-  for (std::size_t e = 0; e < held.size(); ++e)
-    for (const Index grain : held[e])
-      if (tied_of_all[at(grain)] != 0 && copies[at(grain)] > 1)
-        shared.insert(shared.end(), {static_cast<double>(grain), static_cast<double>(e)});
-  shared = processes.gather(shared);
-  for (std::size_t k = 0; k < shared.size(); k += 2)
-    if (const auto e = static_cast<std::size_t>(shared[k + 1]); !own(e))
-      held[e].push_back(static_cast<Index>(shared[k]));
+  std::vector<Held> shared;  // grains that several subdomains hold
+  for (Index e = 0; e < count(held); ++e)
+    for (const Index grain : held[at(e)])
+      if (tied_of_all[at(grain)] != 0 && copies[at(grain)] > 1) shared.push_back({grain, e});
+  for (const auto& [grain, e] : processes.gather(shared))
+    if (!process_of_subdomain.empty() && process_of_subdomain[at(e)] != processes.rank) held[at(e)].push_back(grain);
   const std::vector<std::span<const Index>> known(held.begin(), held.end());
-  return Interface(dofs_per_grain, all_grains, known, tied_of_all).of_process(process_of_subdomain, processes);
+  return Interface(dofs_per_grain, all_grains, known, tied_of_all, shape).of_process(process_of_subdomain, processes);
 }
 
 void Interface::meet_neighbours() { between_neighbours_ = processes_.between_neighbours(shared_entries()); }

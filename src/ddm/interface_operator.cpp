@@ -20,33 +20,36 @@ MatrixRank rank_of(const Decomposition& parts, const Subdomain& subdomain) {
 
 // The rank of H of the undivided packing, whose rows may lie anywhere.
 MatrixRank rank_of_whole(const Decomposition& parts) {
+  struct Entry {
+    Index row, column;
+    double value;
+  };
+  struct Place {
+    Index grain;
+    std::array<double, 3> centre;  // d of these
+  };
   const Index d = parts.dofs_per_grain();
-  std::vector<double> own;  // row, column and value of each entry
-  for (const Subdomain& subdomain : parts.subdomains)
-    for_entries(subdomain.h, [&](Index i, Index j, double value) {
-      own.push_back(static_cast<double>(d * subdomain.grains[at(i / d)] + i % d));
-      own.push_back(static_cast<double>(subdomain.contacts[at(j)]));
-      own.push_back(value);
-    });
-  const std::vector<double> all = parts.interface.processes().gather(own);
-  SparseEntries entries;
-  for (std::size_t k = 0; k < all.size(); k += 3)
-    entries.add(static_cast<Index>(all[k]), static_cast<Index>(all[k + 1]), all[k + 2]);
-  own.clear();  // grain and centre
+  const Processes& processes = parts.interface.processes();
+  std::vector<Entry> own;
+  std::vector<Place> places;
   bool unknown = false;
   for (const Subdomain& subdomain : parts.subdomains) {
+    for_entries(subdomain.h, [&](Index i, Index j, double value) {
+      own.push_back({d * subdomain.grains[at(i / d)] + i % d, subdomain.contacts[at(j)], value});
+    });
     unknown |= subdomain.centres.cols() != count(subdomain.grains);
     for (Index i = 0; i < subdomain.centres.cols(); ++i) {
-      own.push_back(static_cast<double>(subdomain.grains[at(i)]));
-      for (Index k = 0; k < d; ++k) own.push_back(subdomain.centres(k, i));
+      places.push_back({subdomain.grains[at(i)], {}});
+      std::copy_n(subdomain.centres.col(i).data(), d, places.back().centre.data());
     }
   }
+  SparseEntries entries;
+  for (const Entry& one : processes.gather(own)) entries.add(one.row, one.column, one.value);
   Matrix centres;
-  if (!parts.interface.processes().any(unknown)) {
+  if (!processes.any(unknown)) {
     centres = Matrix::Zero(d, parts.interface.grains());
-    const std::vector<double> places = parts.interface.processes().gather(own);
-    for (std::size_t k = 0; k < places.size(); k += at(d + 1))
-      centres.col(static_cast<Index>(places[k])) = Eigen::Map<const Vector>(places.data() + k + 1, d);
+    for (const Place& one : processes.gather(places))
+      centres.col(one.grain) = Eigen::Map<const Vector>(one.centre.data(), d);
   }
   const Index rows = d * parts.interface.grains();
   return rigid_rank({d, centres, Vector::Ones(rows), entries.matrix(rows, parts.contacts)});
@@ -133,7 +136,7 @@ class InterfaceOperator::Implementation {
         unclear |= !rank.clear;
       }
       const MatrixRank undivided = rank_of_whole(parts);
-      const Index nullity = static_cast<Index>(processes.sum(static_cast<double>(local))) - undivided.value;
+      const Index nullity = processes.sum(local) - undivided.value;
       return MatrixRank{std::max<Index>(nullity, 0), !processes.any(unclear || !undivided.clear || nullity < 0)};
     });
   }

@@ -120,7 +120,7 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
   inertia = entries.inertia.matrix(size, size);
   entries.inertia = {};  // frees its memory
   stiffness = entries.stiffness.matrix(size, size);
-  negative = static_cast<Index>(processes().sum(static_cast<double>(border - grain_rows + late))) + interface_size();
+  negative = processes().sum(border - grain_rows + late) + interface_size();
 }
 
 SparseMatrix SaddlePointFamily::matrix(double epsilon, double eta, double sigma) const {

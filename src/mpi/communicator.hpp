@@ -39,11 +39,15 @@ class Communicator {
     ++work_->messages;
     work_->message_bytes += 8 * static_cast<double>(numbers);
   }
-  /// Counts an exchange of all processes, to which this one gives so many numbers.
-  void count_sum(Index numbers) const {
+  /// Counts an exchange of all processes, to which this one gives so many bytes.
+  void count_sum(std::size_t bytes) const {
     ++work_->sums;
-    work_->sum_bytes += 8 * static_cast<double>(numbers);
+    work_->sum_bytes += static_cast<double>(bytes);
   }
+
+  /// See Processes::gather_bytes. Returns how many items each process gave. It is not counted.
+  std::vector<int> gather(std::span<const std::byte> own, std::size_t item, bool everywhere,
+                          const Processes::Room& room) const;
 
  private:
   std::shared_ptr<WorkCount> work_;

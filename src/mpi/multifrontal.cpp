@@ -91,7 +91,7 @@ class SharedFactor {
     const bool regular = own_.regular() && (!joint_ || joint_->regular());
     const Index here = regular ? own_.negative_eigenvalues() + (joint_ ? joint_->negative_eigenvalues() : 0) : 0;
     std::array<Index, 2> sums{regular ? 0 : 1, here};
-    plan_->all->count_sum(2);
+    plan_->all->count_sum(sizeof sums);
     MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_INT64_T, MPI_SUM, plan_->all->get());
     regular_ = sums[0] == 0;
     negative_eigenvalues_ = sums[1];
@@ -127,7 +127,7 @@ class SharedFactor {
     x = own_.go_back(x, down);
     result.tail(plan.border)(plan.sets[at(plan.rank)].eliminated) =
         x.tail(count(plan.touched))(plan.place_of_eliminated);
-    plan.all->count_sum(plan.border);
+    plan.all->count_sum(sizeof(double) * at(plan.border));
     MPI_Allreduce(MPI_IN_PLACE, result.data() + own, static_cast<int>(plan.border), MPI_DOUBLE, MPI_SUM,
                   plan.all->get());
     result.head(own) = x.head(own);

@@ -2,11 +2,33 @@
 #include "mpi/communicator.hpp"
 #include <nscdd/mpi/processes.hpp>
 
-#include <algorithm>
-#include <limits>
 #include <numeric>
 
 namespace nscdd::mpi {
+
+std::vector<int> Communicator::gather(std::span<const std::byte> own, std::size_t item, bool everywhere,
+                                      const Processes::Room& room) const {
+  const auto items = static_cast<double>(own.size() / item);
+  std::vector<double> of_each(at(size()));
+  MPI_Allgather(&items, 1, MPI_DOUBLE, of_each.data(), 1, MPI_DOUBLE, own_);
+  const double total = std::accumulate(of_each.begin(), of_each.end(), 0.0);
+  if (total > std::numeric_limits<int>::max()) throw Error("processes: expected at most 2^31 items to gather");
+  const std::vector<int> sizes(of_each.begin(), of_each.end());
+  std::vector<int> first(sizes.size(), 0);
+  std::partial_sum(sizes.begin(), sizes.end() - 1, first.begin() + 1);
+  std::byte* const all = everywhere || rank() == 0 ? room(item * static_cast<std::size_t>(total)) : nullptr;
+  MPI_Datatype type = MPI_DATATYPE_NULL;
+  MPI_Type_contiguous(static_cast<int>(item), MPI_BYTE, &type);
+  MPI_Type_commit(&type);
+  const int mine = sizes[at(rank())];
+  if (everywhere)
+    MPI_Allgatherv(own.data(), mine, type, all, sizes.data(), first.data(), type, own_);
+  else
+    MPI_Gatherv(own.data(), mine, type, all, sizes.data(), first.data(), type, 0, own_);
+  MPI_Type_free(&type);
+  return sizes;
+}
+
 namespace {
 
 constexpr std::size_t numbers_at_a_time = std::size_t{1} << 28;  // MPI counts in int
@@ -15,7 +37,7 @@ void combine(const Communicator& all, std::span<double> numbers, MPI_Op operatio
   while (!numbers.empty()) {
     const std::span<double> part = numbers.first(std::min(numbers.size(), numbers_at_a_time));
     const int size = static_cast<int>(part.size());
-    all.count_sum(size);
+    all.count_sum(part.size_bytes());
     if (all.rank() == 0)
       MPI_Reduce(MPI_IN_PLACE, part.data(), size, MPI_DOUBLE, operation, 0, all.get());
     else
@@ -23,28 +45,6 @@ void combine(const Communicator& all, std::span<double> numbers, MPI_Op operatio
     MPI_Bcast(part.data(), size, MPI_DOUBLE, 0, all.get());
     numbers = numbers.subspan(part.size());
   }
-}
-
-// The numbers of all processes, in all of them or in the first one alone.
-std::vector<double> gathered(const Communicator& all, std::span<const double> own, bool everywhere) {
-  const auto size = static_cast<double>(own.size());
-  std::vector<double> of_each(static_cast<std::size_t>(all.size()));
-  all.count_sum(1);
-  MPI_Allgather(&size, 1, MPI_DOUBLE, of_each.data(), 1, MPI_DOUBLE, all.get());
-  const double total = std::accumulate(of_each.begin(), of_each.end(), 0.0);
-  if (total > std::numeric_limits<int>::max()) throw Error("processes: expected at most 2^31 numbers to gather");
-  const std::vector<int> sizes(of_each.begin(), of_each.end());
-  std::vector<int> first(sizes.size(), 0);
-  std::partial_sum(sizes.begin(), sizes.end() - 1, first.begin() + 1);
-  std::vector<double> numbers(everywhere || all.rank() == 0 ? static_cast<std::size_t>(total) : 0);
-  all.count_sum(count(own));
-  if (everywhere)
-    MPI_Allgatherv(own.data(), static_cast<int>(size), MPI_DOUBLE, numbers.data(), sizes.data(), first.data(),
-                   MPI_DOUBLE, all.get());
-  else
-    MPI_Gatherv(own.data(), static_cast<int>(size), MPI_DOUBLE, numbers.data(), sizes.data(), first.data(), MPI_DOUBLE,
-                0, all.get());
-  return numbers;
 }
 
 // Persistent messages between neighbours: each sends its own parts of the entries that it shares with another one.
@@ -98,8 +98,12 @@ Processes processes_of(MPI_Comm communicator) {
           .size = all->size(),
           .add_up = [all](std::span<double> numbers) { combine(*all, numbers, MPI_SUM); },
           .largest = [all](std::span<double> numbers) { combine(*all, numbers, MPI_MAX); },
-          .gather = [all](std::span<const double> own) { return gathered(*all, own, true); },
-          .gather_at_first = [all](std::span<const double> own) { return gathered(*all, own, false); },
+          .gather_bytes =
+              [all](std::span<const std::byte> own, std::size_t item, bool everywhere, const Processes::Room& room) {
+                all->count_sum(sizeof(double));  // the sizes
+                all->count_sum(own.size());
+                all->gather(own, item, everywhere, room);
+              },
           .between_neighbours =
               [all](const std::vector<SharedEntries>& shared) {
                 return [here = std::make_shared<Neighbourhood>(all, shared)](std::span<double> numbers) {

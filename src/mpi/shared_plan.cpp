@@ -11,16 +11,17 @@ namespace {
 
 // The lists of all processes.
 std::vector<std::vector<Index>> gathered(const Communicator& all, const std::vector<Index>& own) {
-  static_assert(sizeof(Index) == sizeof(std::int64_t));
-  const int size = static_cast<int>(own.size());
-  std::vector<int> sizes(at(all.size())), first(sizes.size(), 0);
-  MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, all.get());
-  std::partial_sum(sizes.begin(), sizes.end() - 1, first.begin() + 1);
-  std::vector<Index> numbers(at(first.back() + sizes.back()));
-  MPI_Allgatherv(own.data(), size, MPI_INT64_T, numbers.data(), sizes.data(), first.data(), MPI_INT64_T, all.get());
+  std::vector<Index> numbers;
+  const std::vector<int> sizes = all.gather(std::as_bytes(std::span(own)), sizeof(Index), true, [&](std::size_t bytes) {
+    numbers.resize(bytes / sizeof(Index));
+    return reinterpret_cast<std::byte*>(numbers.data());
+  });
   std::vector<std::vector<Index>> lists;
-  for (std::size_t p = 0; p < sizes.size(); ++p)
-    lists.emplace_back(numbers.begin() + first[p], numbers.begin() + first[p] + sizes[p]);
+  auto next = numbers.begin();
+  for (const int size : sizes) {
+    lists.emplace_back(next, next + size);
+    next += size;
+  }
   return lists;
 }
 

@@ -116,7 +116,7 @@ SlepcPencil::SlepcPencil(const Contraction& b, const std::shared_ptr<const Commu
       first_of_p_(dofs(b.system.parts())),
       layout_(*all, first_of_p_ + dofs(b.preconditioner.parts()), b.rows()),
       tolerance_(options.tolerance),
-      rows_of_p_(static_cast<Index>(processes().sum(static_cast<double>(dofs(b.preconditioner.parts()))))) {
+      rows_of_p_(processes().sum(dofs(b.preconditioner.parts()))) {
   assemble();
 }
 

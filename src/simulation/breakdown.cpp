@@ -10,26 +10,22 @@ namespace {
 // if none has any. A process without any has the merit -infinity.
 std::optional<std::string> words_of_first(const Processes& all, double merit, const StepContact& contact,
                                           const std::string& words) {
-  constexpr double none = -std::numeric_limits<double>::infinity();
-  const double largest = all.maximum(merit);
-  const auto lowest = [&](double own, bool counts) { return -all.maximum(counts ? -own : none); };
-  bool speaks = merit == largest && merit > none;
-  const auto a = static_cast<double>(contact.a), b = static_cast<double>(contact.b);
-  speaks = lowest(a, speaks) == a && speaks;
-  speaks = lowest(b, speaks) == b && speaks;
-  const std::vector<double> letters =
-      all.gather(speaks ? std::vector<double>(words.begin(), words.end()) : std::vector<double>());
-  if (largest == none) return std::nullopt;
-  std::string text;
-  for (const double letter : letters) text += static_cast<char>(letter);
-  return text;
+  struct Claim {
+    double merit;
+    Index a, b;
+  };
+  const std::vector<Claim> claims = all.gather_each(Claim{merit, contact.a, contact.b});
+  const auto first =
+      std::ranges::min_element(claims, {}, [](const Claim& one) { return std::tuple(-one.merit, one.a, one.b); });
+  if (first->merit == -infinity) return std::nullopt;
+  const std::vector<char> text = all.gather(first - claims.begin() == all.rank ? words : std::string());
+  return std::string(text.begin(), text.end());
 }
 
 }  // namespace
 
 template <int D>
 std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& step) {
-  constexpr double none = -std::numeric_limits<double>::infinity();
   const Processes& all = before.processes;
   const auto place = [](const auto& point) { return fmt::format("({:.6g}) m", fmt::join(point, ", ")); };
   const auto name = [&](const StepContact& c) {
@@ -39,7 +35,7 @@ std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& st
   const auto impulse = [](const GrainContact<D>& c) { return std::hypot(c.impulse.n, norm(c.impulse.t)); };
   // The words about a contact of this process, if it has one.
   const auto said = [&](auto contact, double merit, const std::string& what) {
-    if (contact == step.contacts.end()) return words_of_first(all, none, {}, "");
+    if (contact == step.contacts.end()) return words_of_first(all, -infinity, {}, "");
     const StepContact& c = step.problem.geometry[at(contact - step.contacts.begin())];
     return words_of_first(all, merit, c, name(c) + what);
   };
@@ -51,7 +47,7 @@ std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& st
       return fmt::format("{} at {}: the velocity is not finite", body_name(before.system, static_cast<Index>(i)),
                          place(centre_of<D>(before.state, i)));
   const auto largest = std::ranges::max_element(step.contacts, {}, impulse);
-  const double size = largest == step.contacts.end() ? none : impulse(*largest);
+  const double size = largest == step.contacts.end() ? -infinity : impulse(*largest);
   return said(largest, size, fmt::format(": largest impulse, {:.6g} N s", size)).value_or("no contact");
 }
 

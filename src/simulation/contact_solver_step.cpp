@@ -125,11 +125,11 @@ void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts
   const auto look = [&](const Vector& shifted) {
     const double before = seconds();
     take(shifted);
-    const auto changes = static_cast<double>(changes_of(statuses, statuses_of(problem.law, step.contacts)));
+    const Index changes = changes_of(statuses, statuses_of(problem.law, step.contacts));
     sink.row({.step = simulation.state.step + 1,
               .record = report.last,
               .residual = report.residual,
-              .status_changes = static_cast<Index>(all.sum(changes)),
+              .status_changes = all.sum(changes),
               .factorisations = report.factorisations,
               .interface_iterations = divided ? divided->work().iterations : 0,
               .seconds = before});

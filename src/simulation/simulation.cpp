@@ -127,11 +127,11 @@ void iterate(SolvedStep<D>& step, GranularTwoStage<D>& iteration, const Simulati
       report.residual = iteration.residual();
     }
     if (!look) continue;
-    const auto changes = static_cast<double>(changes_of(statuses, iteration.statuses()));
+    const Index changes = changes_of(statuses, iteration.statuses());
     sink.row({.step = simulation.state.step + 1,
               .record = report.last,
               .residual = report.residual,
-              .status_changes = static_cast<Index>(simulation.processes.sum(changes)),
+              .status_changes = simulation.processes.sum(changes),
               .seconds = report.solve_seconds});
   }
   report.status = *status;

@@ -29,7 +29,7 @@ Decomposition linear_parts(const Simulation& simulation, const StepProblem<D>& p
   std::vector<char> usable(D * problem.contacts.size(), 1);
   for (std::size_t k = 0; k < problem.contacts.size(); ++k)
     std::fill_n(usable.begin() + static_cast<Index>(D * k + 1), D - 1, always || problem.contacts[k].friction > 0);
-  return std::ranges::count(usable, 0) == 0 ? all : restrict_own(all, usable);
+  return std::ranges::count(usable, 0) == 0 ? all : restrict_contacts(all, usable);
 }
 
 // Columns of the contacts that carried an impulse in the last step. If there is no step before, all of them.
@@ -75,14 +75,10 @@ std::vector<char> expected_columns(const Simulation& simulation, const StepProbl
 template <int D>
 Decomposition linear_decomposition(const Simulation& simulation, const StepProblem<D>& problem,
                                    const Partition& partition, const ShareOfStep& share) {
-  const Index disks = simulation.system.disks();
-  if (!share.process_of_subdomain.empty()) {
-    const auto behind = std::ranges::lower_bound(problem.numbers, static_cast<std::int32_t>(disks));
-    const std::vector<Index> grains(problem.numbers.begin(), behind);  // bodies of walls are behind these
-    return decompose_own(reference_problem(problem, count(grains)), partition_of_columns(partition, D), grains,
-                         share.process_of_subdomain, simulation.processes);
-  }
-  return decompose(reference_problem(problem, disks), partition_of_columns(partition, D));
+  const auto walls = std::ranges::lower_bound(problem.numbers, static_cast<std::int32_t>(simulation.system.disks()));
+  const std::vector<Index> grains(problem.numbers.begin(), walls);
+  return decompose(reference_problem(problem, count(grains)), partition_of_columns(partition, D), GluingShape::chain,
+                   {grains, share.process_of_subdomain, simulation.processes});
 }
 
 InertiaMethod stage_two_inertia(const Simulation& simulation) {
@@ -95,7 +91,7 @@ InterfaceOperator enriched_operator(const Simulation& simulation, const StepProb
   const Decomposition all = linear_parts(simulation, problem, partition, share);
   const StepSolver& solver = simulation.dynamics.solver;
   const bool active = solver.network == StageTwoNetwork::active || solver.enrichment == Enrichment::semi_implicit;
-  return InterfaceFamily(active ? restrict_own(all, active_columns(simulation, problem, share)) : all,
+  return InterfaceFamily(active ? restrict_contacts(all, active_columns(simulation, problem, share)) : all,
                          InterfaceFamily::default_dense_limit, stage_two_inertia(simulation))
       .at(eta);
 }
@@ -111,7 +107,7 @@ double best_eta(const Simulation& simulation, const StepProblem<D>& problem, con
   const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0, options);
   if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
     return std::max(simulation.state.eta, stable);  // contacts have come since it was found
-  return std::max(optimal_eta(all, restrict_own(all, expected_columns(simulation, problem)), options), stable);
+  return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem)), options), stable);
 }
 
 template Decomposition linear_decomposition(const Simulation&, const StepProblem<2>&, const Partition&,

@@ -47,7 +47,7 @@ double best_eta(const Simulation& simulation, const StepProblem<D>& problem, con
                 const ShareOfStep& share = {});
 
 /// M, H and the partition of a step for the linear analysis, with a column for each direction of a contact. Of
-/// several processes each has its own subdomains, see decompose_own; `problem` is then its share of the step.
+/// several processes each has its own subdomains, see PackingShare; `problem` is then its share of the step.
 template <int D>
 Decomposition linear_decomposition(const Simulation& simulation, const StepProblem<D>& problem,
                                    const Partition& partition, const ShareOfStep& share = {});

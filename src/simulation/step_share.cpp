@@ -11,15 +11,6 @@ namespace {
 
 constexpr auto ends_of = [](const auto& contact) { return std::pair(contact.a, contact.b); };
 
-constexpr std::size_t numbers_per_impulse = 5;
-
-std::vector<double> packed(const std::vector<RememberedImpulse>& impulses) {
-  std::vector<double> numbers;
-  for (const auto& [a, b, impulse] : impulses)
-    numbers.insert(numbers.end(), {static_cast<double>(a), static_cast<double>(b), impulse[0], impulse[1], impulse[2]});
-  return numbers;
-}
-
 // Impulses of the step before for which `wanted` says so, ascending by (a, b). Each process has those of its own
 // subdomains; but at the beginning of a run all of them, of which no process is to be asked.
 template <class Wanted>
@@ -27,13 +18,8 @@ std::vector<RememberedImpulse> impulses_of_all(const Simulation& simulation, con
   const GranularState& state = simulation.state;
   if (state.process_of_subdomain.empty()) return state.impulses;
   std::vector<RememberedImpulse> found;
-  simulation.processes.take_turns(packed(state.impulses), [&](std::span<const double> numbers) {
-    for (std::size_t k = 0; k < numbers.size(); k += numbers_per_impulse) {
-      const RememberedImpulse one{static_cast<Index>(numbers[k]),
-                                  static_cast<Index>(numbers[k + 1]),
-                                  {numbers[k + 2], numbers[k + 3], numbers[k + 4]}};
-      if (wanted(one)) found.push_back(one);
-    }
+  simulation.processes.exchange(state.impulses, [&](std::span<const RememberedImpulse> given) {
+    std::ranges::copy_if(given, std::back_inserter(found), wanted);
   });
   std::ranges::sort(found, {}, ends_of);
   return found;
@@ -102,10 +88,9 @@ StepShare<D> share_step(const Simulation& simulation) {
   const ConsideredContacts considered =
       for_each_step_contact<D>(system, state, dynamics.interaction, dynamics.time, keep);
   // All processes must come to both numbers, also where some have found others.
-  const auto number = static_cast<double>(considered.number);
-  const double kept = all.sum(static_cast<double>(own.size())), most = all.maximum(number),
-               least = -all.maximum(-number);
-  if (kept != number || most != least)
+  const Index kept = all.sum(count(own)), most = all.maximum(considered.number),
+              least = -all.maximum(-considered.number);
+  if (kept != considered.number || most != least)
     throw Error("processes: expected the same step in all of them, met others: their processors may differ");
   check_overlaps<D>(system, state, dynamics.interaction, dynamics.time, considered.deep);
   std::ranges::sort(own, {}, ends_of);
@@ -142,19 +127,16 @@ template <int D>
 std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<D>& problem, const Partition& partition,
                                                         const std::vector<Index>& shared, const Processes& processes) {
   std::vector<RememberedSubdomain> known = subdomains_to_remember(problem.geometry, partition);
-  if (processes.alone()) return known;
-  const auto is_shared = [&](Index grain) { return std::ranges::binary_search(shared, grain); };
   std::set<Index> own;
-  std::vector<double> numbers;
-  for (const auto& [a, b, subdomain] : known) {
-    own.insert(subdomain);
-    if (is_shared(a) || is_shared(b))
-      numbers.insert(numbers.end(), {static_cast<double>(a), static_cast<double>(b), static_cast<double>(subdomain)});
+  std::vector<RememberedSubdomain> given;
+  const auto is_shared = [&](Index grain) { return std::ranges::binary_search(shared, grain); };
+  for (const RememberedSubdomain& one : known) {
+    own.insert(one.subdomain);
+    if (is_shared(one.a) || is_shared(one.b)) given.push_back(one);
   }
-  numbers = processes.gather(numbers);
-  for (std::size_t k = 0; k < numbers.size(); k += 3)
-    if (const auto e = static_cast<Index>(numbers[k + 2]); !own.contains(e))
-      known.push_back({static_cast<Index>(numbers[k]), static_cast<Index>(numbers[k + 1]), e});
+  given = processes.gather(given);
+  std::ranges::copy_if(given, std::back_inserter(known),
+                       [&](const RememberedSubdomain& one) { return !own.contains(one.subdomain); });
   std::ranges::sort(known, {}, ends_of);
   return known;
 }
@@ -181,19 +163,15 @@ std::vector<GrainUnknowns<D>> velocities_of_grains(const Simulation& before, con
   result.reserve(at(system.disks()));
   for (Index i = 0; i < system.disks(); ++i)
     result.push_back(unknowns(free_velocity<D>(system, before.state, before.dynamics.time, motions, i)));
-  std::vector<double> own;  // of free grains, by number
-  for (std::size_t body = 0; body < velocities.size(); ++body) {
-    if (velocities[body].inverse_mass == 0) continue;
-    const GrainUnknowns<D> v = result[at(problem.numbers[body])] = unknowns(velocities[body]);
-    if (processes.alone()) continue;
-    own.push_back(problem.numbers[body]);
-    own.insert(own.end(), v.begin(), v.end());
-  }
-  if (processes.alone()) return result;
-  processes.take_turns(own, [&](std::span<const double> numbers) {
-    for (std::size_t k = 0; k < numbers.size(); k += 1 + unknowns_of_grain<D>)
-      std::copy_n(numbers.begin() + static_cast<Index>(k) + 1, unknowns_of_grain<D>,
-                  result[static_cast<std::size_t>(numbers[k])].begin());
+  struct Moved {
+    Index grain;
+    GrainUnknowns<D> velocity;
+  };
+  std::vector<Moved> own;
+  for (std::size_t body = 0; body < velocities.size(); ++body)
+    if (velocities[body].inverse_mass != 0) own.push_back({problem.numbers[body], unknowns(velocities[body])});
+  processes.exchange(own, [&](std::span<const Moved> given) {
+    for (const Moved& one : given) result[at(one.grain)] = one.velocity;
   });
   return result;
 }

@@ -120,7 +120,7 @@ template <int D>
 int CutContacts<D>::determinant_sign() const {
   Index negative = 0;
   for (const std::optional<SparseLu>& lu : lu_) negative += lu && lu->determinant_sign() < 0;
-  const bool odd = static_cast<Index>(processes().sum(static_cast<double>(negative))) % 2 != 0;
+  const bool odd = processes().sum(negative) % 2 != 0;
   return odd ? -longest_.determinant_sign : longest_.determinant_sign;
 }
 
@@ -129,7 +129,7 @@ double CutContacts<D>::take_operations() {
   double sum = 0;
   for (const std::optional<SparseLu>& lu : lu_) sum += lu ? lu->operations() : 0;
   const double own = sum - std::exchange(work_.flops, sum);
-  const std::vector<double> of_all = processes().gather({&own, 1});
+  const std::vector<double> of_all = processes().gather_each(own);
   work_.path_flops += std::ranges::max(of_all);
   return std::accumulate(of_all.begin(), of_all.end(), 0.0);
 }

@@ -69,22 +69,7 @@ Interface interface_of(const GranularDecomposition<D>& parts, const StepProblem<
   std::vector<char> free(at(grains), 1);
   for (Index body = 0; body < count(problem.free); ++body)
     free[at(number(body))] = problem.free[at(body)].inverse_mass > 0;
-  if (!processes.alone())
-    return shared_interface(unknowns_of_grain<D>, grains, std::move(held), free, process_of, processes);
-  const std::vector<std::span<const Index>> known(held.begin(), held.end());
-  return {unknowns_of_grain<D>, grains, known, free};
-}
-
-// Added up subdomain by subdomain: no bit depends on the processes.
-template <int D>
-ImpulseScale scale_of(const StepProblem<D>& problem, const Partition& partition, const Processes& processes) {
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(4, partition.subdomains);
-  for (std::size_t c = 0; c < problem.contacts.size(); ++c) {
-    const ImpulseScale one = impulse_scale<D>(problem.law, problem.contacts[c], problem.free);
-    sums.col(partition.subdomain_of_contact[c]) += Eigen::Vector4d(one.alone, one.momenta, one.speeds, one.energies);
-  }
-  const Vector sum = sum_of_parts(std::move(sums), processes);
-  return {.alone = sum[0], .momenta = sum[1], .speeds = sum[2], .energies = sum[3]};
+  return shared_interface(unknowns_of_grain<D>, grains, std::move(held), free, process_of, processes);
 }
 
 template <int D>
@@ -100,6 +85,17 @@ auto unknowns_of_copies(const GranularDecomposition<D>& parts) {
 }  // namespace
 
 template <int D>
+ImpulseScale impulse_scale(const StepProblem<D>& problem, const Partition& partition, const Processes& processes) {
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(4, partition.subdomains);
+  for (std::size_t c = 0; c < problem.contacts.size(); ++c) {
+    const ImpulseScale one = impulse_scale<D>(problem.law, problem.contacts[c], problem.free);
+    sums.col(partition.subdomain_of_contact[c]) += Eigen::Vector4d(one.alone, one.momenta, one.speeds, one.energies);
+  }
+  const Vector sum = sum_of_parts(std::move(sums), processes);
+  return {.alone = sum[0], .momenta = sum[1], .speeds = sum[2], .energies = sum[3]};
+}
+
+template <int D>
 GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,
                                    Choice<ContactOrder> order, std::uint64_t seed,
                                    const std::vector<Index>& process_of_subdomain, const Processes& processes) {
@@ -111,7 +107,7 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
                  fmt::format("subdomains with {} contacts", problem.contacts.size()), "fewer grains");
   GranularDecomposition<D> parts;
   parts.contacts = count(problem.contacts);
-  parts.scale = scale_of(problem, partition, processes);
+  parts.scale = impulse_scale(problem, partition, processes);
   parts.subdomains.resize(at(partition.subdomains));
   for (Index c = 0; c < count(problem.contacts); ++c)
     parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);
@@ -127,7 +123,7 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
     const Index body = body_of(problem, row.grain);
     parts.copy_mass.push_back(body < 0 ? 0 : 1 / (problem.free[at(body)].inverse_mass * copies(row.grain)));
   }
-  if (!processes.alone()) parts.interface.meet_neighbours();
+  parts.interface.meet_neighbours();
   return parts;
 }
 
@@ -224,6 +220,8 @@ template GranularDecomposition<2> decompose(const StepProblem<2>&, const Partiti
                                             std::uint64_t, const std::vector<Index>&, const Processes&);
 template GranularDecomposition<3> decompose(const StepProblem<3>&, const Partition&, Choice<ContactOrder>,
                                             std::uint64_t, const std::vector<Index>&, const Processes&);
+template ImpulseScale impulse_scale(const StepProblem<2>&, const Partition&, const Processes&);
+template ImpulseScale impulse_scale(const StepProblem<3>&, const Partition&, const Processes&);
 template ReferenceProblem reference_problem(const StepProblem<2>&, Index);
 template ReferenceProblem reference_problem(const StepProblem<3>&, Index);
 

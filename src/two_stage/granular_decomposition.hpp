@@ -56,6 +56,10 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
                                    const std::vector<Index>& process_of_subdomain = {},
                                    const Processes& processes = {});
 
+/// The scale of the impulses of a step, added up subdomain by subdomain: no bit depends on the processes.
+template <int D>
+ImpulseScale impulse_scale(const StepProblem<D>& problem, const Partition& partition, const Processes& processes);
+
 /// M and H of a step for the linear analysis. A grain has the rows of its unknowns (a disk x, y, rim with inertia m, m,
 /// m/2), empty ones in H if it is driven. Columns D c, ... are the normal and the tangential directions of contact
 /// c. The arriving velocity is V_free. The bodies of walls, which come after the disks, are left out.

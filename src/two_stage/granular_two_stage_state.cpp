@@ -9,33 +9,34 @@ namespace {
 constexpr auto other_steps =
     "processes: expected the same step in all of them, met others: their processors may differ";
 
-// The copy of a shared grain as processes send it: its subdomain, the number of the grain, and its velocity.
+// The copy of a shared grain as processes send it.
 template <int D>
-constexpr Index numbers_per_copy = 2 + unknowns_of_grain<D>;
+struct SentCopy {
+  Index subdomain, grain;
+  GrainUnknowns<D> velocity;
+};
 
 template <int D>
-void pack_copies(Index e, const GranularSubdomain<D>& subdomain, const StepProblem<D>& problem,
-                 const Interface& interface, std::vector<double>& packed) {
+void add_copies(Index e, const GranularSubdomain<D>& subdomain, const StepProblem<D>& problem,
+                const Interface& interface, std::vector<SentCopy<D>>& copies) {
   for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
     const std::size_t body = at(subdomain.bodies[i]);
     const Index number = problem.numbers[body];
     if (problem.free[body].inverse_mass == 0 || interface.multiplicity(number) == 1) continue;
-    const GrainUnknowns<D> v = unknowns(subdomain.velocities[i]);
-    packed.insert(packed.end(), {static_cast<double>(e), static_cast<double>(number)});
-    packed.insert(packed.end(), v.begin(), v.end());
+    copies.push_back({e, number, unknowns(subdomain.velocities[i])});
   }
 }
 
 // Adds to the velocity of a shared grain, at first V_free, its part of what one of its copies has gained.
 template <int D>
-void take_in_copy(const double* copy, const StepProblem<D>& problem, const Interface& interface,
+void take_in_copy(const SentCopy<D>& copy, const StepProblem<D>& problem, const Interface& interface,
                   std::vector<GrainVelocity<D>>& velocities) {
-  const auto number = static_cast<Index>(copy[1]), body = body_of(problem, number);
+  const Index body = body_of(problem, copy.grain);
   if (body < 0) return;  // a grain of other processes
-  const double part = 1 / static_cast<double>(interface.multiplicity(number));
+  const double part = 1 / static_cast<double>(interface.multiplicity(copy.grain));
   const GrainUnknowns<D> start = unknowns(problem.free[at(body)]);
   GrainUnknowns<D> v = unknowns(velocities[at(body)]);
-  for (std::size_t k = 0; k < v.size(); ++k) v[k] += part * (copy[2 + k] - start[k]);
+  for (std::size_t k = 0; k < v.size(); ++k) v[k] += part * (copy.velocity[k] - start[k]);
   velocities[at(body)] = with_unknowns(v, velocities[at(body)].inverse_mass);
 }
 
@@ -127,9 +128,9 @@ template <int D>
 typename GranularTwoStage<D>::Solution GranularTwoStage<D>::gather(const StepProblem<D>& problem) {
   const Interface& interface = parts_.interface;
   const Processes& all = interface.processes();
-  if (!all.alone()) gather_interface_impulses();
+  gather_interface_impulses();
   Solution result{problem.contacts, problem.free};
-  std::vector<double> packed;
+  std::vector<SentCopy<D>> copies;
   for (Index e = 0; e < count(parts_.subdomains); ++e) {
     const GranularSubdomain<D>& subdomain = parts_.subdomains[at(e)];
     for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
@@ -141,14 +142,12 @@ typename GranularTwoStage<D>::Solution GranularTwoStage<D>::gather(const StepPro
       if (v.inverse_mass > 0 && interface.multiplicity(problem.numbers[at(subdomain.bodies[i])]) == 1)
         v = with_unknowns(unknowns(subdomain.velocities[i]), v.inverse_mass);
     }
-    pack_copies(e, subdomain, problem, interface, packed);
+    add_copies(e, subdomain, problem, interface, copies);
   }
-  packed = all.gather(packed);
-  std::vector<const double*> copies;
-  for (Index k = 0; k < count(packed); k += numbers_per_copy<D>) copies.push_back(packed.data() + k);
+  copies = all.gather(copies);
   // What copies gained adds up in the order of their subdomains, whoever has them.
-  std::stable_sort(copies.begin(), copies.end(), [](const double* a, const double* b) { return a[0] < b[0]; });
-  for (const double* copy : copies) take_in_copy(copy, problem, interface, result.velocities);
+  std::ranges::stable_sort(copies, {}, &SentCopy<D>::subdomain);
+  for (const SentCopy<D>& copy : copies) take_in_copy(copy, problem, interface, result.velocities);
   return result;
 }
 

@@ -86,11 +86,32 @@ TEST_CASE("processes: numbers are gathered in their order, at all, at the first,
   CHECK(all().gather_at_first(own) == (rank == 0 ? expected : std::vector<double>()));
   std::vector<double> met;
   Index turns = 0;
-  all().take_turns(own, [&](std::span<const double> numbers) {
+  all().exchange(own, [&](std::span<const double> numbers) {
     CHECK(static_cast<Index>(numbers.size()) == turns++);
     met.insert(met.end(), numbers.begin(), numbers.end());
   });
   CHECK(met == expected);
+}
+
+TEST_CASE("processes: items of any type are gathered, and whole numbers added up") {
+  struct Item {
+    Index rank;
+    float half;
+    char letter;
+  };
+  const auto rank = static_cast<int>(all().rank);
+  const std::vector<Item> items = all().gather_each(Item{rank, 0.5F * static_cast<float>(rank), 'x'});
+  REQUIRE(static_cast<Index>(items.size()) == all().size);
+  for (Index k = 0; k < all().size; ++k) {
+    const Item& one = items[static_cast<std::size_t>(k)];
+    CHECK(one.rank == k);
+    CHECK(one.half == 0.5F * static_cast<float>(k));
+    CHECK(one.letter == 'x');
+  }
+  const std::vector<char> text = all().gather(std::string(static_cast<std::size_t>(rank), 'a'));
+  CHECK(static_cast<Index>(text.size()) == all().size * (all().size - 1) / 2);
+  CHECK(all().sum(Index{1}) == all().size);
+  CHECK(all().maximum(Index{-rank}) == 0);
 }
 
 TEST_CASE("processes: what is sent is counted") {

@@ -38,7 +38,7 @@ struct Shared {
     own.h = one.problem.h * chosen;
     std::vector<Index> numbers(at(one.problem.inertia.size() / 3));
     std::iota(numbers.begin(), numbers.end(), Index{0});
-    return {decompose_own(own, partition, numbers, process_of, all()), options};
+    return {decompose(own, partition, GluingShape::chain, {numbers, process_of, all()}), options};
   }
   std::vector<ContactRelation<2>> of(const std::vector<ContactRelation<2>>& relations) const {
     std::vector<ContactRelation<2>> own;

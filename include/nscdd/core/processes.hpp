@@ -4,8 +4,7 @@
 #include <nscdd/core/types.hpp>
 
 #include <atomic>
-#include <memory>
-#include <span>
+#include <ranges>
 
 namespace nscdd {
 
@@ -36,20 +35,22 @@ struct WorkCount {
   static void add(double& to, double amount) { std::atomic_ref(to) += amount; }
 };
 
-/// The processes that share the work on one problem; by default this one is alone. All of them make the same calls in
-/// the same order, with arrays of the same length, and all of them get the same bits.
+/// The processes that share the work on one problem; by default there is one. All of them make the same calls in the
+/// same order, and all of them get the same bits. The functions are what a library of messages provides; by default
+/// they are those of one process.
 struct Processes {
+  /// Gives the place for all items of a gather, so many bytes.
+  using Room = std::function<std::byte*(std::size_t bytes)>;
+
   Index rank = 0, size = 1;
   std::function<void(std::span<double>)> add_up = [](std::span<double>) {};   ///< entry by entry
   std::function<void(std::span<double>)> largest = [](std::span<double>) {};  ///< entry by entry
-  /// The numbers of all of them, one process after the other.
-  std::function<std::vector<double>(std::span<const double>)> gather = [](std::span<const double> own) {
-    return std::vector<double>(own.begin(), own.end());
-  };
-  /// The same in the first process, and nothing in the others.
-  std::function<std::vector<double>(std::span<const double>)> gather_at_first = [](std::span<const double> own) {
-    return std::vector<double>(own.begin(), own.end());
-  };
+  /// The items of all processes, `item` bytes each, one process after the other; in all processes, or in the first one
+  /// only.
+  std::function<void(std::span<const std::byte> own, std::size_t item, bool everywhere, const Room& room)>
+      gather_bytes = [](std::span<const std::byte> own, std::size_t, bool, const Room& room) {
+        std::ranges::copy(own, room(own.size()));
+      };
   /// What adds up the entries that neighbours share, of one array after the other. Nobody else takes part, and only
   /// these entries are then the same in both.
   std::function<std::function<void(std::span<double>)>(const std::vector<SharedEntries>&)> between_neighbours =
@@ -59,17 +60,40 @@ struct Processes {
 
   bool alone() const { return size == 1; }
   bool first() const { return rank == 0; }
-  double sum(double own) const { return add_up({&own, 1}), own; }
-  double maximum(double own) const { return largest({&own, 1}), own; }
+  /// Sum and maximum of numbers, of whole ones up to 2^53.
+  template <class Number>
+  Number sum(Number own) const {
+    return combined(add_up, own);
+  }
+  template <class Number>
+  Number maximum(Number own) const {
+    return combined(largest, own);
+  }
   /// Whether any of them says so.
   bool any(bool own) const { return maximum(own ? 1 : 0) > 0; }
 
-  /// Calls take(numbers) for the numbers of each process in turn, so that none ever holds those of all.
-  template <class Take>
-  void take_turns(std::span<const double> own, Take&& take) const {
+  /// The items of all processes, one process after the other. Items hold no pointers.
+  template <std::ranges::contiguous_range Items>
+  auto gather(const Items& own) const {
+    return gathered(std::span(own), true);
+  }
+  /// The same in the first process, and nothing in the others.
+  template <std::ranges::contiguous_range Items>
+  auto gather_at_first(const Items& own) const {
+    return gathered(std::span(own), false);
+  }
+  /// One item of each process.
+  template <class Item>
+  std::vector<Item> gather_each(const Item& own) const {
+    return gather(std::span(&own, 1));
+  }
+  /// Calls take(items) for the items of each process in turn, so that no process ever holds those of all.
+  template <std::ranges::contiguous_range Items, class Take>
+  void exchange(const Items& own, Take&& take) const {
+    const std::span given(own);
     for (Index process = 0; process < size; ++process) {
-      const std::vector<double> numbers = gather(process == rank ? own : std::span<const double>());
-      take(std::span<const double>(numbers));
+      const auto items = gather(given.first(process == rank ? given.size() : 0));
+      take(std::span(items));
     }
   }
 
@@ -85,14 +109,29 @@ struct Processes {
     } catch (const Error& met) {
       error = met;
     }
-    const auto failing = static_cast<Index>(-maximum(static_cast<double>(error ? -rank : -size)));
+    const Index failing = -maximum(error ? -rank : -size);
     if (failing == size) return std::move(*result);
-    const std::string_view said = failing == rank ? error->what() : "";
-    const std::vector<double> letters = gather(std::vector<double>(said.begin(), said.end()));
+    const std::vector<char> text = gather(std::string_view(failing == rank ? error->what() : ""));
     if (failing == rank) throw *error;
-    std::string text;
-    for (const double letter : letters) text += static_cast<char>(letter);
-    throw FailedElsewhere(text);
+    throw FailedElsewhere(std::string(text.begin(), text.end()));
+  }
+
+ private:
+  template <class Number>
+  static Number combined(const std::function<void(std::span<double>)>& combine, Number own) {
+    auto number = static_cast<double>(own);
+    combine({&number, 1});
+    return static_cast<Number>(number);
+  }
+  template <class Item, std::size_t extent>
+  std::vector<std::remove_const_t<Item>> gathered(std::span<Item, extent> own, bool everywhere) const {
+    static_assert(std::is_trivially_copyable_v<Item>);
+    std::vector<std::remove_const_t<Item>> all;
+    gather_bytes(std::as_bytes(own), sizeof(Item), everywhere, [&all](std::size_t bytes) {
+      all.resize(bytes / sizeof(Item));
+      return reinterpret_cast<std::byte*>(all.data());
+    });
+    return all;
   }
 };
 

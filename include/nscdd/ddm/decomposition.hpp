@@ -28,7 +28,8 @@ struct Subdomain {
 /// A packing cut in the FETI way ([ADI12] section 2): contacts are distributed among the subdomains, and
 /// sum_E A_E V_E = 0 glues the copies of shared grains.
 struct Decomposition {
-  Index contacts = 0;  ///< of the undivided packing
+  Index contacts = 0;       ///< of the undivided packing
+  Index first_contact = 0;  ///< number of the first one that this process knows, see PackingShare
   std::vector<Subdomain> subdomains;
   Interface interface;
 
@@ -36,36 +37,35 @@ struct Decomposition {
   Index interface_size() const { return interface.size(); }            ///< n_Gamma
 };
 
-/// Cuts M and H along a partition of the contacts. Throws Error if the partition does not fit the problem.
-Decomposition decompose(const ReferenceProblem& problem, const Partition& partition,
-                        GluingShape shape = GluingShape::chain);
+/// What processes that share a packing know of each other, where none of them has all of it. Each has the problem and
+/// the partition of the contacts of its own subdomains.
+struct PackingShare {
+  std::vector<Index> numbers = {};  ///< of the grains of the problem in the packing, ascending; empty where it has all
+  std::vector<Index> process_of_subdomain = {};  ///< see `deal_out`; empty where one process has all subdomains
+  Processes processes = {};
+};
 
-/// The two halves of `decompose`. A process that keeps some of the subdomains alone (`of_process`) drops the others in
-/// between, so that it never holds their matrices. `cut`: all but H_E and A_E. `with_matrices`: these of the subdomains
-/// that have their grains.
+/// Cuts M and H along a partition of the contacts. The contacts of a process that shares a packing have numbers of
+/// their own, behind those of the processes before it; all processes take part. Throws Error if the partition does not
+/// fit the problem.
+Decomposition decompose(const ReferenceProblem& problem, const Partition& partition,
+                        GluingShape shape = GluingShape::chain, const PackingShare& share = {});
+
+/// The two halves of `decompose` of a packing that every process has. A process that keeps only some of the subdomains
+/// (`of_process`) drops the others in between, so that it never holds their matrices. `cut`: all but H_E and A_E.
+/// `with_matrices`: these of the subdomains that have their grains.
 Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape = GluingShape::chain);
 Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem);
 
 /// The same subdomains, grains and gluing with only some contacts kept: G_E in place of H_E
-/// ([ADI12] eq. (28), G_E = H_E C_E). `kept`: one flag per contact of the packing.
+/// ([ADI12] eq. (28), G_E = H_E C_E). `kept`: one flag per contact that this process knows, which are those of the
+/// packing unless several processes share it. Throws Error for too few or too many.
 Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept);
 
 /// What a process holds of a decomposition that several share: the interface, and its own subdomains. Those of other
 /// processes are empty. `process_of_subdomain`: as `deal_out` has them.
 Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain,
                          const Processes& processes);
-
-/// The same where no process has the whole packing: `problem` and `partition` are of the contacts of the subdomains of
-/// this process alone, and row block i of `problem` is the grain numbers[i] of the packing, ascending. All processes
-/// take part. The contacts of a process have numbers of their own, behind those of the processes before it. Throws
-/// Error if the partition does not fit.
-Decomposition decompose_own(const ReferenceProblem& problem, const Partition& partition,
-                            const std::vector<Index>& numbers, const std::vector<Index>& process_of_subdomain,
-                            const Processes& processes);
-
-/// restrict_contacts of what decompose_own gave: one flag per contact of this process, the first of which must not have
-/// been left out before.
-Decomposition restrict_own(const Decomposition& parts, const std::vector<char>& kept);
 
 /// Throws Error for more processes than subdomains.
 void require_subdomains(Index subdomains, Index processes);

@@ -155,12 +155,13 @@ class Interface {
   std::function<void(std::span<double>)> between_neighbours_;
 };
 
-/// The interface as each process sees it where each knows the grains of its own subdomains alone: `held` of others is
-/// empty, and `tied` tells of own grains. All processes take part, and tell each other which grains they share; each
-/// knows the copies of these, and of grains of its own; other grains have none here, and local numbers of copies in
-/// other processes mean nothing. No process needs more than that and a number for each grain.
+/// The interface of subdomains of which each process knows only its own: `held` of others is empty, and `tied` tells
+/// of own grains. All processes take part, and tell each other which grains they share; each knows the copies of these,
+/// and of grains of its own; other grains have none here, and local numbers of copies in other processes mean nothing.
+/// No process needs more than that and a number for each grain. `process_of_subdomain`: as deal_out has them; empty
+/// where one process has all subdomains.
 Interface shared_interface(Index dofs_per_grain, Index grains, std::vector<std::vector<Index>> held,
                            const std::vector<char>& tied, const std::vector<Index>& process_of_subdomain,
-                           const Processes& processes);
+                           const Processes& processes, GluingShape shape = GluingShape::chain);
 
 }  // namespace nscdd
