@@ -4,6 +4,7 @@
 #include "contact_solvers/stored_contacts.hpp"
 #include "mechanics/contact_blocks.hpp"
 #include "simulation/contact_colours.hpp"
+#include "simulation/iteration_watch.hpp"
 #include "simulation/step_decomposition.hpp"
 #include "two_stage/divided_contacts.hpp"
 
@@ -75,47 +76,22 @@ CutOptions cut_options(const StepSolver& solver, const InertiaMethod& inertia) {
           .inertia = inertia};
 }
 
-}  // namespace
-
-template <int D>
-LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularSystem& system) {
-  LocalFrictionProblem problem = reduce(friction_problem(step.free, step.contacts, system.radius));
-  Vector pull = Vector::Zero(D * problem.contacts());
-  for (Index c = 0; c < problem.contacts(); ++c) pull[D * c] = step.contacts[at(c)].pull;
-  problem.q -= problem.w * pull;
-  return problem;
-}
-
-template <int D>
-void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts, const Simulation& simulation,
-                             const IterationSink& sink) {
+// Solves a problem that holds the contacts of a step. velocities(r + pull): of the bodies; interface_iterations(): so
+// far. `start`: when the work for it began.
+template <int D, ContactProblem Problem, class Velocities, class Iterations>
+void solve(SolvedStep<D>& step, Problem& held, Clock::time_point start, const Velocities& velocities,
+           const Iterations& interface_iterations, const Simulation& simulation, const IterationSink& sink) {
   const StepSolver& solver = simulation.dynamics.solver;
   const StepProblem<D>& problem = step.problem;
-  StepReport& report = step.report;
-  const auto start = Clock::now();
-  const ImpulseScale scale = parts.scale;
   const Processes& all = simulation.processes;
-  std::optional<LocalFrictionProblem> whole;
-  std::optional<StoredContacts<D>> stored;
-  std::optional<DividedContacts<D>> divided;
-  if (decomposes(solver.algorithm)) {
-    CutContacts<D> cut(linear_decomposition(simulation, problem, step.partition, step.share),
-                       cut_options(solver, stage_two_inertia(simulation)));
-    const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
-    divided.emplace(problem, step.partition, std::move(parts), contact_colours(simulation, problem), std::move(cut),
-                    admm ? Refinement::none : Refinement::one_step);
-  } else {
-    parts = {};  // one subdomain, of no use here
-    whole = contact_problem(problem, simulation.system);
-    stored.emplace(*whole);
-  }
-  ContactData& contacts = divided ? divided->data : stored->data;
+  StepReport& report = step.report;
+  const ImpulseScale scale = report.residual.scale;
   // A contact is alone where the others have no impulse; with none of r + pull they pull.
-  if (problem.pulls) contacts.alone = std::sqrt(scale.alone);
+  if (problem.pulls) held.data.alone = std::sqrt(scale.alone);
   // Contacts and velocities of the bodies for impulses r + pull, and how well they obey the law.
   const auto take = [&](const Vector& shifted) {
     step.contacts = with_impulses(problem.contacts, shifted);
-    step.velocities = divided ? divided->velocities(shifted) : velocities_of(problem, step.contacts);
+    step.velocities = velocities(shifted);
     report.residual = residual_of_subdomains(problem.law, step.partition, step.contacts, step.velocities, all);
     report.residual.scale = scale;
   };
@@ -131,7 +107,7 @@ void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts
               .residual = report.residual,
               .status_changes = all.sum(changes),
               .factorisations = report.factorisations,
-              .interface_iterations = divided ? divided->work().iterations : 0,
+              .interface_iterations = interface_iterations(),
               .seconds = before});
     looking += seconds() - before;
   };
@@ -139,35 +115,69 @@ void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts
     report.last = {.iteration = report.last.iteration + 1,
                    .sweeps = check.sweeps,
                    .zeta = not_a_number,
-                   .impulses = contacts.sums.squared_norm(check.impulses)};
+                   .impulses = held.data.sums.squared_norm(check.impulses)};
     report.factorisations = check.factorisations;
     if (sink.looks_at(report.last.iteration)) look(check.impulses);
     return !sink.goes_on || sink.goes_on();
   };
-  const Vector guess = shifted_impulses(problem);
-  const FrictionSolution solution = divided ? solve_contacts(*divided, options_of(solver), guess, observer)
-                                            : solve_contacts(*stored, options_of(solver), guess, observer);
+  const FrictionSolution solution = solve_contacts(held, options_of(solver), shifted_impulses(problem), observer);
   report.solve_seconds = seconds();
   report.factorisations = solution.factorisations;
-  if (divided) {
-    divided->take_operations();
-    const auto& work = divided->work();
-    all.counts->flops += work.flops;
-    all.counts->path_flops += work.path_flops;
-    report.interface_systems = work.solves;
-    report.interface_iterations = work.iterations;
-  }
   if (sink.row && !sink.looks_at(report.last.iteration)) look(solution.impulses);
   report.status = status_of_step(solution.status);
   report.doubtful = report.status == SolverStatus::converged && !solution.credible;
   take(solution.impulses);
 }
 
+}  // namespace
+
+template <int D>
+LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularSystem& system) {
+  LocalFrictionProblem problem = reduce(friction_problem(step.free, step.contacts, system.radius));
+  Vector pull = Vector::Zero(D * problem.contacts());
+  for (Index c = 0; c < problem.contacts(); ++c) pull[D * c] = step.contacts[at(c)].pull;
+  problem.q -= problem.w * pull;
+  return problem;
+}
+
+template <int D>
+void solve_whole_contacts(SolvedStep<D>& step, const Simulation& simulation, const IterationSink& sink) {
+  const auto start = Clock::now();
+  step.report.residual.scale = impulse_scale(step.problem, step.partition, simulation.processes);
+  const LocalFrictionProblem whole = contact_problem(step.problem, simulation.system);
+  StoredContacts<D> stored(whole);
+  const auto velocities = [&](const Vector&) { return velocities_of(step.problem, step.contacts); };
+  solve<D>(
+      step, stored, start, velocities, [] { return Index{0}; }, simulation, sink);
+}
+
+template <int D>
+void solve_divided_contacts(SolvedStep<D>& step, GranularDecomposition<D> parts, const Simulation& simulation,
+                            const IterationSink& sink) {
+  const auto start = Clock::now();
+  const StepSolver& solver = simulation.dynamics.solver;
+  const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
+  CutContacts<D> cut(linear_decomposition(simulation, step.problem, step.partition, step.share),
+                     cut_options(solver, stage_two_inertia(simulation)));
+  DividedContacts<D> divided(step.problem, step.partition, std::move(parts), contact_colours(simulation, step.problem),
+                             std::move(cut), admm ? Refinement::none : Refinement::one_step);
+  const auto velocities = [&](const Vector& shifted) { return divided.velocities(shifted); };
+  solve<D>(
+      step, divided, start, velocities, [&] { return divided.work().iterations; }, simulation, sink);
+  divided.take_operations();
+  const auto& work = divided.work();
+  WorkCount& counts = *simulation.processes.counts;
+  counts.flops += work.flops;
+  counts.path_flops += work.path_flops;
+  step.report.interface_systems = work.solves;
+  step.report.interface_iterations = work.iterations;
+}
+
 template LocalFrictionProblem contact_problem(const StepProblem<2>&, const GranularSystem&);
-template void solve_by_contact_solver(SolvedStep<2>&, GranularDecomposition<2>, const Simulation&,
-                                      const IterationSink&);
+template void solve_whole_contacts(SolvedStep<2>&, const Simulation&, const IterationSink&);
+template void solve_divided_contacts(SolvedStep<2>&, GranularDecomposition<2>, const Simulation&, const IterationSink&);
 template LocalFrictionProblem contact_problem(const StepProblem<3>&, const GranularSystem&);
-template void solve_by_contact_solver(SolvedStep<3>&, GranularDecomposition<3>, const Simulation&,
-                                      const IterationSink&);
+template void solve_whole_contacts(SolvedStep<3>&, const Simulation&, const IterationSink&);
+template void solve_divided_contacts(SolvedStep<3>&, GranularDecomposition<3>, const Simulation&, const IterationSink&);
 
 }  // namespace nscdd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// When the iterations of a step end, and who looks at them.
-#include "simulation/simulation.hpp"
+#include "simulation/iteration_watch.hpp"
 
 namespace nscdd {
 namespace {
@@ -60,18 +59,6 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
 
 bool IterationWatch::looks_at(Index iteration) const {
   return iteration % solver_.criterion_interval == 0 || iteration >= solver_.maximum_iterations;
-}
-
-bool begins_interval(Index iteration, Index per_decade) {
-  const auto interval = [&](Index i) {
-    return std::floor(static_cast<double>(per_decade) * std::log10(static_cast<double>(i)));
-  };
-  return iteration <= 1 || interval(iteration) != interval(iteration - 1);
-}
-
-bool IterationSink::looks_at(Index iteration) const {
-  if (!row) return false;
-  return every > 0 ? iteration % every == 0 : begins_interval(iteration, 10);
 }
 
 }  // namespace nscdd

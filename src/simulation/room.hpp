@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "simulation/simulation.hpp"
+#include "simulation/solved_step.hpp"
 
 namespace nscdd {
 

@@ -46,32 +46,14 @@ bool at_rest(const std::vector<double>& speeds, double rest_speed) {
 
 template <int D>
 DividedStep<D> divide_step(const Simulation& simulation) {
-  const Dynamics& dynamics = simulation.dynamics;
-  const StepSolver& solver = dynamics.solver;
-  const Processes& all = simulation.processes;
-  if (!all.alone() && (!decomposes(solver.algorithm) || switches_models(simulation)))
-    throw Error("processes: expected an algorithm that decomposes where several of them share a step, met another");
-  return all.together([&] {
-    StepShare<D> own;
-    if (all.alone()) {
-      own.problem = checked_problem<D>(simulation);
-      own.partition = partition_step(simulation, own.problem);
-    } else {
-      own = share_step<D>(simulation);
-    }
-    DividedStep<D> step{std::move(own.problem), std::move(own.partition), std::move(own.of_step), {}, {}};
-    const Vector sums = sums_over_contacts(step.partition, 2, all, [&](Index k, auto&& sum) {
-      sum[0] += 1;
-      sum[1] += 1 / step.problem.contacts[at(k)].inverse_w.inverse_n;
-    });
-    set_scale(step.problem, dynamics.interaction, sums[1] / std::max(1.0, sums[0]));
+  return simulation.processes.together([&] {
+    const StepSolver& solver = simulation.dynamics.solver;
     const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
-    step.parts = decompose(step.problem, step.partition, solver.order, seed, step.share.process_of_subdomain, all);
-    step.report.contacts = static_cast<Index>(sums[0]);
-    step.report.interface_size = step.parts.interface_size();
-    step.report.scale = step.problem.scale;
-    step.report.residual.scale = step.parts.scale;
-    return step;
+    auto [problem, partition, share, report] = share_step<D>(simulation);
+    auto parts = decompose(problem, partition, solver.order, seed, share.process_of_subdomain, simulation.processes);
+    report.interface_size = parts.interface_size();
+    report.residual.scale = parts.scale;
+    return DividedStep<D>{std::move(problem), std::move(partition), std::move(share), report, std::move(parts)};
   });
 }
 
@@ -159,22 +141,28 @@ SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink
   const auto begin = Clock::now();
   SolvedStep<D> step;
   StepReport& report = step.report;
-  const auto take = [&](auto& prepared, const Interface& interface) {
+  const auto take = [&](auto& prepared) {
     step.problem = std::move(prepared.problem);
     step.partition = std::move(prepared.partition);
     step.share = std::move(prepared.share);
-    step.shared_grains = shared_grains(interface);
     report = prepared.report;
     report.setup_seconds = seconds_since(begin);
   };
-  if (is_contact_solver(simulation.dynamics.solver.algorithm)) {
-    DividedStep<D> prepared = divide_step<D>(simulation);
-    take(prepared, prepared.parts.interface);
-    solve_by_contact_solver(step, std::move(prepared.parts), simulation, sink);
-  } else {
+  const auto& algorithm = simulation.dynamics.solver.algorithm;
+  if (!is_contact_solver(algorithm)) {
     PreparedStep<D> prepared = prepare_solution<D>(simulation);
-    take(prepared, prepared.iteration.parts().interface);
+    step.shared_grains = shared_grains(prepared.iteration.parts().interface);
+    take(prepared);
     iterate(step, prepared.iteration, simulation, sink);
+  } else if (decomposes(algorithm)) {
+    DividedStep<D> prepared = divide_step<D>(simulation);
+    step.shared_grains = shared_grains(prepared.parts.interface);
+    take(prepared);
+    solve_divided_contacts(step, std::move(prepared.parts), simulation, sink);
+  } else {
+    StepShare<D> prepared = share_step<D>(simulation);
+    take(prepared);
+    solve_whole_contacts(step, simulation, sink);
   }
   if (report.status == SolverStatus::given_up) return step;
   const Processes& all = simulation.processes;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/step_decomposition.hpp"
 
-#include "simulation/step_share.hpp"
-#include "two_stage/granular_two_stage.hpp"
 #include <nscdd/spectra/optimal_eta.hpp>
 
 namespace nscdd {
@@ -53,16 +51,14 @@ std::vector<char> active_columns(const Simulation& simulation, const StepProblem
 // choose a flexibility by, and it is known for the first step too. Every process sweeps all contacts.
 template <int D>
 std::vector<char> expected_columns(const Simulation& simulation, const StepProblem<D>& problem) {
-  const bool alone = simulation.processes.alone();
-  const StepProblem<D> all = alone ? StepProblem<D>{} : whole_step<D>(simulation);
-  const StepProblem<D>& step = alone ? problem : all;
+  StepProblem<D> step = whole_step<D>(simulation);
+  set_scale(step, simulation.dynamics.interaction, problem.scale);
   const Partition whole{.subdomain_of_contact = std::vector<Index>(step.contacts.size(), 0)};
   GranularTwoStage<D> iteration(decompose(step, whole, ContactOrder::natural, 0), step.law,
                                 {.gauss_seidel_sweeps = 100}, {});
   iteration.start({});
   iteration.iterate();
   const std::vector<ContactStatus> found = iteration.statuses();
-  if (alone) return columns_left_by(found, D);
   std::vector<ContactStatus> own;  // both lists of contacts ascend
   for (std::size_t k = 0; k < step.geometry.size() && own.size() < problem.geometry.size(); ++k)
     if (const StepContact& c = step.geometry[k], &next = problem.geometry[own.size()]; c.a == next.a && c.b == next.b)

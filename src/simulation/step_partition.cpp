@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/step_partition.hpp"
+
 #include "core/fail.hpp"
 #include "linalg/sparse_entries.hpp"
-#include "simulation/simulation.hpp"
-#include "simulation/step_decomposition.hpp"
+#include "two_stage/granular_decomposition.hpp"
 
 namespace nscdd {
 namespace {
@@ -39,15 +40,16 @@ Index known_subdomain(const std::vector<RememberedSubdomain>& known, const StepC
 }
 
 template <int D>
-SubdomainOfContact fresh_subdomains(const Simulation& simulation, const std::function<StepProblem<D>()>& whole) {
-  const GranularSystem& system = simulation.system;
-  if (const auto* grid = std::get_if<GridPartitioner>(&simulation.partitioner)) {
-    const auto cell = cell_of_midpoint(*grid, free_grains(system, simulation.state, simulation.dynamics.time));
+SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
+  const auto& [system, state, dynamics, partitioner, processes, inertia] = simulation;
+  if (const auto* grid = std::get_if<GridPartitioner>(&partitioner)) {
+    const auto cell = cell_of_midpoint(*grid, free_grains(system, state, dynamics.time));
     return [cell](const StepContact& c) { return cell(c.point); };
   }
-  const StepProblem<D> problem = whole();  // METIS looks at the graph of all contacts
+  // METIS partitions the graph of all contacts.
+  const auto problem = prepare_step<D>(system, state, dynamics.interaction, dynamics.time, false);
   const Partition of_contacts =
-      partition(std::get<MetisPartitioner>(simulation.partitioner), normal_problem(problem, system.disks()));
+      partition(std::get<MetisPartitioner>(partitioner), normal_problem(problem, system.disks()));
   return [known = subdomains_to_remember(problem.geometry, of_contacts)](const StepContact& c) {
     return known_subdomain(known, c);
   };
@@ -116,20 +118,28 @@ std::vector<RememberedSubdomain> subdomains_to_remember(const std::vector<StepCo
   return result;
 }
 
+Index subdomains_of_step(const Simulation& simulation) {
+  return decomposes(simulation.dynamics.solver.algorithm) ? subdomains(simulation.partitioner) : 1;
+}
+
 template <int D>
-SubdomainOfContact subdomain_of_contact(const Simulation& simulation, const std::function<StepProblem<D>()>& whole) {
-  return decomposes_afresh(simulation, simulation.state.step) ? fresh_subdomains<D>(simulation, whole)
+SubdomainOfContact subdomain_of_contact(const Simulation& simulation) {
+  if (!decomposes(simulation.dynamics.solver.algorithm)) return [](const StepContact&) { return Index{0}; };
+  return decomposes_afresh(simulation, simulation.state.step) ? fresh_subdomains<D>(simulation)
                                                               : kept_subdomains(simulation);
+}
+
+Partition partition_of(const SubdomainOfContact& subdomain, Index subdomains,
+                       const std::vector<StepContact>& contacts) {
+  Partition partition{.subdomains = subdomains, .subdomain_of_contact = {}};
+  partition.subdomain_of_contact.reserve(contacts.size());
+  std::ranges::transform(contacts, std::back_inserter(partition.subdomain_of_contact), subdomain);
+  return partition;
 }
 
 template <int D>
 Partition partition_step(const Simulation& simulation, const StepProblem<D>& problem) {
-  const StepSolver& solver = simulation.dynamics.solver;
-  if (!decomposes(solver.algorithm)) return {.subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
-  const SubdomainOfContact subdomain = subdomain_of_contact<D>(simulation, [&] { return problem; });
-  Partition partition{.subdomains = subdomains(simulation.partitioner), .subdomain_of_contact = {}};
-  for (const StepContact& c : problem.geometry) partition.subdomain_of_contact.push_back(subdomain(c));
-  return partition;
+  return partition_of(subdomain_of_contact<D>(simulation), subdomains_of_step(simulation), problem.geometry);
 }
 
 bool decomposes_afresh(const Simulation& simulation, Index step) {
@@ -138,10 +148,10 @@ bool decomposes_afresh(const Simulation& simulation, Index step) {
 }
 
 template StepProblem<2> checked_problem(const Simulation&);
-template SubdomainOfContact subdomain_of_contact(const Simulation&, const std::function<StepProblem<2>()>&);
+template SubdomainOfContact subdomain_of_contact<2>(const Simulation&);
 template Partition partition_step(const Simulation&, const StepProblem<2>&);
 template StepProblem<3> checked_problem(const Simulation&);
-template SubdomainOfContact subdomain_of_contact(const Simulation&, const std::function<StepProblem<3>()>&);
+template SubdomainOfContact subdomain_of_contact<3>(const Simulation&);
 template Partition partition_step(const Simulation&, const StepProblem<3>&);
 
 }  // namespace nscdd

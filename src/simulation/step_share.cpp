@@ -2,8 +2,10 @@
 #include "simulation/step_share.hpp"
 
 #include "core/fail.hpp"
+#include "packing/grain_grid.hpp"
 #include <nscdd/ddm/decomposition.hpp>
 
+#include <numeric>
 #include <set>
 
 namespace nscdd {
@@ -26,8 +28,10 @@ std::vector<RememberedImpulse> impulses_of_all(const Simulation& simulation, con
 }
 
 // Who has which subdomain: these are dealt out by the number of their contacts and by the free grains that they share.
+// Nothing where one process has all.
 template <int D>
 std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfContact& subdomain) {
+  if (simulation.processes.alone()) return {};
   const GranularSystem& system = simulation.system;
   std::vector<std::vector<Index>> shared(at(subdomains(simulation.partitioner)));
   std::vector<Index> weight(shared.size(), 1);
@@ -56,15 +60,33 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
   return deal_out(Interface(unknowns_of_grain<D>, system.disks(), held), weight, simulation.processes.size);
 }
 
-// The grains that contacts touch, ascending.
-std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, Index disks) {
-  std::vector<std::int32_t> grains;
+// The grains that the problem of some contacts has, ascending: those that they touch, and all where one process has all
+// contacts.
+std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, Index grains, bool all) {
+  std::vector<std::int32_t> numbers;
+  if (all) {
+    numbers.resize(at(grains));
+    std::iota(numbers.begin(), numbers.end(), 0);
+    return numbers;
+  }
   for (const StepContact& c : contacts)
     for (const Index i : {c.a, c.b})
-      if (i < disks) grains.push_back(static_cast<std::int32_t>(i));
-  std::ranges::sort(grains);
-  grains.erase(std::unique(grains.begin(), grains.end()), grains.end());
-  return grains;
+      if (i < grains) numbers.push_back(static_cast<std::int32_t>(i));
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  return numbers;
+}
+
+// The scale is a mean over all contacts, added up subdomain by subdomain: no bit depends on the processes.
+template <int D>
+void set_scale(StepShare<D>& step, const Simulation& simulation, Index contacts) {
+  const Vector sum = sums_over_contacts(step.partition, 1, simulation.processes, [&](Index k, auto&& own) {
+    own[0] += 1 / step.problem.contacts[at(k)].inverse_w.inverse_n;
+  });
+  const double mean = sum[0] / std::max(1.0, static_cast<double>(contacts));
+  set_scale(step.problem, simulation.dynamics.interaction, mean);
+  step.report.contacts = contacts;
+  step.report.scale = step.problem.scale;
 }
 
 }  // namespace
@@ -73,39 +95,41 @@ template <int D>
 StepShare<D> share_step(const Simulation& simulation) {
   check_system(simulation, D);
   const auto& [system, state, dynamics, partitioner, all, inertia] = simulation;
-  require_subdomains(subdomains(partitioner), all.size);
-  const SubdomainOfContact subdomain =
-      subdomain_of_contact<D>(simulation, [&whole = simulation] { return whole_step<D>(whole); });
-  StepShare<D> share;
-  share.partition.subdomains = subdomains(partitioner);
-  share.of_step.process_of_subdomain = state.process_of_subdomain;
-  const bool afresh = decomposes_afresh(simulation, state.step) || state.process_of_subdomain.empty();
-  if (afresh) share.of_step.process_of_subdomain = dealt_out<D>(simulation, subdomain);
+  if (!all.alone() && (!decomposes(dynamics.solver.algorithm) || switches_models(simulation)))
+    throw Error("processes: expected an algorithm that decomposes where several of them share a step, met another");
+  const Index subdomains = subdomains_of_step(simulation);
+  require_subdomains(subdomains, all.size);
+  const SubdomainOfContact subdomain = subdomain_of_contact<D>(simulation);
+  StepShare<D> step;
+  std::vector<Index>& process_of = step.share.process_of_subdomain = state.process_of_subdomain;
+  const bool afresh = decomposes_afresh(simulation, state.step) || process_of.empty();
+  if (afresh) process_of = dealt_out<D>(simulation, subdomain);
   std::vector<StepContact> own;
-  const auto keep = [&, rank = all.rank](const StepContact& c) {
-    if (share.of_step.process_of_subdomain[at(subdomain(c))] == rank) own.push_back(c);
-  };
-  const ConsideredContacts considered =
-      for_each_step_contact<D>(system, state, dynamics.interaction, dynamics.time, keep);
+  own.reserve(at(3 * system.disks() / all.size));
+  const ConsideredContacts considered = for_each_step_contact<D>(
+      system, state, dynamics.interaction, dynamics.time, [&, rank = all.rank](const StepContact& c) {
+        if (process_of.empty() || process_of[at(subdomain(c))] == rank) own.push_back(c);
+      });
   // All processes must come to both numbers, also where some have found others.
   const Index kept = all.sum(count(own)), most = all.maximum(considered.number),
               least = -all.maximum(-considered.number);
   if (kept != considered.number || most != least)
     throw Error("processes: expected the same step in all of them, met others: their processors may differ");
   check_overlaps<D>(system, state, dynamics.interaction, dynamics.time, considered.deep);
-  std::ranges::sort(own, {}, ends_of);
-  own.shrink_to_fit();
-  for (const StepContact& c : own) share.partition.subdomain_of_contact.push_back(subdomain(c));
-  share.of_step.impulses = state.impulses;
-  if (afresh)
-    share.of_step.impulses = impulses_of_all(simulation, [&](const RememberedImpulse& one) {
+  own = sorted_by_bodies(own, system.disks());
+  step.partition = partition_of(subdomain, subdomains, own);
+  if (!all.alone()) step.share.impulses = state.impulses;
+  if (!all.alone() && afresh)
+    step.share.impulses = impulses_of_all(simulation, [&](const RememberedImpulse& one) {
       return std::ranges::binary_search(own, std::pair(one.a, one.b), {}, ends_of);
     });
-  std::vector<std::int32_t> grains = grains_of(own, system.disks());
-  share.problem = step_of_contacts<D>(
-      system, state, dynamics.interaction, dynamics.time, std::move(own), considered.boundary_speed, std::move(grains),
-      dynamics.solver.warm_start ? share.of_step.impulses : std::vector<RememberedImpulse>{});
-  return share;
+  std::vector<std::int32_t> grains = grains_of(own, system.disks(), all.alone());
+  const std::vector<RememberedImpulse> none, &last = all.alone() ? state.impulses : step.share.impulses;
+  step.problem =
+      step_of_contacts<D>(system, state, dynamics.interaction, dynamics.time, std::move(own), considered.boundary_speed,
+                          std::move(grains), dynamics.solver.warm_start ? last : none);
+  set_scale(step, simulation, considered.number);
+  return step;
 }
 
 template <int D>

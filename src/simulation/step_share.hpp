@@ -2,24 +2,33 @@
 #pragma once
 
 #include "contact_solvers/contact_sums.hpp"
-#include "simulation/step_decomposition.hpp"
-#include "two_stage/granular_two_stage.hpp"
+#include "simulation/step_partition.hpp"
+#include "simulation/step_report.hpp"
 
 namespace nscdd {
 
-/// What a process has of a step that several share: the contacts of its own subdomains, and their grains. Every process
-/// knows where all grains are and how fast; it looks at all contacts, one after the other, and keeps its own.
+/// What a process that shares a step with others knows beside the contacts of its own subdomains. Both are empty where
+/// one process has the whole step.
+struct ShareOfStep {
+  std::vector<Index> process_of_subdomain = {};  ///< see deal_out
+  std::vector<RememberedImpulse> impulses = {};  ///< of the step before at these contacts, among others
+};
+
+/// The next step of a simulation before it is decomposed. Of several processes that share it each has the contacts of
+/// its own subdomains, and their grains. Every process knows where all grains are and how fast; it visits all contacts,
+/// one after the other, and keeps its own.
 template <int D>
 struct StepShare {
   StepProblem<D> problem;
   Partition partition;  ///< of its contacts
-  ShareOfStep of_step;  ///< empty where this process has all of the step
+  ShareOfStep share;
+  StepReport report;  ///< what is known by now: number and scale of the contacts of all processes
 };
 
-/// The share of the next step that this process has; all processes take part. Subdomains are dealt out afresh with
-/// every fresh partition, by weight of their contacts, and impulses to start from go to the processes that need them
-/// now. Throws Error as checked_problem does, for more processes than subdomains, and if processes do not find the same
-/// contacts.
+/// All processes take part, one too. Subdomains are dealt out afresh with every fresh partition, by weight of their
+/// contacts, and impulses to start from go to the processes that need them now. Throws Error as checked_problem does,
+/// for more processes than subdomains, for an algorithm that several processes cannot share, and if they do not find
+/// the same contacts.
 template <int D>
 StepShare<D> share_step(const Simulation& simulation);
 

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -58,6 +60,38 @@ std::vector<fs::path> sources(const fs::path& root) {
   return files;
 }
 
+// What a file includes of this repository, such as "study/case/case.hpp", and whether it is a public header.
+struct Included {
+  std::string path;
+  bool is_public;
+};
+
+std::vector<Included> includes_of(const std::string& text) {
+  std::vector<Included> includes;
+  for (const std::string marker : {"#include <nscdd/", "#include \""})
+    for (std::size_t at = text.find(marker); at != std::string::npos; at = text.find(marker, at + 1)) {
+      const std::size_t start = at + marker.size();
+      includes.push_back({text.substr(start, text.find_first_of(">\"", start) - start), marker.back() == '/'});
+    }
+  return includes;
+}
+
+// Names of sources and their headers, "mechanics/path", that each name includes.
+using Graph = std::map<std::string, std::set<std::string>>;
+
+// Leaves out, again and again, names that include nothing that is left, or that nothing left includes.
+Graph circles(Graph graph) {
+  const auto is_end = [&](const auto& one) {
+    return std::ranges::none_of(one.second, [&](const std::string& name) { return graph.contains(name); }) ||
+           std::ranges::none_of(graph, [&](const auto& other) { return other.second.contains(one.first); });
+  };
+  for (auto found = graph.begin(); found != graph.end();) {
+    found = std::ranges::find_if(graph, is_end);
+    if (found != graph.end()) graph.erase(found->first);
+  }
+  return graph;
+}
+
 }  // namespace
 
 TEST_CASE("no file includes a higher layer, and below app nothing prints") {
@@ -71,19 +105,33 @@ TEST_CASE("no file includes a higher layer, and below app nothing prints") {
       const auto own = layer_of(fs::relative(file, root).string());
       REQUIRE(own >= 0);
       const std::string text = nscdd::read_text(file.string());
-      for (const std::string marker : {"#include <nscdd/", "#include \""})
-        for (std::size_t at = text.find(marker); at != std::string::npos; at = text.find(marker, at + 1)) {
-          const std::size_t start = at + marker.size();
-          const std::string included = text.substr(start, text.find_first_of(">\"", start) - start);
-          CAPTURE(included);
-          CHECK(layer_of(included) <= own);
-          ++includes;
-        }
+      for (const Included& one : includes_of(text)) {
+        CAPTURE(one.path);
+        CHECK(layer_of(one.path) <= own);
+        ++includes;
+      }
       if (own != layer_of("app/"))
         for (const char* printing : {"fmt::print", "std::cout", "std::cerr", "printf("})
           CHECK(text.find(printing) == std::string::npos);
     }
   CHECK(includes > 100);
+}
+
+TEST_CASE("no sources include each other in a circle") {
+  // A source and the header of its name count as one. A public header has types that its source may hand on to others.
+  const char* source = std::getenv("NSCDD_SOURCE");
+  REQUIRE(source != nullptr);
+  Graph graph;
+  const fs::path root = fs::path(source) / "src";
+  const auto name_of = [](const fs::path& file) { return (file.parent_path() / file.stem()).string(); };
+  for (const fs::path& file : sources(root)) {
+    const std::string name = name_of(fs::relative(file, root));
+    for (const Included& one : includes_of(nscdd::read_text(file.string())))
+      if (!one.is_public && name_of(one.path) != name) graph[name].insert(name_of(one.path));
+  }
+  CHECK(graph.size() > 100);
+  for (const auto& [name, included] : circles(graph)) FAIL_CHECK(name);
+  CHECK(circles({{"a", {"b"}}, {"b", {"c", "d"}}, {"c", {"a"}}, {"d", {"e"}}, {"f", {"a"}}}).size() == 3);
 }
 
 TEST_CASE("the public face is whole: it includes nothing but itself, and nscdd.hpp names every header of one process") {

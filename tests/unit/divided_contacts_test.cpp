@@ -6,6 +6,7 @@
 #include "linalg/threads.hpp"
 #include "simulation/contact_colours.hpp"
 #include "simulation/contact_solver_step.hpp"
+#include "simulation/step_decomposition.hpp"
 
 #include <doctest/doctest.h>
 

@@ -2,7 +2,6 @@
 #include "study/case/lead_in.hpp"
 
 #include "core/fail.hpp"
-#include "simulation/step_decomposition.hpp"
 
 namespace nscdd {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "simulation/contact_solver_step.hpp"
-#include "simulation/step_decomposition.hpp"
 #include "study/moving/solver_trial.hpp"
 #include "study/tables/study.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulation/simulation.hpp"
+#include "simulation/solved_step.hpp"
 
 #include <fmt/ranges.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulation/simulation.hpp"
+#include "simulation/step_report.hpp"
 
 namespace nscdd {
 namespace {
@@ -28,6 +28,18 @@ ResultColumns<Result> indicators(IterationRecord Result::*record) {
 }
 
 }  // namespace
+
+bool begins_interval(Index iteration, Index per_decade) {
+  const auto interval = [&](Index i) {
+    return std::floor(static_cast<double>(per_decade) * std::log10(static_cast<double>(i)));
+  };
+  return iteration <= 1 || interval(iteration) != interval(iteration - 1);
+}
+
+bool IterationSink::looks_at(Index iteration) const {
+  if (!row) return false;
+  return every > 0 ? iteration % every == 0 : begins_interval(iteration, 10);
+}
 
 double StepReport::driven_residual() const {
   return residual.natural_map == 0 ? 0.0 : std::sqrt(residual.natural_map) / residual.scale.driving();

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "two_stage/granular_two_stage.hpp"
+#include <nscdd/core/table.hpp>
+
+namespace nscdd {
+
+/// How the iterations of a step ended.
+enum class SolverStatus {
+  converged,        ///< the criterion fell to its tolerance
+  stalled,          ///< the criterion did not fall over the last 10 000 iterations, nor over four fifths of all
+  maximum_reached,  ///< as many iterations as allowed were made
+  diverged,         ///< impulses grew to a million times their first size, or energy far beyond what there was
+  no_number,        ///< an impulse or velocity is not finite
+  given_up,         ///< IterationSink::goes_on said so: such a step is not taken
+};
+constexpr auto names_of(SolverStatus) {
+  return std::to_array<std::string_view>(
+      {"converged", "stalled", "maximum_reached", "diverged", "no_number", "given_up"});
+}
+
+/// One iteration with all its indicators.
+struct IterationRow {
+  Index step = 0;  ///< from 1
+  IterationRecord record;
+  ContactResidual residual = {};
+  Index status_changes = 0;  ///< contacts whose status (open, stick, slide) differs from the row before
+  Index factorisations = 0, interface_iterations = 0;  ///< of contact solvers so far, as in StepReport
+  double seconds = 0;                                  ///< of the iterations of the step so far, without the indicators
+};
+const ResultColumns<IterationRow>& iteration_columns();  ///< of `nscdd simulate --convergence`
+
+/// Whether an iteration is the first one in its interval when every decade is cut into `per_decade` intervals
+/// of equal length on the axis log10(iteration): all iterations at first, ever fewer later.
+bool begins_interval(Index iteration, Index per_decade);
+
+/// Who looks at the iterations of a step; of several processes all ask for the same rows and go on together. The
+/// indicators of one cost several sweeps, which multiplies the time of a run.
+struct IterationSink {
+  std::function<void(const IterationRow&)> row;  ///< may be empty: nobody looks
+  Index every = 1;  ///< looks at one iteration in so many; 0: about ten per decade. The last is always looked at
+  /// Asked after every iteration, or check of a contact solver; may be empty. Where it returns false the step is given
+  /// up.
+  std::function<bool()> goes_on = {};
+
+  bool looks_at(Index iteration) const;
+};
+
+/// What is known of a step once it is solved: a row of the table of steps.
+struct StepReport {
+  Index step = 0;   ///< from 1
+  double time = 0;  ///< at its end, s
+  SolverStatus status = SolverStatus::converged;
+  IterationRecord last = {};
+  ContactResidual residual = {};
+  Index contacts = 0;  ///< contacts considered
+  Index interface_size = 0;
+  Interpenetration overlap = {};
+  StepEnergy energy = {};
+  double eta = not_a_number;       ///< of the enriched algorithm, 1/kg
+  double scale = 0;                ///< W of the contacts considered, 1/kg
+  Index factorisations = 0;        ///< of matrices of contact solvers; one that is cut counts once
+  Index interface_systems = 0;     ///< solved by the two-stage Newton method; a refinement counts as one
+  Index interface_iterations = 0;  ///< of Stage 2 in all of them
+  double setup_seconds = 0, solve_seconds = 0;
+
+  bool no_room = false;   ///< impulses grew and contacts close nevertheless, see `no_room`
+  bool doubtful = false;  ///< converged relative to impulses that are not credible, see FrictionSolution
+  /// |natural map| over ImpulseScale::driving, which does not fall as impulses grow.
+  double driven_residual() const;
+
+  bool broke_down() const { return status == SolverStatus::diverged || status == SolverStatus::no_number; }
+};
+const ResultColumns<StepReport>& step_columns();  ///< of the group `summary` of a trajectory
+
+}  // namespace nscdd
