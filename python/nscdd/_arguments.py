@@ -35,7 +35,7 @@ def takes(described: list[tuple[str, Any, str]], without: Sequence[str] = ()) ->
     """Gives a function that ends in **options the options that are described, (name, default, description), as keyword
     arguments: its signature and hints name them, others are refused, and the docstring has them at "OPTIONS"."""
     options = [one for one in described if one[0] not in without]
-    lines = "\n".join(textwrap.fill(text, 110, initial_indent=f"{name:<12} ", subsequent_indent=" " * 13)
+    lines = "\n".join(textwrap.fill(text, 110, initial_indent=f"{name:<11}  ", subsequent_indent=" " * 13)
                       for name, _, text in options)
 
     def changed(function: Function) -> Function:

@@ -128,6 +128,7 @@ def spectral_radius(b: Contraction, *, threads: int = 0, **options: _arguments.O
 
     The residual counts relative to max(1, rho). Eigenvalues are `low` and `high` of the result. "arpack" neither
     certifies nor finds more than one at each end.
+
     What was not reached is told by `converged` of the result. Ctrl-C ends the work between two products or solves; the
     eigenvalues of a dense matrix are one call of LAPACK, which is left alone until it is done.
     """

@@ -141,7 +141,7 @@ TEST_CASE("resume: other work is refused, naming what differs, and nothing is to
   refused(replaced(work, "1e3:750", "1e3:751"), {"options differs", "750 values", "751 values"});
   refused(replaced(work, "0.1,inf", "0.2,inf"), {"options differs", "[0.1, inf]", "[0.2, inf]"});
   refused(work + " --contacts active", {"options differs", "contacts = all", "contacts = active"});
-  refused(work + " --solver dense", {"solver options differs", "solver = auto", "solver = dense"});
+  refused(work + " --solver dense", {"solver options differs", "solver = \"auto\"", "solver = \"dense\""});
   refused(work + " --residual-tolerance 1e-6", {"solver options differs", "tolerance"});
   const std::string record = session.read("long.csv.record");
   const auto build = record.find("build ") + 6;

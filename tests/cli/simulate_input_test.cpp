@@ -153,7 +153,7 @@ TEST_CASE("simulate: what options and case say is judged before a packing is set
     check_refused(session, line, parts);
     CHECK_FALSE(session.has("cache"));
   };
-  refused("simulate test.toml -o run.h5 --criterion speed", {"--criterion: expected one of zeta", "met 'speed'"});
+  refused("simulate test.toml -o run.h5 --criterion speed", {"--criterion: expected one of \"zeta\"", "met \"speed\""});
   refused("simulate test.toml -o run.h5 --criterion gluing --algorithm nlgs", {"solver.criterion"});
   refused("simulate test.toml -o run.h5 --algorithm enriched --eta 10X",
           {"--eta: expected \"optimal\"", "30 W", "met \"10X\""});
