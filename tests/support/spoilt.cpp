@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "spoilt.hpp"
 
-#include <nscdd/core/error.hpp>
+#include <nscdd/core/types.hpp>
 
 #include <doctest/doctest.h>
 

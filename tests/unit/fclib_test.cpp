@@ -11,6 +11,8 @@ using namespace nscdd::testing;
 
 namespace {
 
+using nscdd::testing::same_bits;
+
 bool same_bits(const SparseMatrix& a, const SparseMatrix& b) {
   if (a.rows() != b.rows() || a.cols() != b.cols() || a.nonZeros() != b.nonZeros()) return false;
   return std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.cols() + 1, b.outerIndexPtr()) &&

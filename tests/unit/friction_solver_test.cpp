@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/fclib_files.hpp"
 #include "../support/matrices.hpp"
+#include "../support/other_maker.hpp"
 #include "../support/problems.hpp"
 #include "../support/sanitized.hpp"
 #include "contact_solvers/automatic.hpp"
