@@ -14,7 +14,9 @@ struct FoundMode {
   std::shared_ptr<const Model> model;
   Mode mode;
 
-  ModeParameters parameters() const { return {.epsilon = b.system.eta(), .eta = b.preconditioner.eta()}; }
+  ModeParameters parameters() const {
+    return {.epsilon = b.system.flexibility(), .eta = b.preconditioner.flexibility()};
+  }
 };
 using Shared = std::shared_ptr<FoundMode>;
 

@@ -61,7 +61,7 @@ py::array_t<double> dense(const InterfaceOperator& x) {
 void bind_operators(py::module_& module) {
   using X = InterfaceOperator;
   py::class_<X>(module, "InterfaceOperator")
-      .def_property_readonly("eta", &X::eta)
+      .def_property_readonly("eta", &X::flexibility)
       .def_property_readonly("rows", &X::rows)
       .def_property_readonly("nullity", [](const X& x) { return LongWork().run(0, [&] { return x.nullity(); }); })
       .def("apply", applied<X>([](const X& x, const Vector& f) { return x.apply(f); }), py::arg("f"))

@@ -153,7 +153,7 @@ class InterfaceOperator::Implementation {
 InterfaceOperator::InterfaceOperator(std::shared_ptr<const Implementation> implementation)
     : implementation_(std::move(implementation)) {}
 
-double InterfaceOperator::eta() const { return implementation_->eta; }
+double InterfaceOperator::flexibility() const { return implementation_->eta; }
 const Decomposition& InterfaceOperator::parts() const { return implementation_->preparation->parts; }
 Index InterfaceOperator::rows() const { return parts().interface_size(); }
 const Vector& InterfaceOperator::scale() const { return implementation_->preparation->scale; }
@@ -187,7 +187,7 @@ const SparseMatrix& InterfaceOperator::generic() const {
 }
 
 Vector InterfaceOperator::apply(const Vector& f) const {
-  if (std::isinf(eta())) return generic() * f;
+  if (std::isinf(flexibility())) return generic() * f;
   const auto& locals = implementation_->locals;
   std::vector<Vector> velocities(locals.size());
   for_each_in_parallel(count(locals),
@@ -196,13 +196,13 @@ Vector InterfaceOperator::apply(const Vector& f) const {
 }
 
 double InterfaceOperator::slope(const Vector& f) const {
-  if (eta() == 0 || std::isinf(eta())) return 0;
+  if (flexibility() == 0 || std::isinf(flexibility())) return 0;
   const auto& locals = implementation_->locals;
   std::vector<double> terms(locals.size());
   for_each_in_parallel(count(locals), [&](Index e) {
     const Vector v = locals[at(e)]->solve(parts().interface.distribute(e, f));
     const Vector links = parts().subdomains[at(e)].h.transpose() * v;
-    terms[at(e)] = links.squaredNorm() / eta();
+    terms[at(e)] = links.squaredNorm() / flexibility();
   });
   return parts().interface.processes().sum(std::accumulate(terms.begin(), terms.end(), 0.0));
 }
@@ -229,12 +229,12 @@ const KernelSplit& InterfaceOperator::kernel() const {
   });
 }
 
-Index InterfaceOperator::nullity() const { return eta() > 0 ? 0 : implementation_->ranks().value; }
+Index InterfaceOperator::nullity() const { return flexibility() > 0 ? 0 : implementation_->ranks().value; }
 
-bool InterfaceOperator::nullity_is_clear() const { return eta() > 0 || implementation_->ranks().clear; }
+bool InterfaceOperator::nullity_is_clear() const { return flexibility() > 0 || implementation_->ranks().clear; }
 
 double InterfaceOperator::uncertainty() const {
-  if (eta() > 0) return 0;
+  if (flexibility() > 0) return 0;
   if (!nullity_is_clear()) return infinity;
   const auto& locals = implementation_->locals;
   std::vector<double> own(locals.size());
@@ -284,8 +284,9 @@ Vector InterfaceOperator::solve_on_interface(const Vector& g) const {
     const auto again = [&](double flexibility) {
       return InterfaceOperator(std::make_shared<const Implementation>(preparation, flexibility));
     };
-    const ShiftedPencilFamily family({again(infinity), again(eta())}, SystemForm::condensed, preparation->inertia);
-    return family.at(eta(), infinity, 0, SolutionAccuracy::refined);
+    const ShiftedPencilFamily family({again(infinity), again(flexibility())}, SystemForm::condensed,
+                                     preparation->inertia);
+    return family.at(flexibility(), infinity, 0, SolutionAccuracy::refined);
   });
   const bool definite = pencil.reliable() && pencil.below() == 0;
   return definite ? pencil.solve(g) : Vector::Constant(g.size(), not_a_number);

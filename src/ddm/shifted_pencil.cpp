@@ -76,7 +76,10 @@ struct SaddlePointFamily {
 
 SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_form,
                                      std::shared_ptr<const RigidSystem> rigid_system)
-    : contraction(b), form(system_form), rigid(std::move(rigid_system)), generic(std::isinf(b.preconditioner.eta())) {
+    : contraction(b),
+      form(system_form),
+      rigid(std::move(rigid_system)),
+      generic(std::isinf(b.preconditioner.flexibility())) {
   const Decomposition &system = b.system.parts(), &preconditioner = b.preconditioner.parts();
   const Sizes of_system(system), of_preconditioner(preconditioner);
   Index impulses = form == SystemForm::augmented ? of_system.contacts : 0, late = 0;
@@ -234,7 +237,7 @@ ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, std::shared_ptr<c
 bool ShiftedPencilFamily::serves(const Contraction& b, SystemForm form, const InertiaMethod& method) const {
   const Contraction& own = matrices_->contraction;
   return &b.system.parts() == &own.system.parts() && &b.preconditioner.parts() == &own.preconditioner.parts() &&
-         std::isinf(b.preconditioner.eta()) == matrices_->generic && form == matrices_->form &&
+         std::isinf(b.preconditioner.flexibility()) == matrices_->generic && form == matrices_->form &&
          method.name == method_name_;
 }
 

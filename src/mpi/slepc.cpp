@@ -38,7 +38,7 @@ std::optional<double> shift_next_to_end(SlepcPencil& pencil, double tau, bool lo
 
 SpectralRadius radius(const Contraction& b, const SpectralOptions& options,
                       const std::shared_ptr<const Communicator>& all) {
-  if (b.system.eta() == 0) fail("solver slepc: expected epsilon > 0, met 0: shift-invert has the rigid limit");
+  if (b.system.flexibility() == 0) fail("solver slepc: expected epsilon > 0, met 0: shift-invert has the rigid limit");
   const OneBlasThread serial_blas;
   const QuietPetsc quiet;
   SlepcPencil pencil(b, all, options);

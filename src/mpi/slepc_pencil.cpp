@@ -158,9 +158,9 @@ std::optional<PencilPair> SlepcPencil::nearest(double shift) {
 
 void SlepcPencil::assemble() {
   Entries k, n;
-  for_networks(b_.system.parts(), b_.system.eta(),
+  for_networks(b_.system.parts(), b_.system.flexibility(),
                [&](Index i, Index j, double value) { k.add(layout_.velocity(i), layout_.velocity(j), value); });
-  for_networks(b_.preconditioner.parts(), b_.preconditioner.eta(), [&](Index i, Index j, double value) {
+  for_networks(b_.preconditioner.parts(), b_.preconditioner.flexibility(), [&](Index i, Index j, double value) {
     n.add(layout_.velocity(first_of_p_ + i), layout_.velocity(first_of_p_ + j), value);
     k.add(layout_.velocity(first_of_p_ + i), layout_.velocity(first_of_p_ + j), 0);  // one pattern holds the other
   });

@@ -40,7 +40,7 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
     if (options.checkpoint) options.checkpoint();
   };
   const Index n = b.rows();
-  require_memory((b.system.eta() == 0 ? rigid_matrices_at_once : matrices_at_once) * bytes_of_matrix(n, n),
+  require_memory((b.system.flexibility() == 0 ? rigid_matrices_at_once : matrices_at_once) * bytes_of_matrix(n, n),
                  fmt::format("matrices of {} interface unknowns", n),
                  "fewer subdomains or grains, or the solver arpack");
   // Both matrices are scaled by D^-1/2 from both sides, D = diag(X): unequal masses no longer spoil the condition.

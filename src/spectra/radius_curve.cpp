@@ -163,7 +163,7 @@ void set_slope(CurveEnd& end, const Contraction& b, const Vector& mode, CurveAxi
 }  // namespace
 
 CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveAxis axis) {
-  CurvePoint point{.x = axis == CurveAxis::epsilon ? b.system.eta() : b.preconditioner.eta(),
+  CurvePoint point{.x = axis == CurveAxis::epsilon ? b.system.flexibility() : b.preconditioner.flexibility(),
                    .radius = plain.subdominant};
   if (std::isnan(plain.subdominant_min)) return point;
   std::array<CurveEnd, 2> ends{end_of(b, plain.subdominant_max, plain.interval_max, plain),

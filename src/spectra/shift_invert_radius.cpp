@@ -73,8 +73,8 @@ bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
 // eigenvalue kappa of that gives the ratio (1 + kappa/eta) / (1 + kappa/epsilon), which runs from 1 at kappa = 0 to its
 // value at the largest kappa. Fewer contacts in S make S larger. If S has contacts that P has not, nothing is known.
 PencilPoint known_bounds(const Contraction& b) {
-  const double epsilon = b.system.eta();
-  PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.eta(), .rounding = lost_to_rounding(b)};
+  const double epsilon = b.system.flexibility();
+  PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.flexibility(), .rounding = lost_to_rounding(b)};
   const Decomposition &system = b.system.parts(), &preconditioner = b.preconditioner.parts();
   const bool same = &system == &preconditioner;
   const double kappa = stiffest(preconditioner);
@@ -105,7 +105,7 @@ struct HeldSystem {
 // The family of this problem. What another problem has left in the memory is thrown away.
 const ShiftedPencilFamily& family_for(const Contraction& b, const HeldSystem& held, const InertiaMethod& method,
                                       PencilMemory& memory) {
-  std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(b.preconditioner.eta()) ? 1 : 0];
+  std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(b.preconditioner.flexibility()) ? 1 : 0];
   if (family && !family->serves(b, held.form, method)) memory = {};
   if (!family) {
     if (held.rigid)
@@ -276,8 +276,8 @@ std::optional<EndGuess> PencilMemory::expected(const PencilPoint& point, End Vis
 }
 
 SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
-  const double epsilon = b.system.eta();
-  if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.eta())
+  const double epsilon = b.system.flexibility();
+  if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.flexibility())
     return no_error_left(b.rows(), options.eigenvalues);
   if (epsilon == 0) return rigid_radius(b, options, memory);
   return report(b, find_flexible_ends(b, known_bounds(b), options, memory.flexible), 0, 0.0, options);

@@ -80,7 +80,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   const LanczosResult high = find(s_apply, p_apply, p_solve, SpectrumEnd::largest, memory.largest);
   // For small epsilon the low end crowds at 0, and Lanczos on P^-1 S stalls there. On S^-1 P it is isolated.
   const LinearMap s_solve = counting([&](const Vector& x) { return b.system.solve(x); });
-  const LanczosResult low = b.system.eta() == 0
+  const LanczosResult low = b.system.flexibility() == 0
                                 ? find(s_apply, p_apply, p_solve, SpectrumEnd::smallest, memory.smallest)
                                 : find(p_apply, s_apply, s_solve, SpectrumEnd::largest, memory.smallest);
   // If an end was not found, the next point starts from the vector of the point before.
@@ -132,7 +132,7 @@ void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_m
 
 double moved_by(double t, double lambda, const InterfaceOperator& p) {
   if (t == 0) return 0;
-  const double side = t * (std::isinf(p.eta()) ? 1 : std::sqrt(1 + stiffest(p.parts()) / p.eta()));
+  const double side = t * (std::isinf(p.flexibility()) ? 1 : std::sqrt(1 + stiffest(p.parts()) / p.flexibility()));
   return side * (2 * std::sqrt(std::max(0.0, lambda)) + side);
 }
 

@@ -62,8 +62,8 @@ SpectralRadius all_unit(Index size, std::string_view solver, bool converged);  /
 /// Error of an eigenvalue lambda = 1 - mu in units of max(1, |lambda|): digits of M are lost beside K/epsilon
 /// and K/eta. The bound is several times the largest error seen against dense spectra (tests/laws).
 inline double lost_to_rounding(const Contraction& b) {
-  const double lightest = 0.25 * b.system.scale().maxCoeff(), epsilon = b.system.eta();  // 1/mass, 1/kg
-  return 4e-16 * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.eta());
+  const double lightest = 0.25 * b.system.scale().maxCoeff(), epsilon = b.system.flexibility();  // 1/mass, 1/kg
+  return 4e-16 * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.flexibility());
 }
 
 /// By how much an eigenvalue lambda of (S, P) may be off where S is the rigid limit and uncertain by t, in units of

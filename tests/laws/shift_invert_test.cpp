@@ -42,7 +42,7 @@ bool check_radius(const SpectralRadius& found, const Contraction& b) {
   const Index n = dense.lambda.size();
   const double omega = b.relaxation;
   const double low = 1 - omega * dense.lambda[n - 1], high = 1 - omega * dense.lambda[0];
-  const double slack = omega * rounding(dense, b.system.eta());
+  const double slack = omega * rounding(dense, b.system.flexibility());
   CAPTURE(found.residual);
   CAPTURE(found.value);
   CAPTURE(found.factorisations);

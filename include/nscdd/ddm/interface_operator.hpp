@@ -14,7 +14,7 @@ struct KernelSplit;  // linalg/pencil.hpp, beside its source
 /// limit, semidefinite; on restricted contacts (G_E) it is the X-bar of the nonsmooth analysis.
 class InterfaceOperator {
  public:
-  double eta() const;
+  double flexibility() const;  ///< 1/kg; eta, or the epsilon of the system of a Contraction
   const Decomposition& parts() const;
   const SparseMatrix& generic() const;  ///< X_infinity, nearly diagonal, whatever eta
   Index rows() const;

@@ -18,13 +18,13 @@ constexpr double tie = 1e-6;
 void derive(Mode& mode, const Contraction& b) {
   const Vector pf = b.preconditioner.apply(mode.impulses);
   const Decomposition& parts = b.system.parts();
-  mode.velocities = StageOneAnswers(parts).velocities(b.system.eta(), mode.impulses);
+  mode.velocities = StageOneAnswers(parts).velocities(b.system.flexibility(), mode.impulses);
   mode.jumps = parts.interface.exchange(mode.velocities);
   const double lambda = (1.0 - mode.eigenvalue) / b.relaxation;
   const Vector r = mode.jumps + lambda * pf;  // - S F + lambda P F
   mode.residual = b.relaxation * std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r))));
   // That of the spectrum knows how far S may be off.
-  if (b.system.eta() == 0) mode.residual = std::max(mode.residual, mode.spectrum.residual);
+  if (b.system.flexibility() == 0) mode.residual = std::max(mode.residual, mode.spectrum.residual);
   const Index d = parts.dofs_per_grain();
   for (Index k = 0; k < count(parts.interface.gluing()); ++k)
     mode.shares.push_back(mode.impulses.segment(d * k, d).dot(pf.segment(d * k, d)));

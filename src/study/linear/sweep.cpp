@@ -17,7 +17,7 @@ struct OperatorStore {
   std::optional<InterfaceOperator> last = {};
 
   const InterfaceOperator& at(double eta) {
-    if (!last || last->eta() != eta) last = family.at(eta);
+    if (!last || last->flexibility() != eta) last = family.at(eta);
     return *last;
   }
 };
