@@ -159,7 +159,7 @@ void bind_step(py::module_& module) {
                              "impulse of these contacts on b, N s, a row (x, y, z) each; in the plane (n, t, 0)")
       .def_property_readonly("report", &report_of, "how the step was solved: a row of the table `steps` as a dict")
       .def("__repr__", [](const S& s) {
-        return fmt::format("<nscdd.Step {} at {} s, {} {}s>", s.state->step, s.state->time, s.system->disks(),
+        return fmt::format("<nscdd.Step {} at {} s, {} {}s>", s.state->step, s.state->time, s.system->grains(),
                            shape_of_grains(s.system->dimension));
       });
 }

@@ -22,7 +22,7 @@ struct Chosen {
   bool force = false;
 
   std::string summary(Index done) const {
-    return fmt::format("{} steps ({}), {} {}s", done, step_ranges_text(steps), header.system.disks(),
+    return fmt::format("{} steps ({}), {} {}s", done, step_ranges_text(steps), header.system.grains(),
                        shape_of_grains(header.system.dimension));
   }
 };

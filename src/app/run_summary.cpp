@@ -84,7 +84,7 @@ std::string lack_of_room(const RunTotals& totals) {
 }
 
 std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome) {
-  const Index free = simulation.system.free_disks();
+  const Index free = simulation.system.free_grains();
   std::vector<std::string> statuses;
   for (const auto& [status, number] : totals.statuses) statuses.push_back(fmt::format("{} {}", number, status));
   std::string text =
@@ -93,7 +93,7 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
   const StepAlgorithm algorithm = simulation.dynamics.solver.algorithm;
   const bool undivided = is_contact_solver(algorithm) && !decomposes(algorithm);  // whatever the partition
   text += fmt::format("{}s: {} free, {} driven; {} contacts, {}\n", shape_of_grains(simulation.system.dimension), free,
-                      simulation.system.disks() - free, totals.last.contacts,
+                      simulation.system.grains() - free, totals.last.contacts,
                       undivided ? fmt::format("solved undivided by {}", to_string(algorithm))
                                 : fmt::format("interface of {} unknowns", totals.last.interface_size));
   if (totals.steps == 0) return text;

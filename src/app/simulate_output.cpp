@@ -110,7 +110,7 @@ void require_same_case(const std::string& path, const TrajectoryHeader& found, c
         path, build, found.build);
 }
 
-void require_same_disks(const std::string& path, const GranularSystem& old, const GranularSystem& system) {
+void require_same_grains(const std::string& path, const GranularSystem& old, const GranularSystem& system) {
   const std::string_view shape = shape_of_grains(system.dimension);
   if (old.dimension != system.dimension) fail("{}: expected {}s, met {}s", path, shape, shape_of_grains(old.dimension));
   if (old.radius.size() != system.radius.size())
@@ -152,7 +152,7 @@ void check_restart(const std::string& path, const std::string& table, const Case
 }
 
 void take_up(Simulation& simulation, const std::string& path) {
-  require_same_disks(path, read_trajectory_header(path).system, simulation.system);
+  require_same_grains(path, read_trajectory_header(path).system, simulation.system);
   require_same_start(path, simulation.state);
   simulation.state = read_last_step(path).state;
   require_fit(path, simulation);

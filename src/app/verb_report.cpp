@@ -118,7 +118,7 @@ int report_of_run(const Options& options, const Context& context) {
   require_no_input({options.output}, {path, options.convergence});
   require_writable(options.output, options.force);
   const GranularSystem system = read_trajectory_header(path).system;
-  require_drawable(path, system.disks(), system.dimension == 3 ? "spheres" : "disks");
+  require_drawable(path, system.grains(), system.dimension == 3 ? "spheres" : "disks");
   std::vector<Series> iterations;
   if (!options.convergence.empty()) iterations = read_iterations(options.convergence, path);
   const std::vector<Index> asked = chosen_steps(path, parse_step_range(options.steps));
@@ -130,7 +130,7 @@ int report_of_run(const Options& options, const Context& context) {
   write(options.output, run_page(*report, {report->name, context.command_line, report->header.case_text, libraries()}),
         options.force,
         fmt::format("{} of {} steps drawn, {} {}", steps.size(), count(report->status) + 1,
-                    report->header.system.disks(), report->header.system.dimension == 3 ? "spheres" : "disks"));
+                    report->header.system.grains(), report->header.system.dimension == 3 ? "spheres" : "disks"));
   return 0;
 }
 

@@ -49,7 +49,7 @@ Configuration<D> middle(const GranularSystem& system, const GranularState& state
 
 double smaller_radius(const GranularSystem& system, Index a, Index b) {
   const double radius = system.radius[at(a)];
-  return b < system.disks() ? std::min(radius, system.radius[at(b)]) : radius;
+  return b < system.grains() ? std::min(radius, system.radius[at(b)]) : radius;
 }
 
 template WallPoint<2> nearest_point<2>(const Wall&, const Direction<2>&);

@@ -108,8 +108,8 @@ std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, dou
 GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y,
                             std::vector<double> z) {
   GranularState state;
-  for (const auto values : numbers_of_grains(system.dimension)) (state.*values).assign(at(system.disks()), 0.0);
-  if (system.dimension == 3) state.turn_w.assign(at(system.disks()), 1.0);
+  for (const auto values : numbers_of_grains(system.dimension)) (state.*values).assign(at(system.grains()), 0.0);
+  if (system.dimension == 3) state.turn_w.assign(at(system.grains()), 1.0);
   state.x = std::move(x);
   state.y = std::move(y);
   state.z = std::move(z);
@@ -174,16 +174,16 @@ void move_grain<3>(GranularState& state, std::size_t i, const Direction<3>& move
 }
 
 std::string body_name(const GranularSystem& system, Index body) {
-  if (body >= system.disks())
+  if (body >= system.grains())
     return fmt::format("the wall of boundary '{}'",
-                       system.boundaries[at(system.walls[at(body - system.disks())].boundary)].name);
+                       system.boundaries[at(system.walls[at(body - system.grains())].boundary)].name);
   const std::string_view shape = shape_of_grains(system.dimension);
   if (system.free(body)) return fmt::format("{} {}", shape, body);
   return fmt::format("{} {} of boundary '{}'", shape, body, system.boundaries[at(system.driven_by[at(body)])].name);
 }
 
 void check(const GranularSystem& system, const GranularState& state) {
-  const auto n = at(system.disks());
+  const auto n = at(system.grains());
   const std::string shapes = fmt::format("{}s", shape_of_grains(system.dimension));
   const auto arrays = numbers_of_grains(system.dimension);
   if (system.mass.size() != n)

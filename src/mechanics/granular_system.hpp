@@ -88,8 +88,8 @@ struct GranularSystem {
   std::vector<Wall> walls;
   std::vector<Boundary> boundaries;
 
-  Index disks() const { return count(radius); }
-  Index free_disks() const { return std::count(driven_by.begin(), driven_by.end(), Index{-1}); }
+  Index grains() const { return count(radius); }
+  Index free_grains() const { return std::count(driven_by.begin(), driven_by.end(), Index{-1}); }
   bool free(Index disk) const { return driven_by[at(disk)] < 0; }
 };
 
@@ -100,7 +100,7 @@ decltype(auto) in_dimension(const GranularSystem& system, Work&& work) {
   return work(std::integral_constant<int, 2>());
 }
 
-/// Impulse that a contact carried, with its ends: grains by their number, wall w as disks() + w; a < b.
+/// Impulse that a contact carried, with its ends: grains by their number, wall w as grains() + w; a < b.
 struct RememberedImpulse {
   Index a = 0, b = 0;
   /// N s. In the plane (n, t, 0) in the frame of the contact. In space (x, y, z) on b: the tangents there may jump from
@@ -211,8 +211,8 @@ template <int D>
 void move_grain(GranularState& state, std::size_t grain, const Direction<D>& move,
                 const std::array<double, D == 2 ? 1 : 3>& angle);
 
-/// "disk 3" or in space "sphere 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" for body disks() +
-/// its number.
+/// "disk 3" or in space "sphere 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" for body grains()
+/// + its number.
 std::string body_name(const GranularSystem& system, Index body);
 
 /// Throws Error naming the disk or boundary if sizes differ, a number is not finite, a disk is driven by a boundary

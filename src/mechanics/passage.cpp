@@ -23,7 +23,7 @@ template <int D>
 class Pair {
  public:
   Pair(const GranularSystem& system, const Path<D>& path, Index a, Index b)
-      : path_(path), a_(at(a)), b_(at(b)), wall_(b - system.disks()), radius_(system.radius[a_]) {
+      : path_(path), a_(at(a)), b_(at(b)), wall_(b - system.grains()), radius_(system.radius[a_]) {
     if (wall_ >= 0)
       boundary_ = path.places.back().walls[at(wall_)].boundary;
     else
@@ -192,9 +192,9 @@ std::vector<DeepOverlap> Passage<D>::too_deep(const GranularSystem& system, cons
     if (gap <= path.reach) check(a, b, gap);
   });
   for (Index w = 0; w < count(where.walls); ++w)
-    for (Index i = 0; i < system.disks(); ++i)
+    for (Index i = 0; i < system.grains(); ++i)
       if (system.free(i))
-        check(i, system.disks() + w,
+        check(i, system.grains() + w,
               nearest_point<D>(where.walls[at(w)], where.centre(at(i))).height - system.radius[at(i)]);
   return deep;
 }

@@ -20,8 +20,9 @@ struct Passage {
   /// From a to b where they met, if the line of centres has turned by more than largest_turn since.
   std::optional<Direction<D>> normal = {};
 
-  /// Follows grain a and body b, which is another grain or the wall disks() + its number, to the end of the path, where
-  /// their gap is `gap`, m. What a boundary drives is seen from there: a grain that rides on a boundary does not move.
+  /// Follows grain a and body b, which is another grain or the wall grains() + its number, to the end of the path,
+  /// where their gap is `gap`, m. What a boundary drives is seen from there: a grain that rides on a boundary does not
+  /// move.
   static Passage of(const GranularSystem& system, const Path<D>& path, Index a, Index b, double gap);
   /// The bodies that overlap too far at the end of the path, or did so on it, in no order.
   static std::vector<DeepOverlap> too_deep(const GranularSystem& system, const Path<D>& path);

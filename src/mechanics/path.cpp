@@ -27,7 +27,7 @@ double fastest_of(const GranularSystem& system, const GranularState& state, cons
   Direction<D> low, high;
   low.fill(system.boundaries.empty() ? infinity : 0);
   high.fill(system.boundaries.empty() ? -infinity : 0);
-  for (std::size_t i = 0; i < at(system.disks()); ++i) {
+  for (std::size_t i = 0; i < at(system.grains()); ++i) {
     if (system.driven_by[i] >= 0) continue;
     const GrainUnknowns<D> v = velocity(i);
     for (std::size_t k = 0; k < D; ++k) low[k] = std::min(low[k], v[k]), high[k] = std::max(high[k], v[k]);

@@ -35,7 +35,7 @@ void for_each_contact(const GranularSystem& system, const Path<D>& path,
                       const std::function<void(const DeepOverlap&)>& deep) {
   const Configuration<D>& where = path.places.back();
   double fastest = 0;
-  for (Index i = 0; i < system.disks(); ++i) fastest = std::max(fastest, length<D>(velocity(i)));
+  for (Index i = 0; i < system.grains(); ++i) fastest = std::max(fastest, length<D>(velocity(i)));
   const double smallest = *std::min_element(system.radius.begin(), system.radius.end());
   const double alert = std::max(scheme.alert * smallest, least_alert);
   const double foreseen = std::max(alert, 2 * fastest * scheme.step);  // the fastest pair may close so much
@@ -49,7 +49,7 @@ void for_each_contact(const GranularSystem& system, const Path<D>& path,
     const bool far = gap > alert && gap + scheme.step * closing() > alert;
     if (far || !within) return;
     StepContact contact{a, b, widened<D>(normal), widened<D>(point), gap};
-    if (foresees && gap > alert && b < system.disks() &&
+    if (foresees && gap > alert && b < system.grains() &&
         scheme.step * length<D>(moved_along<D>(velocity_of_b(), -1, velocity(a))) >
             far_in_a_step * smaller_radius(system, a, b)) {
       // Of grains that move far until they meet the line of centres turns. Those that miss each other are no contact.
@@ -88,7 +88,7 @@ void for_each_contact(const GranularSystem& system, const Path<D>& path,
   });
   for (Index w = 0; w < count(where.walls); ++w) {
     const Wall& wall = where.walls[at(w)];
-    for (Index i = 0; i < system.disks(); ++i) {
+    for (Index i = 0; i < system.grains(); ++i) {
       if (!system.free(i)) continue;
       const auto [foot, normal, height] = nearest_point<D>(wall, where.centre(at(i)));
       const auto v = [&, at_foot = foot] {
@@ -96,7 +96,7 @@ void for_each_contact(const GranularSystem& system, const Path<D>& path,
       };
       Direction<D> down = normal;
       for (double& one : down) one = -one;
-      visit_if_near(i, system.disks() + w, down, foot, height - system.radius[at(i)], true, v);
+      visit_if_near(i, system.grains() + w, down, foot, height - system.radius[at(i)], true, v);
     }
   }
 }

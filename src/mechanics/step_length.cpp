@@ -17,7 +17,7 @@ bool is_of_step(const DeepOverlap& one, const GranularSystem& system, const Gran
 // By how much faster than they met one of two bodies may fly at a third: a light one that a heavy one throws.
 double thrown(const DeepOverlap& one, const GranularSystem& system, const Interaction& interaction) {
   const auto inverse_mass = [&](Index body) {
-    return body < system.disks() && system.free(body) ? 1 / system.mass[at(body)] : 0;
+    return body < system.grains() && system.free(body) ? 1 / system.mass[at(body)] : 0;
   };
   const double a = inverse_mass(one.a), b = inverse_mass(one.b);
   return std::max(1.0, (1 + interaction.restitution) * std::max(a, b) / (a + b));
@@ -31,7 +31,7 @@ double short_enough(const DeepOverlap& one, const GranularSystem& system, const 
   const double h = scheme.step, small = smaller_radius(system, one.a, one.b);
   const double gravity = std::hypot(scheme.gravity[0], scheme.gravity[1], scheme.gravity[2]);
   const double speed = one.path / one.time + gravity * h / 2;
-  const bool two = system.disks() + count(system.walls) == 2;
+  const bool two = system.grains() + count(system.walls) == 2;
   if (two && state.step == 0 && interaction.restitution == 0 && std::isfinite(one.reached))
     return std::min(one.reached / (1 - scheme.theta), largest_move / 4 * small / speed);
   return safe_part * largest_overlap * small / (speed * (two ? 1 : thrown(one, system, interaction)));
@@ -61,7 +61,7 @@ template <int D>
 bool all_finite(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
   const auto finite = [](double one) { return std::isfinite(one); };
   const auto motions = step_motions(system, state, scheme);
-  for (Index i = 0; i < system.disks(); ++i)
+  for (Index i = 0; i < system.grains(); ++i)
     if (!std::ranges::all_of(centre_of<D>(state, at(i)), finite) ||
         !is_finite(free_velocity<D>(system, state, scheme, motions, i)))
       return false;
@@ -82,7 +82,7 @@ double safe_step(const GranularSystem& system, const GranularState& state, const
   for (int k = 0; k < most_tries; ++k) {
     double least = shorter.step;
     const auto motions = step_motions(system, state, shorter);
-    for (Index i = 0; i < system.disks(); ++i) {
+    for (Index i = 0; i < system.grains(); ++i) {
       const double speed = speed_of<D>(free_velocity<D>(system, state, shorter, motions, i));
       if (shorter.step * speed > largest_move * system.radius[at(i)])
         least = std::min(least, safe_part * (state.step == 0 ? largest_move : met) * system.radius[at(i)] / speed);

@@ -86,7 +86,7 @@ Touch touch_of(const Interaction& interaction, double h) {
 // The velocity of a wall under a contact, m/s.
 template <int D>
 GrainVelocity<D> wall_velocity(const GranularSystem& system, const Configuration<D>& where, const StepContact& c) {
-  const auto boundary = at(where.walls[at(c.b - system.disks())].boundary);
+  const auto boundary = at(where.walls[at(c.b - system.grains())].boundary);
   return driven_velocity<D>(velocity_of_point(where.motions[boundary], where.poses[boundary], narrowed<D>(c.point)));
 }
 
@@ -99,7 +99,7 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
   const Index grains = count(problem.numbers);
   for (const StepContact& c : problem.geometry) {
     const Index a = body_of(problem, c.a);
-    if (c.b < system.disks()) {
+    if (c.b < system.grains()) {
       bodies.push_back({a, body_of(problem, c.b)});
       continue;
     }
@@ -108,7 +108,7 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
     problem.start.push_back(problem.free.back());
   }
   for (Index k = grains; k < count(problem.free); ++k)
-    problem.numbers.push_back(static_cast<std::int32_t>(system.disks() + k - grains));
+    problem.numbers.push_back(static_cast<std::int32_t>(system.grains() + k - grains));
   return bodies;
 }
 
@@ -167,7 +167,7 @@ ConsideredContacts for_each_step_contact(const GranularSystem& system, const Gra
   const auto motions = step_motions(system, state, scheme);
   const auto velocity = [&](Index grain) { return free_velocity<D>(system, state, scheme, motions, grain); };
   ConsideredContacts considered;
-  for (Index i = 0; i < system.disks(); ++i) {
+  for (Index i = 0; i < system.grains(); ++i) {
     const GrainVelocity<D> v = velocity(i);
     check_moves<D>(system, state, interaction, scheme, i, v);
     if (v.inverse_mass == 0) considered.boundary_speed = std::max(considered.boundary_speed, speed_of<D>(v));
@@ -184,7 +184,7 @@ ConsideredContacts for_each_step_contact(const GranularSystem& system, const Gra
         // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
         if (interaction.restitution > 0 && c.gap > 0 && !(pulls && touches(system, c))) return;
         ++considered.number;
-        if (c.b >= system.disks())
+        if (c.b >= system.grains())
           considered.boundary_speed =
               std::max(considered.boundary_speed, speed_of<D>(wall_velocity<D>(system, where, c)));
         visit(c);
@@ -240,13 +240,13 @@ template <int D>
 StepProblem<D> prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
                             const TimeStepping& scheme, bool warm_start, bool shallow) {
   std::vector<StepContact> found;
-  found.reserve(at(3 * system.disks()));
+  found.reserve(at(3 * system.grains()));
   const auto considered =
       for_each_step_contact<D>(system, state, interaction, scheme, [&](const StepContact& c) { found.push_back(c); });
   if (shallow) check_overlaps<D>(system, state, interaction, scheme, considered.deep);
-  std::vector<std::int32_t> grains(at(system.disks()));
+  std::vector<std::int32_t> grains(at(system.grains()));
   std::iota(grains.begin(), grains.end(), 0);
-  return step_of_contacts<D>(system, state, interaction, scheme, sorted_by_bodies(found, system.disks()),
+  return step_of_contacts<D>(system, state, interaction, scheme, sorted_by_bodies(found, system.grains()),
                              considered.boundary_speed, std::move(grains),
                              warm_start ? state.impulses : std::vector<RememberedImpulse>{});
 }

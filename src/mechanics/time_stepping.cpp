@@ -22,7 +22,7 @@ template <int D>
 StepEnergy energy_in(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
   const Direction<D> gravity = gravity_of<D>(scheme);
   StepEnergy energy;
-  for (std::size_t i = 0; i < at(system.disks()); ++i) {
+  for (std::size_t i = 0; i < at(system.grains()); ++i) {
     if (system.driven_by[i] >= 0) continue;
     const double m = system.mass[i];
     const GrainVelocity<D> v = with_unknowns(unknowns_of<D>(state, i, system.radius[i]), 0);
@@ -95,7 +95,7 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
   const auto motions = step_motions(system, state, scheme);
   const std::vector<Pose> poses = state.poses;
   for (std::size_t k = 0; k < poses.size(); ++k) state.poses[k] = advanced<D>(poses[k], motions[k], h);
-  for (std::size_t i = 0; i < at(system.disks()); ++i) {
+  for (std::size_t i = 0; i < at(system.grains()); ++i) {
     const GrainUnknowns<D>& v = velocities[i];
     const double radius = system.radius[i];
     Direction<D> move;

@@ -11,13 +11,13 @@ ContactColours contact_colours(const Simulation& simulation, const StepProblem<D
   const auto& own = problem.geometry;  // ascending
   ContactColours colours{std::vector<Index>(own.size()), 0};
   const GranularSystem& system = simulation.system;
-  GreedyColours taken(system.disks());
+  GreedyColours taken(system.grains());
   std::vector<Index> ends;
   for_each_step_contact<D>(system, simulation.state, simulation.dynamics.interaction, simulation.dynamics.time,
                            [&](const StepContact& contact) {
                              ends.clear();
                              for (const Index end : {contact.a, contact.b})
-                               if (end < system.disks() && system.free(end)) ends.push_back(end);
+                               if (end < system.grains() && system.free(end)) ends.push_back(end);
                              const Index colour = taken.take_least(ends, ends);
                              colours.number = std::max(colours.number, colour + 1);
                              const auto found = std::ranges::lower_bound(own, ends_of(contact), {}, ends_of);

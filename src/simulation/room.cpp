@@ -19,7 +19,7 @@ StepRoom room_of(const Simulation& before, const SolvedStep<D>& step, double pus
   const auto motions = step_motions(before.system, before.state, scheme);
   double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;  // of all free grains
   double speed_squared = 0;                                        // of the fastest driven body or push
-  for (Index i = 0; i < before.system.disks(); ++i) {
+  for (Index i = 0; i < before.system.grains(); ++i) {
     const GrainVelocity<D> free = free_velocity<D>(before.system, before.state, scheme, motions, i);
     if (free.inverse_mass == 0) {
       speed_squared = std::max(speed_squared, squared_velocity(free) + squared_rim(free));

@@ -71,7 +71,7 @@ PreparedStep<D> prepare_solution(const Simulation& simulation) {
   iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
   if (switches_models(simulation)) {
     typename GranularTwoStage<D>::Grains grains{{}, simulation.system.radius};
-    for (std::size_t i = 0; i < at(simulation.system.disks()); ++i)
+    for (std::size_t i = 0; i < at(simulation.system.grains()); ++i)
       grains.centre.push_back({simulation.state.x[i], simulation.state.y[i]});
     iteration.switch_models(solver.warm_start ? simulation.state.models : std::vector<RememberedModel>{}, problem.scale,
                             grains);
@@ -236,7 +236,7 @@ std::optional<StepReport> take_or_explain(Simulation& simulation, const AnySolve
 
 double mean_speed(const GranularSystem& system, double kinetic_energy) {
   double mass = 0;
-  for (Index i = 0; i < system.disks(); ++i)
+  for (Index i = 0; i < system.grains(); ++i)
     if (system.free(i)) mass += system.mass[at(i)];
   return mass == 0 ? 0.0 : std::sqrt(2 * kinetic_energy / mass);
 }

@@ -71,7 +71,7 @@ std::vector<char> expected_columns(const Simulation& simulation, const StepProbl
 template <int D>
 Decomposition linear_decomposition(const Simulation& simulation, const StepProblem<D>& problem,
                                    const Partition& partition, const ShareOfStep& share) {
-  const auto walls = std::ranges::lower_bound(problem.numbers, static_cast<std::int32_t>(simulation.system.disks()));
+  const auto walls = std::ranges::lower_bound(problem.numbers, static_cast<std::int32_t>(simulation.system.grains()));
   const std::vector<Index> grains(problem.numbers.begin(), walls);
   return decompose(reference_problem(problem, count(grains)), partition_of_columns(partition, D), GluingShape::chain,
                    {grains, share.process_of_subdomain, simulation.processes});

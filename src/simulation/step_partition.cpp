@@ -12,7 +12,7 @@ namespace {
 Packing free_grains(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
   const double time = (1 - scheme.theta) * scheme.step;
   Packing packing;
-  for (Index i = 0; i < system.disks(); ++i) {
+  for (Index i = 0; i < system.grains(); ++i) {
     if (!system.free(i)) continue;
     packing.x.push_back(state.x[at(i)] + time * state.velocity_x[at(i)]);
     packing.y.push_back(state.y[at(i)] + time * state.velocity_y[at(i)]);
@@ -49,7 +49,7 @@ SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
   // METIS partitions the graph of all contacts.
   const auto problem = prepare_step<D>(system, state, dynamics.interaction, dynamics.time, false);
   const Partition of_contacts =
-      partition(std::get<MetisPartitioner>(partitioner), normal_problem(problem, system.disks()));
+      partition(std::get<MetisPartitioner>(partitioner), normal_problem(problem, system.grains()));
   return [known = subdomains_to_remember(problem.geometry, of_contacts)](const StepContact& c) {
     return known_subdomain(known, c);
   };
@@ -59,10 +59,10 @@ SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
 SubdomainOfContact kept_subdomains(const Simulation& simulation) {
   const GranularSystem& system = simulation.system;
   const std::vector<RememberedSubdomain>& known = simulation.state.subdomains;
-  std::vector<double> of_grain(at(system.disks()), -1);
+  std::vector<double> of_grain(at(system.grains()), -1);
   for (const RememberedSubdomain& one : known)
     for (const Index i : {one.a, one.b})
-      if (i < system.disks() && system.free(i) && of_grain[at(i)] < 0)
+      if (i < system.grains() && system.free(i) && of_grain[at(i)] < 0)
         of_grain[at(i)] = static_cast<double>(one.subdomain);
   // A process knows all contacts of the grains of its own subdomains, and none of those of other grains.
   simulation.processes.largest(of_grain);
@@ -70,7 +70,7 @@ SubdomainOfContact kept_subdomains(const Simulation& simulation) {
           of_grain = std::vector<std::int32_t>(of_grain.begin(), of_grain.end())](const StepContact& c) -> Index {
     if (const Index subdomain = known_subdomain(known, c); subdomain >= 0) return subdomain;
     if (of_grain[at(c.a)] >= 0) return of_grain[at(c.a)];
-    return c.b < system.disks() ? std::max(of_grain[at(c.b)], 0) : 0;
+    return c.b < system.grains() ? std::max(of_grain[at(c.b)], 0) : 0;
   };
 }
 
@@ -82,7 +82,7 @@ void check_system(const Simulation& simulation, Index dimension) {
     fail("simulation: expected {} here, met a system of {}", dimension == 2 ? "disks in the plane" : "spheres in space",
          system.dimension == 2 ? "disks in the plane" : "spheres in space");
   if (!is_contact_solver(simulation.dynamics.solver.algorithm)) return;
-  for (Index i = 0; i < system.disks(); ++i)
+  for (Index i = 0; i < system.grains(); ++i)
     if (const double mass = system.mass[at(i)]; system.free(i) && !std::isfinite(1 / mass))
       fail("{}: expected a mass whose inverse is finite, met {} kg", body_name(system, i), mass);
 }

@@ -35,9 +35,9 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
   const GranularSystem& system = simulation.system;
   std::vector<std::vector<Index>> shared(at(subdomains(simulation.partitioner)));
   std::vector<Index> weight(shared.size(), 1);
-  std::vector<std::int32_t> first(at(system.disks()), -1);  // subdomain in which a grain was met
+  std::vector<std::int32_t> first(at(system.grains()), -1);  // subdomain in which a grain was met
   const auto meet = [&](Index grain, Index e) {
-    if (grain >= system.disks() || !system.free(grain)) return;
+    if (grain >= system.grains() || !system.free(grain)) return;
     std::int32_t& known = first[at(grain)];
     if (known < 0) known = static_cast<std::int32_t>(e);
     if (known == e) return;
@@ -57,7 +57,7 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
     grains.erase(std::unique(grains.begin(), grains.end()), grains.end());
     held.emplace_back(grains);
   }
-  return deal_out(Interface(unknowns_of_grain<D>, system.disks(), held), weight, simulation.processes.size);
+  return deal_out(Interface(unknowns_of_grain<D>, system.grains(), held), weight, simulation.processes.size);
 }
 
 // The grains that the problem of some contacts has, ascending: those that they touch, and all where one process has all
@@ -105,7 +105,7 @@ StepShare<D> share_step(const Simulation& simulation) {
   const bool afresh = decomposes_afresh(simulation, state.step) || process_of.empty();
   if (afresh) process_of = dealt_out<D>(simulation, subdomain);
   std::vector<StepContact> own;
-  own.reserve(at(3 * system.disks() / all.size));
+  own.reserve(at(3 * system.grains() / all.size));
   const ConsideredContacts considered = for_each_step_contact<D>(
       system, state, dynamics.interaction, dynamics.time, [&, rank = all.rank](const StepContact& c) {
         if (process_of.empty() || process_of[at(subdomain(c))] == rank) own.push_back(c);
@@ -116,14 +116,14 @@ StepShare<D> share_step(const Simulation& simulation) {
   if (kept != considered.number || most != least)
     throw Error("processes: expected the same step in all of them, met others: their processors may differ");
   check_overlaps<D>(system, state, dynamics.interaction, dynamics.time, considered.deep);
-  own = sorted_by_bodies(own, system.disks());
+  own = sorted_by_bodies(own, system.grains());
   step.partition = partition_of(subdomain, subdomains, own);
   if (!all.alone()) step.share.impulses = state.impulses;
   if (!all.alone() && afresh)
     step.share.impulses = impulses_of_all(simulation, [&](const RememberedImpulse& one) {
       return std::ranges::binary_search(own, std::pair(one.a, one.b), {}, ends_of);
     });
-  std::vector<std::int32_t> grains = grains_of(own, system.disks(), all.alone());
+  std::vector<std::int32_t> grains = grains_of(own, system.grains(), all.alone());
   const std::vector<RememberedImpulse> none, &last = all.alone() ? state.impulses : step.share.impulses;
   step.problem =
       step_of_contacts<D>(system, state, dynamics.interaction, dynamics.time, std::move(own), considered.boundary_speed,
@@ -184,8 +184,8 @@ std::vector<GrainUnknowns<D>> velocities_of_grains(const Simulation& before, con
   const GranularSystem& system = before.system;
   const auto motions = step_motions(system, before.state, before.dynamics.time);
   std::vector<GrainUnknowns<D>> result;
-  result.reserve(at(system.disks()));
-  for (Index i = 0; i < system.disks(); ++i)
+  result.reserve(at(system.grains()));
+  for (Index i = 0; i < system.grains(); ++i)
     result.push_back(unknowns(free_velocity<D>(system, before.state, before.dynamics.time, motions, i)));
   struct Moved {
     Index grain;

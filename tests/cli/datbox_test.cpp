@@ -90,7 +90,7 @@ TEST_CASE("DATBOX: a run from it is that of the case it was written from, to its
   write_datbox(session, "run.h5", "box/DATBOX");
   answer(session, "simulate box/DATBOX --steps 15 -o back.h5");
   const GranularSystem system = read_trajectory_header(session.path("back.h5")).system;
-  CHECK(system.free_disks() == 60);
+  CHECK(system.free_grains() == 60);
   CHECK(system.boundaries.size() == 3);
   CHECK(system.walls.size() == 1);
   for (const Index step : {0, 1, 5, 15}) {
@@ -209,8 +209,8 @@ TEST_CASE("export --lmgc90: the folder reads back to the case that it was writte
   }
   // Once more from what was read: the same folder, to the digits of its numbers.
   answer(session, "export back.h5 --lmgc90 again");
-  const Packing once = datbox_packing(read_datbox(session.path("out")), DatboxDisks::all),
-                twice = datbox_packing(read_datbox(session.path("again")), DatboxDisks::all);
+  const Packing once = datbox_packing(read_datbox(session.path("out")), DatboxGrains::all),
+                twice = datbox_packing(read_datbox(session.path("again")), DatboxGrains::all);
   REQUIRE(once.size() == twice.size());
   for (std::size_t i = 0; i < once.x.size(); ++i) {
     CHECK(once.radius[i] == twice.radius[i]);
@@ -227,7 +227,7 @@ TEST_CASE("export --lmgc90: the folder reads back to the case that it was writte
   CHECK(session.run(words("simulate later -o later.h5")).exit_code == 2);  // as the export said: disks spin by then
   CHECK(read_packing(session.path("later")).size() == 60);
   const GranularState end = read_trajectory_step(session.path("run.h5"), 15).state;
-  const Packing later = datbox_packing(read_datbox(session.path("later")), DatboxDisks::all);
+  const Packing later = datbox_packing(read_datbox(session.path("later")), DatboxGrains::all);
   REQUIRE(later.size() == static_cast<Index>(end.x.size()));
   CHECK(std::ranges::any_of(end.poses, [](const Pose& pose) { return std::abs(pose.angle) > 1e-4; }));
   for (std::size_t i = 0; i < end.x.size(); ++i) {  // those of the side that has turned, too

@@ -180,7 +180,7 @@ TEST_CASE("export --subdomain: with its interface impulses a part moves as in th
     std::set<Index> grains;
     for (const TrajectoryContact& c : kept.contacts)
       for (const Index body : {c.geometry.a, c.geometry.b})
-        if (c.subdomain == subdomain && body < header.system.disks() && header.system.free(body)) grains.insert(body);
+        if (c.subdomain == subdomain && body < header.system.grains() && header.system.free(body)) grains.insert(body);
     REQUIRE(global(run).mass.rows() == 3 * static_cast<Index>(grains.size()));
     contacts += global(run).contacts();
     CHECK((run.solution->v - solved.solution->v).norm() < 1e-9 * run.solution->v.norm());
@@ -234,7 +234,7 @@ TEST_CASE("export --vtk: VTK reads the kept steps as the trajectory has them") {
   Arrays& a = pictures["step-000012.vtp"];
   CHECK(a["time"] == std::vector<double>{kept.state.time});
   CHECK(a["field/TimeValue"] == std::vector<double>{kept.state.time});
-  const std::size_t disks = at(system.disks());
+  const std::size_t disks = at(system.grains());
   REQUIRE(a["counts"][1] == static_cast<double>(disks));
   REQUIRE(a["counts"][2] == static_cast<double>(kept.contacts.size()));
   std::vector<std::set<Index>> held(disks);
@@ -247,7 +247,7 @@ TEST_CASE("export --vtk: VTK reads the kept steps as the trajectory has them") {
     CHECK(a["cell/subdomain"][disks + k] == static_cast<double>(c.subdomain));
     CHECK(a["lines/connectivity"][2 * k] == static_cast<double>(c.geometry.a));
     for (const Index body : {c.geometry.a, c.geometry.b})
-      if (body < system.disks()) held[at(body)].insert(c.subdomain);
+      if (body < system.grains()) held[at(body)].insert(c.subdomain);
   }
   bool shared = false;
   for (std::size_t i = 0; i < disks; ++i) {

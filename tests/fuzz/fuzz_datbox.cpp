@@ -35,7 +35,7 @@ std::optional<Datbox> parse(std::string_view text) {
 
 std::optional<Packing> packing_in(const Datbox& datbox) {
   try {
-    return datbox_packing(datbox, DatboxDisks::all);
+    return datbox_packing(datbox, DatboxGrains::all);
   } catch (const Error&) {
     return std::nullopt;
   }

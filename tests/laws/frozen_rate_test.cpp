@@ -83,7 +83,7 @@ TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction o
   const Partition partition = partition_step(simulation, problem);
   const GranularDecomposition<2> parts = decompose(problem, partition, "natural", 1);
   const Decomposition linear =
-      decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition, 2));
+      decompose(reference_problem(problem, simulation.system.grains()), partition_of_columns(partition, 2));
   const std::vector<ContactStatus> sticking(problem.contacts.size(), ContactStatus::stick);
   REQUIRE(parts.interface_size() > 20);
   const std::vector<FrozenContact<2>> stick = frozen_contacts(parts, sticking);
@@ -214,7 +214,7 @@ TEST_CASE("the solution of a step, cut into subdomains, is a fixed point of Algo
         REQUIRE(z.tail(step.report.interface_size).norm() > 0.1 * z.norm());
         CHECK((step.iteration.state() - z).norm() < 1e-14 * z.norm());
         // Every copy has the velocity of its grain in the undivided packing.
-        const double speed = largest_speed(solution.velocities, simulation.system.disks());
+        const double speed = largest_speed(solution.velocities, simulation.system.grains());
         for (const GranularSubdomain<2>& subdomain : step.iteration.parts().subdomains)
           for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
             const GrainVelocity<2>&copy = subdomain.velocities[i],

@@ -88,7 +88,7 @@ TEST_CASE("driven disks across the cuts: what is glued is free, each further cop
     CHECK(shared_driven_bodies(step.problem, parts) > 0);
     std::vector<Index> glued(step.problem.free.size(), 0);
     for (const Gluing& one : parts.interface.gluing()) {
-      REQUIRE(one.grain < whole.system.disks());
+      REQUIRE(one.grain < whole.system.grains());
       CHECK(whole.system.free(one.grain));
       ++glued[at(one.grain)];
     }
@@ -116,7 +116,7 @@ TEST_CASE("driven disks, gravity, several sizes, no friction: any division comes
       CHECK(step.interface_size > 0);
       CHECK(step.gluing < 1e-9);
       CHECK(step.map < 1e-9);
-      CHECK(largest_difference(step.velocities, reference.velocities, whole.system.disks()) < 1e-7);
+      CHECK(largest_difference(step.velocities, reference.velocities, whole.system.grains()) < 1e-7);
     }
 }
 
@@ -155,7 +155,7 @@ TEST_CASE("friction, network active: Stage 2 has the columns that open, sliding 
   CHECK(slide > 0);
   CHECK(stick > 0);
   const Decomposition linear =
-      decompose(reference_problem(step.problem, simulation.system.disks()), partition_of_columns(step.partition, 2));
+      decompose(reference_problem(step.problem, simulation.system.grains()), partition_of_columns(step.partition, 2));
   const InterfaceOperator expected = InterfaceFamily(restrict_contacts(linear, columns)).at(eta);
   const InterfaceOperator met = enriched_operator(simulation, step.problem, step.partition, eta);
   const InterfaceOperator all = InterfaceFamily(linear).at(eta);

@@ -30,7 +30,7 @@ double gain_of_turning_normals(const GranularSystem& system, const SolvedStep<2>
   double sum = 0;
   for (std::size_t k = 0; k < step.contacts.size(); ++k) {
     const StepContact& c = step.problem.geometry[k];
-    if (c.b >= system.disks()) continue;
+    if (c.b >= system.grains()) continue;
     const double length = system.radius[at(c.a)] + system.radius[at(c.b)] + c.gap, h = step.problem.h;
     const GrainVelocity<2>&a = step.problem.start[at(c.a)], &b = step.problem.start[at(c.b)];
     const double dx = length * c.normal[0] - h * (b.x - a.x), dy = length * c.normal[1] - h * (b.y - a.y);

@@ -32,7 +32,7 @@ struct LinearStep {
     problem = prepare_step<2>(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);
     for (GrainContact<2>& c : problem.contacts) c.bias.n = 0;
     partition = partition_step(simulation, problem);
-    parts = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition, 2));
+    parts = decompose(reference_problem(problem, simulation.system.grains()), partition_of_columns(partition, 2));
   }
 
   GranularTwoStage<2> iteration(double epsilon, double eta, Index sweeps, double omega = 1) const {
@@ -144,7 +144,7 @@ TEST_CASE("linear law, n_GS sweeps: the iterates are those of the spectral code'
       GranularTwoStage<2> granular = step.iteration(law.epsilon, eta, sweeps);
       const TwoStageIteration linear(step.parts, law, InterfaceFamily(step.parts).at(eta), sweeps);
       const auto loads =
-          impact_loads(step.parts, reference_problem(step.problem, step.simulation.system.disks()).arriving_velocity);
+          impact_loads(step.parts, reference_problem(step.problem, step.simulation.system.grains()).arriving_velocity);
       Vector state = Vector::Zero(linear.rows());
       for (int k = 0; k < 5; ++k) {
         granular.iterate();

@@ -97,7 +97,7 @@ TEST_CASE("total vertical reaction of floor and walls equals the weight of a set
     momentum = upward = 0;
     for (std::size_t i = 0; i < simulation.system.mass.size(); ++i)
       momentum += simulation.system.mass[i] * simulation.state.velocity_y[i];
-    const Index n = simulation.system.disks();
+    const Index n = simulation.system.grains();
     // n points from the grain into the boundary and the grain feels -r: floor n = (0, -1), walls (-1, 0), (1,
     // 0).
     for (const RememberedImpulse& one : simulation.state.impulses) {

@@ -180,7 +180,7 @@ TEST_CASE("frictionless: any subdomains, variant and order come to the velocitie
       CHECK(step.interface_size > 0);
       CHECK(step.gluing < 1e-9);
       CHECK(step.map < 1e-9);
-      CHECK(largest_difference(step.velocities, reference.velocities, whole.system.disks()) < 1e-8);
+      CHECK(largest_difference(step.velocities, reference.velocities, whole.system.grains()) < 1e-8);
     }
 }
 
@@ -201,7 +201,7 @@ TEST_CASE("frictionless: any order and relaxation of the contacts come to the ve
         other.dynamics.solver.contact_relaxation = relaxation;
         const Close step = closely(other);
         CHECK(step.gluing < 1e-9);
-        CHECK(largest_difference(step.velocities, reference.velocities, whole.system.disks()) < 1e-8);
+        CHECK(largest_difference(step.velocities, reference.velocities, whole.system.grains()) < 1e-8);
       }
 }
 
@@ -217,7 +217,7 @@ TEST_CASE("frictionless: Stage 2 links no rims, so that a flexibility of 1 / mas
       set(divided.dynamics.solver, {.name = "", .algorithm = "enriched", .eta = eta, .sweeps = 10, .network = network});
       const Close step = closely(divided);
       CHECK(step.gluing < 1e-9);
-      CHECK(largest_difference(step.velocities, reference.velocities, whole.system.disks()) < 1e-8);
+      CHECK(largest_difference(step.velocities, reference.velocities, whole.system.grains()) < 1e-8);
     }
 }
 
@@ -239,7 +239,7 @@ TEST_CASE("friction: whatever the variant, glued copies obey Coulomb's law as cl
       // At the velocities that V_free + M^-1 H r gives, nothing of the copies.
       const std::vector<GrainVelocity<2>> v = velocities_of(step.problem, step.contacts);
       CHECK(relative_natural_map(step.contacts, v) < law_tolerance);
-      CHECK(largest_difference(step.velocities, v, whole.system.disks()) < 1e-10);
+      CHECK(largest_difference(step.velocities, v, whole.system.grains()) < 1e-10);
     }
 }
 
@@ -290,7 +290,7 @@ TEST_CASE("mean velocities of copies are V_free + M^-1 H r at every iteration, c
       dynamics.solver.maximum_iterations = iterations;
       const Simulation simulation = shaken_lattice(6, 6, dynamics, {3, 2});
       const SolvedStep<2> step = solve_step(simulation);
-      const Index n = simulation.system.disks();
+      const Index n = simulation.system.grains();
       CHECK(largest_difference(step.velocities, velocities_of(step.problem, step.contacts), n) <
             1e-13 * (1 + largest_speed(step.velocities, n)));
     }
@@ -303,7 +303,7 @@ TEST_CASE("METIS parts come to the velocities of the whole as well") {
   set(simulation.dynamics.solver, {.name = "generic", .sweeps = 5});
   const Close step = closely(simulation);
   CHECK(step.gluing < 1e-9);
-  CHECK(largest_difference(step.velocities, reference.velocities, simulation.system.disks()) < 1e-8);
+  CHECK(largest_difference(step.velocities, reference.velocities, simulation.system.grains()) < 1e-8);
 }
 
 TEST_CASE("the generic Stage 2 brings the copies of every grain together at once, and keeps their momentum") {
@@ -336,7 +336,7 @@ TEST_CASE("a step that starts from the impulses and the gluing of another is whe
   const Simulation simulation = shaken_lattice(6, 6, dynamics, {3, 3});
   PreparedStep<2> step = prepare_solution(simulation);
   Index cross_points = 0;
-  for (Index grain = 0; grain < simulation.system.disks(); ++grain)
+  for (Index grain = 0; grain < simulation.system.grains(); ++grain)
     cross_points += step.iteration.parts().interface.multiplicity(grain) > 2;
   REQUIRE(cross_points > 0);
   for (int k = 0; k < 7; ++k) step.iteration.iterate();

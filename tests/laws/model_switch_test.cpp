@@ -222,7 +222,7 @@ TEST_CASE("a homogenised subdomain is the dense Galerkin projection, and on a fi
     const auto statuses = statuses_of(step.problem.law, subdomain);
     std::vector<PlacedBody> bodies;
     for (const Index i : subdomain.bodies) {
-      const bool grain = i < simulation.system.disks();
+      const bool grain = i < simulation.system.grains();
       bodies.push_back({{grain ? simulation.state.x[at(i)] : 0, grain ? simulation.state.y[at(i)] : 0},
                         grain ? simulation.system.radius[at(i)] : 0,
                         step.iteration.parts().interface.multiplicity(i) > 1});
@@ -257,7 +257,7 @@ TEST_CASE("where statuses stand still, a run that switches comes to the velociti
     const SolvedStep<2> a = solve_step(plain), b = solve_step(switched);
     REQUIRE(a.report.status == SolverStatus::converged);
     REQUIRE(b.report.status == SolverStatus::converged);
-    const Index disks = plain.system.disks();
+    const Index disks = plain.system.grains();
     CHECK(largest_difference(a.velocities, b.velocities, disks) < 1e-6);
     for (std::size_t c = 0; c < a.contacts.size(); ++c)
       CHECK(std::hypot(a.contacts[c].impulse.n - b.contacts[c].impulse.n,

@@ -94,7 +94,7 @@ TEST_CASE("eta = optimal kept between two decompositions is raised for the conta
   for (int step = 1; step < 10; ++step) {
     CAPTURE(step);
     SolvedStep<2> solved = solve_step(simulation);
-    const double stable = stable_eta(decompose(reference_problem(solved.problem, simulation.system.disks()),
+    const double stable = stable_eta(decompose(reference_problem(solved.problem, simulation.system.grains()),
                                                partition_of_columns(solved.partition, 2)));
     CHECK(solved.report.eta == doctest::Approx(std::max(kept, stable)).epsilon(2e-3));
     raised += solved.report.eta > kept;

@@ -43,7 +43,7 @@ void check_solved(const Simulation& simulation, const SolvedStep<2>& found, cons
   CHECK(found.report.status == SolverStatus::converged);
   CHECK(natural_map_of(found) < 10 * tolerance);
   // Impulses need not be unique, nor which contacts have any; where grains go is, next to always.
-  const Index disks = simulation.system.disks();
+  const Index disks = simulation.system.grains();
   CHECK(largest_difference(found.velocities, expected.velocities, disks) <
         1e-6 * largest_speed(expected.velocities, disks));
 }

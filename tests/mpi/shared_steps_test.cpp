@@ -92,7 +92,7 @@ void check_run(const Simulation& start, int steps) {
     // Of every contact of its grains a process remembers the subdomain, and of its own contacts the impulse.
     for (const RememberedSubdomain& one : alone.state.subdomains) {
       const auto has = [&](Index grain) {
-        return grain < alone.system.disks() && alone.system.free(grain) && body_of(own.problem, grain) >= 0;
+        return grain < alone.system.grains() && alone.system.free(grain) && body_of(own.problem, grain) >= 0;
       };
       const auto found = std::ranges::find_if(shared.state.subdomains, [&](const RememberedSubdomain& known) {
         return known.a == one.a && known.b == one.b && known.subdomain == one.subdomain;

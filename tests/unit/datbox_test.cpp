@@ -202,8 +202,8 @@ TEST_CASE("DATBOX: bodies, masses and places") {
   const Datbox datbox = read(small());
   REQUIRE(datbox.bodies.size() == 3);
   CHECK(datbox.bodies[0].velocity == std::array<double, 3>{7, -8, 0});
-  CHECK(datbox_packing(datbox, DatboxDisks::free).radius == std::vector<double>{0.25});
-  const Packing packing = datbox_packing(datbox, DatboxDisks::all);
+  CHECK(datbox_packing(datbox, DatboxGrains::free).radius == std::vector<double>{0.25});
+  const Packing packing = datbox_packing(datbox, DatboxGrains::all);
   REQUIRE(packing.size() == 3);
   CHECK(packing.radius == std::vector<double>{0.25, 1, 2});
   CHECK(packing.x[0] == 1.5);
@@ -248,7 +248,7 @@ TEST_CASE("DATBOX: laws, gravity, walls and motions") {
 TEST_CASE("DATBOX: spheres, their masses, a plank as a plane, and spins along the axes of a body") {
   const Datbox datbox = read(small_in_space());
   CHECK(datbox.dimension == 3);
-  const Packing packing = datbox_packing(datbox, DatboxDisks::all);
+  const Packing packing = datbox_packing(datbox, DatboxGrains::all);
   REQUIRE(packing.size() == 2);
   CHECK(packing.x == std::vector<double>{1.5, 1});
   CHECK(packing.y == std::vector<double>{1.75, 2});
@@ -256,7 +256,7 @@ TEST_CASE("DATBOX: spheres, their masses, a plank as a plane, and spins along th
   CHECK(packing.radius == std::vector<double>{0.25, 2});
   CHECK(packing.mass[0] == doctest::Approx(1000 * 4.0 / 3 * std::numbers::pi * 0.008));  // by avrd, not by byrd
   CHECK(packing.mass[1] == doctest::Approx(5000 * 4.0 / 3 * std::numbers::pi * 8));
-  CHECK(datbox_packing(datbox, DatboxDisks::free).size() == 1);
+  CHECK(datbox_packing(datbox, DatboxGrains::free).size() == 1);
   CHECK(datbox.bodies[0].velocity == std::array<double, 3>{7, -8, 9});
   CHECK(datbox.bodies[0].frame.col(0) == Eigen::Vector3d(0, 1, 0));
   const Dynamics dynamics = datbox_dynamics(datbox);
@@ -285,7 +285,7 @@ TEST_CASE("DATBOX: spheres, their masses, a plank as a plane, and spins along th
   texts.bodies = replaced(texts.bodies, "avrd= 0.2000000D+00\n", "avrd= 0.0000000D+00\n");
   texts.bodies = replaced(
       texts.bodies, "                             I1  = 0.8377580D-03  I2  = 0.8377580D-03  I3  = 0.8377580D-03\n", "");
-  CHECK(datbox_packing(read(texts), DatboxDisks::free).mass[0] ==
+  CHECK(datbox_packing(read(texts), DatboxGrains::free).mass[0] ==
         doctest::Approx(1000 * 4.0 / 3 * std::numbers::pi / 64));
   texts.bodies = replaced(texts.bodies, "alp3= 0.1000000D+01", "alp3=-0.1000000D+01");
   texts.bodies = replaced(texts.bodies, "gam1=-0.1000000D+01", "gam1= 0.1000000D+01");
@@ -374,7 +374,7 @@ TEST_CASE("DATBOX: a disk beyond the ends of a plank would be held by what is no
   DatboxTexts texts = small();
   texts.bodies = replaced(texts.bodies, "ax1 = 3.0000000E+00", "ax1 = 2.0000000E+00");
   check_error([&] { datbox_dynamics(read(texts)); }, {"BODIES.DAT:14:", "JONCx"});
-  CHECK(datbox_packing(read(texts), DatboxDisks::free).size() == 1);  // the linear study has no walls
+  CHECK(datbox_packing(read(texts), DatboxGrains::free).size() == 1);  // the linear study has no walls
 }
 
 TEST_CASE("DATBOX: a plank above the disks is a wall from above") {
@@ -408,7 +408,7 @@ TEST_CASE("DATBOX: contacts are found in spite of seven digits") {
                       "\n$tacty\n DISKx      1  color  BLEUx" + digits("byrd=", radius) + "\n$$$$$$\n";
     }
   const Datbox datbox = read(texts);
-  const Packing packing = datbox_packing(datbox, DatboxDisks::free);
+  const Packing packing = datbox_packing(datbox, DatboxGrains::free);
   CHECK(packing.half_digit == doctest::Approx(0.5e-5));  // of 70.33333
   const ContactNetwork network = detect_contacts(packing);
   CHECK(network.size() == rows * (columns - 1) + (rows - 1) * (2 * columns - 1));
@@ -460,7 +460,7 @@ TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and
   refused(tact, " other  MAC_CZM", " iqsc0  MAC_CZM", {"TACT_BEHAV.DAT:5:", "met 'iqsc0' again"});
   DatboxTexts texts = small();
   texts.driven = replaced(texts.driven, " vlocy      3  0.0000000D+00", " force      3  0.1000000D+01");
-  CHECK(datbox_packing(read(texts), DatboxDisks::all).size() ==
+  CHECK(datbox_packing(read(texts), DatboxGrains::all).size() ==
         3);  // what drives planks is of no account for the packing
   texts = small();
   texts.driven = texts.driven.substr(0, texts.driven.find("$bdyty", 1));  // the cluster is free

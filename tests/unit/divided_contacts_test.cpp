@@ -96,7 +96,7 @@ void check_colours(const Simulation& simulation, const DividedStep<D>& step, con
   std::set<std::pair<Index, Index>> met;  // colour and free grain
   for (std::size_t c = 0; c < step.problem.geometry.size(); ++c)
     for (const Index body : {step.problem.geometry[c].a, step.problem.geometry[c].b})
-      if (body < simulation.system.disks() && simulation.system.free(body))
+      if (body < simulation.system.grains() && simulation.system.free(body))
         CHECK(met.insert({colours.of_contact[c], body}).second);
 }
 

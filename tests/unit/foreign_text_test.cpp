@@ -54,7 +54,7 @@ std::vector<Reader> readers() {
     const std::string bulk =
         "$behav\n STONE  RIGID                           Umas= 0.2700000D+04\n"
         "$gravy\n                   grv1= 0.0000000D+00  grv2=-0.9810000D+01  grv3= 0.0000000D+00\n";
-    return shown(datbox_packing(parse_datbox({bodies, bulk, "", "", "", {}}, "foreign"), DatboxDisks::free));
+    return shown(datbox_packing(parse_datbox({bodies, bulk, "", "", "", {}}, "foreign"), DatboxGrains::free));
   };
   return {
       {"CSV", "x,y,radius,mass\n0,0,0.5,1\n# a remark\n1,0,0.5,2\n", packing},

@@ -120,7 +120,7 @@ TEST_CASE("no number: velocities or interface impulses that are none are never c
         s.system.mass[5] = 1e-310;
         const SolvedStep<2> step = solve_step(s);
         bool finite = true;
-        for (Index i = 0; i < s.system.disks(); ++i)
+        for (Index i = 0; i < s.system.grains(); ++i)
           finite = finite && std::isfinite(step.velocities[at(i)].x + step.velocities[at(i)].rim);
         CHECK((finite || step.report.status == SolverStatus::no_number));
       }

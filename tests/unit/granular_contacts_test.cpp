@@ -107,7 +107,7 @@ TEST_CASE("contacts: driven disks do not meet each other or walls, and carry no 
   Dynamics dynamics;
   dynamics.boundaries = {row_of_disks("row", {0, 0}, {3, 0}, 0.5), floor_wall()};
   const Simulation s = simulation_of({{.x = 1.5, .y = std::sqrt(0.75)}}, dynamics);
-  CHECK(s.system.disks() == 5);
+  CHECK(s.system.grains() == 5);
   CHECK(pairs_of(prepared(s)) == std::set<std::pair<Index, Index>>{{0, 2}, {0, 3}});
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("a row of disks has both ends and gaps no wider than asked for") {
   row.spacing = 0.7;  // 3 m in gaps of 0.6 m
   dynamics.boundaries = {row};
   const Simulation s = simulation_of({{.x = 10}}, dynamics);
-  REQUIRE(s.system.disks() == 7);
+  REQUIRE(s.system.grains() == 7);
   for (Index k = 0; k <= 5; ++k) {
     CHECK(s.state.x[at(k + 1)] == 1);
     CHECK(s.state.y[at(k + 1)] == doctest::Approx(2 + 0.6 * static_cast<double>(k)).epsilon(1e-15));

@@ -32,7 +32,7 @@ struct SmallProblem {
 
 // From positions, radii and velocities alone, in the order of step.geometry.
 SmallProblem written_down(const Simulation& s, const SolvedStep<2>& step) {
-  const Index n = s.system.disks(), contacts = count(step.problem.geometry);
+  const Index n = s.system.grains(), contacts = count(step.problem.geometry);
   const double h = s.dynamics.time.step;
   SmallProblem p;
   p.h = Matrix::Zero(3 * n, 2 * contacts);
@@ -123,8 +123,8 @@ std::vector<Vector> every_solution(const SmallProblem& p, int statuses_per_conta
 }
 
 Vector velocities_of(const Simulation& s, const SolvedStep<2>& step) {
-  Vector v(3 * s.system.disks());
-  for (Index i = 0; i < s.system.disks(); ++i) {
+  Vector v(3 * s.system.grains());
+  for (Index i = 0; i < s.system.grains(); ++i) {
     const GrainVelocity<2>& one = step.velocities[at(i)];
     v.segment(3 * i, 3) << one.x, one.y, one.rim / s.system.radius[at(i)];
   }

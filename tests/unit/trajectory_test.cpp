@@ -305,7 +305,7 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
   const TemporaryFolder folder;
   const std::string path = folder / "run.h5";
   const Simulation simulation = small(1);
-  const Index bodies = simulation.system.disks() + count(simulation.system.walls);
+  const Index bodies = simulation.system.grains() + count(simulation.system.walls);
   const auto require_refused = [&](const std::function<void(TrajectoryStep&)>& damage, const std::string& part) {
     CAPTURE(part);
     TrajectoryStep step{simulation.state, {TrajectoryContact{}}};
@@ -322,7 +322,7 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
   require_refused([](TrajectoryStep& s) { s.contacts[0].geometry.a = -5; }, "contacts/a: expected");
   require_refused([&](TrajectoryStep& s) { s.contacts[0].geometry.b = bodies; }, "contacts/b: expected");
   require_refused([](TrajectoryStep& s) { s.contacts[0].subdomain = -5; }, "contacts/subdomain: expected");
-  require_refused([&](TrajectoryStep& s) { s.state.gluing[0].grain = simulation.system.disks(); },
+  require_refused([&](TrajectoryStep& s) { s.state.gluing[0].grain = simulation.system.grains(); },
                   "interface/grain: expected");
   require_refused([](TrajectoryStep& s) { s.state.gluing[0].subdomain = 100'000'000; },
                   "interface/subdomain: expected");

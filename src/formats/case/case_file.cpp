@@ -179,7 +179,7 @@ Case resolve(CaseSpec spec) {
     one.packing = at_key(one.spec, "packing.file", [&] {
       const std::string path = beside(file->path);
       const bool moves = one.spec.dynamics.has_value() && holds_datbox(path);
-      return moves ? datbox_packing(read_datbox(path), DatboxDisks::all) : read_packing(path);
+      return moves ? datbox_packing(read_datbox(path), DatboxGrains::all) : read_packing(path);
     });
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
     one.problem = at_key(one.spec, "problem.file", [&] { return read_global_problem(beside(file->path)); });

@@ -45,7 +45,7 @@ Vector impulses_of(const TrajectoryStep& step, const std::vector<Index>& contact
 template <int D>
 Vector velocities_of_free(const GranularSystem& system, const GranularState& state) {
   std::vector<double> v;
-  for (Index i = 0; i < system.disks(); ++i) {
+  for (Index i = 0; i < system.grains(); ++i) {
     if (!system.free(i)) continue;
     const GrainUnknowns<D> own = unknowns_of<D>(state, at(i), 1);  // spins, as of a radius of 1 m
     v.insert(v.end(), own.begin(), own.end());
@@ -135,7 +135,7 @@ FclibFile file_of_subdomain(const Simulation& before, const TrajectoryStep& afte
   for (std::size_t k = 0; k < part.contacts.size(); ++k) contacts.push_back(part.contacts.contact(k, part.velocities));
   const std::vector<double>& of_grain = before.system.radius;
   std::vector<double> radius;
-  for (const Index body : part.bodies) radius.push_back(body < before.system.disks() ? of_grain[at(body)] : 0);
+  for (const Index body : part.bodies) radius.push_back(body < before.system.grains() ? of_grain[at(body)] : 0);
   GlobalFrictionProblem problem = friction_problem(part.velocities, contacts, radius);
   add_interface_impulses(problem, part, of_grain, after.state.gluing, subdomain);
   FclibFile file;

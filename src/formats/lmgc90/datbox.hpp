@@ -107,7 +107,7 @@ std::vector<std::string> datbox_files(const std::string& path);
 /// Reads such a folder. Throws Error as parse_datbox, and for files that cannot be read.
 Datbox read_datbox(const std::string& path);
 
-enum class DatboxDisks {
+enum class DatboxGrains {
   all,   ///< of a case that moves: what is driven is a boundary of grains
   free,  ///< those that the linear study is about
 };
@@ -115,7 +115,7 @@ enum class DatboxDisks {
 /// The disks or spheres in the order of the files, with masses and with half of the last digit of their places. Planks
 /// are no grains. Throws Error for a free body of several disks, one whose inertia is not that of a full disk or
 /// sphere, and a packing without grains.
-Packing datbox_packing(const Datbox& datbox, DatboxDisks which);
+Packing datbox_packing(const Datbox& datbox, DatboxGrains which);
 
 /// The packing of a folder as a case: the velocities at the beginning are prescribed. With `moving`, also laws, gravity
 /// and boundaries: planks as straight walls, driven disks as grains of a boundary. The steps are those of TimeStepping,

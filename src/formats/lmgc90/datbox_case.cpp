@@ -47,11 +47,11 @@ std::array<double, 2> place_of(const DatboxBody& body, const DatboxContactor& di
 
 // Calls `visit(body, disk, number)` for every grain of the packing.
 template <class Visit>
-void for_each_disk(const Datbox& datbox, DatboxDisks which, Visit visit) {
+void for_each_grain(const Datbox& datbox, DatboxGrains which, Visit visit) {
   Index number = 0;
   for (const DatboxBody& body : datbox.bodies)
     for (const DatboxContactor& contactor : body.contactors)
-      if (!contactor.plank && (which == DatboxDisks::all || !body.driven())) visit(body, contactor, number++);
+      if (!contactor.plank && (which == DatboxGrains::all || !body.driven())) visit(body, contactor, number++);
 }
 
 // The velocity of a degree of freedom in the time of the run, linear between its points and constant beyond them.
@@ -141,7 +141,7 @@ void set_wall_in_space(const Datbox& datbox, const DatboxBody& body, BoundarySpe
   const DatboxContactor& plank = body.contactors[0];
   const Eigen::Vector3d centre(body.position[0], body.position[1], body.position[2]);
   Index above = 0, below = 0;
-  for_each_disk(datbox, DatboxDisks::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
+  for_each_grain(datbox, DatboxGrains::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
     const Eigen::Vector3d place =
         body.frame.transpose() * (Eigen::Vector3d(other.position[0], other.position[1], other.position[2]) - centre);
     ++(place[2] > 0 ? above : below);
@@ -168,7 +168,7 @@ void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) 
   const DatboxContactor& plank = body.contactors[0];
   const std::array<double, 2> along{std::cos(body.position[2]), std::sin(body.position[2])};
   Index above = 0, below = 0;
-  for_each_disk(datbox, DatboxDisks::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
+  for_each_grain(datbox, DatboxGrains::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
     const double x = other.position[0] - body.position[0], y = other.position[1] - body.position[1];
     const double height = along[0] * y - along[1] * x, place = along[0] * x + along[1] * y;
     ++(height > 0 ? above : below);
@@ -226,13 +226,13 @@ std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
 double smallest_radius(const Packing& packing) { return *std::ranges::min_element(packing.radius); }
 
 // What moves at the beginning, in the numbers of the packing. The linear study has no spins.
-std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxDisks which) {
+std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxGrains which) {
   std::vector<PrescribedVelocity> moving;
-  for_each_disk(datbox, which, [&](const DatboxBody& body, const DatboxContactor&, Index number) {
+  for_each_grain(datbox, which, [&](const DatboxBody& body, const DatboxContactor&, Index number) {
     if (body.driven()) return;
     const bool space = datbox.dimension == 3;
     const double spin = space ? Eigen::Vector3d(body.spin[0], body.spin[1], body.spin[2]).norm() : body.velocity[2];
-    if (spin != 0 && which == DatboxDisks::all)
+    if (spin != 0 && which == DatboxGrains::all)
       refuse(body.velocity_place, "{}: expected {}s that do not spin at the beginning, met {}",
              space ? "V(4) to V(6)" : "V(3)", shape_of_grains(datbox.dimension), spin);
     const auto& [x, y, z] = body.velocity;
@@ -256,9 +256,9 @@ std::string datbox_name(const std::string& path) {
 
 }  // namespace
 
-Packing datbox_packing(const Datbox& datbox, DatboxDisks which) {
+Packing datbox_packing(const Datbox& datbox, DatboxGrains which) {
   Packing packing;
-  for_each_disk(datbox, which, [&](const DatboxBody& body, const DatboxContactor& disk, Index) {
+  for_each_grain(datbox, which, [&](const DatboxBody& body, const DatboxContactor& disk, Index) {
     packing.radius.push_back(disk.radius);
     packing.half_digit = std::max(packing.half_digit, body.written_digit);
     const double size = body.driven() ? disk.radius : body.average_radius;  // a driven mass has no effect
@@ -283,7 +283,7 @@ Packing datbox_packing(const Datbox& datbox, DatboxDisks which) {
 }
 
 Dynamics datbox_dynamics(const Datbox& datbox) {
-  const Packing packing = datbox_packing(datbox, DatboxDisks::all);
+  const Packing packing = datbox_packing(datbox, DatboxGrains::all);
   Dynamics dynamics;
   dynamics.boundaries = boundaries_of(datbox);
   const DatboxContactLaw contact = contact_law_of(datbox);
@@ -301,7 +301,7 @@ CaseSpec case_of_datbox(const std::string& path, bool moving) {
   CaseSpec spec;
   spec.name = datbox_name(path);
   spec.packing = PackingFile{trimmed(path)};
-  spec.prescribed = moving_grains(datbox, moving ? DatboxDisks::all : DatboxDisks::free);
+  spec.prescribed = moving_grains(datbox, moving ? DatboxGrains::all : DatboxGrains::free);
   if (moving) spec.dynamics = datbox_dynamics(datbox);
   return spec;
 }

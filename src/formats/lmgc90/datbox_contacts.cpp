@@ -33,11 +33,11 @@ std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const Traject
   const GranularSystem& system = first_.system;
   const GranularState& state = step.state;
   const StepContact& g = c.geometry;
-  const bool wall = g.b >= system.disks();
+  const bool wall = g.b >= system.grains();
   const auto velocity = [&](Index body) -> GrainVelocity<2> {
-    if (body < system.disks())
+    if (body < system.grains())
       return {state.velocity_x[at(body)], state.velocity_y[at(body)], system.radius[at(body)] * state.spin[at(body)]};
-    const Index boundary = system.walls[at(body - system.disks())].boundary;
+    const Index boundary = system.walls[at(body - system.grains())].boundary;
     const RigidVelocity rigid = boundary_velocities(system, state.time)[at(boundary)];
     const Vector3 v = velocity_at(datbox_vector(g.point), rigid, state.poses[at(boundary)]);
     return {v[0], v[1], 0};
@@ -67,8 +67,8 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   const GranularSystem& system = first_.system;
   const GranularState& state = step.state;
   const StepContact& g = c.geometry;
-  const bool wall = g.b >= system.disks();
-  const std::size_t plank = wall ? at(g.b - system.disks()) : 0;
+  const bool wall = g.b >= system.grains();
+  const std::size_t plank = wall ? at(g.b - system.grains()) : 0;
   const Vector3 towards_b = datbox_vector(g.normal), n = -towards_b;
   Vector3 t = tangent_of(n);
   if (wall) {  // the first axis of the plank, when the contact was found
@@ -79,12 +79,12 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   // Where the velocity of a body counts: its point at the contact.
   const std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
   const auto velocity = [&](Index body, double lever) -> Vector3 {
-    if (body >= system.disks() || !system.free(body)) {
-      const Index b = body >= system.disks() ? system.walls[plank].boundary : system.driven_by[at(body)];
-      const Vector3 point = body >= system.disks() ? datbox_vector(g.point) : centre(state, at(body));
-      const bool turning = body >= system.disks() || system.boundaries[at(b)].orientation == Orientation::turning;
+    if (body >= system.grains() || !system.free(body)) {
+      const Index b = body >= system.grains() ? system.walls[plank].boundary : system.driven_by[at(body)];
+      const Vector3 point = body >= system.grains() ? datbox_vector(g.point) : centre(state, at(body));
+      const bool turning = body >= system.grains() || system.boundaries[at(b)].orientation == Orientation::turning;
       const Vector3 moved = velocity_at(point, motions[at(b)], state.poses[at(b)]);
-      if (body >= system.disks() || !turning) return moved;
+      if (body >= system.grains() || !turning) return moved;
       return moved + spin_vector(motions[at(b)]).cross(lever * towards_b);
     }
     const auto i = at(body);
@@ -119,7 +119,7 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
 
 std::string DatboxWriter::vloc_rloc(const TrajectoryStep& step) const {
   std::string text = datbox_head("Vloc_Rloc", step.state.step, step.state.time);
-  const auto at_wall = [&](const TrajectoryContact& c) { return c.geometry.b >= first_.system.disks(); };
+  const auto at_wall = [&](const TrajectoryContact& c) { return c.geometry.b >= first_.system.grains(); };
   // Beyond so many contacts LMGC90 has wider columns for those of two spheres.
   constexpr Index most = 99'999;
   const bool wide = count(step.contacts) - std::ranges::count_if(step.contacts, at_wall) > most;

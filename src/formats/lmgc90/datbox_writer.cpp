@@ -66,7 +66,7 @@ void DatboxWriter::number_bodies() {
     const Index number = count(bodies_) + 1;
     Index contactor = 0;
     for (const std::size_t i : body.grains) places_[i] = {number, ++contactor};
-    if (body.wall >= 0) places_[at(system.disks() + body.wall)] = {number, 1};
+    if (body.wall >= 0) places_[at(system.grains() + body.wall)] = {number, 1};
     bodies_.push_back(body);
   };
   std::vector<Body> clusters(system.boundaries.size());  // of the boundaries, in the plane

@@ -126,7 +126,7 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
 }
 
 Packing read_packing(const std::string& path) {
-  if (holds_datbox(path)) return datbox_packing(read_datbox(path), DatboxDisks::free);
+  if (holds_datbox(path)) return datbox_packing(read_datbox(path), DatboxGrains::free);
   const std::string content = read_text(path);
   return packing_format(path) == PackingFormat::hdf5 ? packing_from_hdf5(content, path) : parse_packing(content, path);
 }

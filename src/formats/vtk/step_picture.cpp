@@ -20,7 +20,7 @@ struct Scene {
   std::size_t feet = at(std::ranges::count_if(contacts, [&](const auto& c) { return on_wall(c); }));
 
   bool in_space() const { return system.dimension == 3; }
-  bool on_wall(const TrajectoryContact& contact) const { return contact.geometry.b >= system.disks(); }
+  bool on_wall(const TrajectoryContact& contact) const { return contact.geometry.b >= system.grains(); }
 };
 
 void check(const Scene& scene) {
@@ -34,7 +34,7 @@ void check(const Scene& scene) {
       fail("VTK: expected {} values of {}, met {}", n, array.name, size);
   for (std::size_t k = 0; k < contacts.size(); ++k)
     if (const auto& [a, b] = std::pair(contacts[k].geometry.a, contacts[k].geometry.b);
-        a < 0 || a >= system.disks() || b < 0)
+        a < 0 || a >= system.grains() || b < 0)
       fail("VTK: contact {}: expected two of {} grains, or a grain and a wall, met {} and {}", k, n, a, b);
 }
 

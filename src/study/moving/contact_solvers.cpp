@@ -47,7 +47,7 @@ Index run_trials(const ObservedCase& work) {
       problem = in_dimension(simulation.system, [&](auto dimension) {
         return contact_problem(checked_problem<dimension()>(simulation), simulation.system);
       });
-      grains = simulation.system.free_disks();
+      grains = simulation.system.free_grains();
     }
     const auto go_on = [&] { return !(stopped = !report(work.monitor, k, total)); };
     const SolverTrial trial = try_solver(*problem, {.algorithm = solvers[at(k % each)]}, infinity, go_on);

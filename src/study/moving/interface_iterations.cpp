@@ -74,7 +74,7 @@ InterfaceIterations by_newton(const Simulation& simulation) {
     result.slide += status != ContactStatus::stick && status != ContactStatus::open;
   }
   const Decomposition parts =
-      decompose(reference_problem(step.problem, simulation.system.disks()), partition_of_columns(step.partition, D));
+      decompose(reference_problem(step.problem, simulation.system.grains()), partition_of_columns(step.partition, D));
   const FrozenSystem<D> system = frozen_system(step);
   result.none = frozen_interface(parts, system, InterfaceNetwork::none, flexibility);
   result.all = frozen_interface(parts, system, InterfaceNetwork::all, flexibility);

@@ -13,7 +13,7 @@ const ResultColumns<SolvedCase>& solver_columns() {
   using One = SolvedCase;
   static const ResultColumns<One> columns{
       {"case", "", "name of the case", [](const One& one) { return one.name; }},
-      {"grains", "1", "free grains", [](const One& one) { return one.simulation.system.free_disks(); }},
+      {"grains", "1", "free grains", [](const One& one) { return one.simulation.system.free_grains(); }},
       {"algorithm", "", "solver of the steps", [](const One& one) { return to_string(one.solver().algorithm); }},
       {"gauss_seidel_sweeps", "1", "n_GS, sweeps of Stage 1 per iteration",
        [](const One& one) { return one.solver().gauss_seidel_sweeps; }},
@@ -82,7 +82,7 @@ const ResultColumns<PlacedGrain>& grain_columns(Index dimension) {
 Index placed_grains(const ObservedCase& work, Index steps, const Sink<PlacedGrain>& sink) {
   const Simulation simulation = simulation_at(work, steps);
   const auto held = in_dimension(simulation.system, [&](auto dimension) {
-    return memberships(next_step<dimension()>(simulation, work.table.lead_in), simulation.system.disks());
+    return memberships(next_step<dimension()>(simulation, work.table.lead_in), simulation.system.grains());
   });
   for (Index i = 0; i < count(held); ++i) sink({work.one.spec.name, simulation, i, held[at(i)]});
   return 0;
@@ -134,7 +134,7 @@ void chains_in(const ObservedCase& work, const Simulation& simulation, const Sin
     const GrainContact<D>& c = step.contacts[k];
     const auto& place = step.problem.geometry[k];
     if (c.impulse.n == 0 && norm(c.impulse.t) == 0) continue;
-    const bool wall = place.b >= simulation.system.disks();
+    const bool wall = place.b >= simulation.system.grains();
     ChainContact link{work.one.spec.name,
                       state.step,
                       in_space<D>(centre_of<D>(state, at(place.a))),
@@ -233,11 +233,11 @@ Index whole_run(const ObservedCase& work, Index steps, const Sink<WholeRun>& sin
   const GranularSystem& system = own.simulation.system;
   const GranularState& state = own.simulation.state;
   WholeRun run{{work.one.spec.name, own.simulation, own.totals.last}, steps, own.totals};
-  for (Index i = 0; i < system.disks(); ++i) {
+  for (Index i = 0; i < system.grains(); ++i) {
     if (!system.free(i)) continue;
     const double along_z = system.dimension == 3 ? state.z[at(i)] - plain.z[at(i)] : 0;
     const double distance = std::hypot(state.x[at(i)] - plain.x[at(i)], state.y[at(i)] - plain.y[at(i)], along_z);
-    run.distance_mean += distance / static_cast<double>(system.free_disks());
+    run.distance_mean += distance / static_cast<double>(system.free_grains());
     run.distance_maximum = std::max(run.distance_maximum, distance);
   }
   sink(run);

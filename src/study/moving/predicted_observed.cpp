@@ -113,7 +113,7 @@ PredictedObserved compare_rates(const Simulation& simulation) {
   result.predicted = frozen.value;
   result.complex_pair = frozen.dominant.imag() > 0;
   result.converged = frozen.converged;
-  if (simulation.system.disks() <= dense_rate_grains)
+  if (simulation.system.grains() <= dense_rate_grains)
     result.predicted_exact =
         frozen_radius(frozen_contraction(parts, best.frozen, step.enriched, solver.interface_relaxation)).value;
   return result;

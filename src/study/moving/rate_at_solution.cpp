@@ -206,7 +206,7 @@ RateAtSolution rate_in(const Simulation& simulation) {
                     1 + sweeps_of_power / sweeps / 2 * 2);
   result.predicted = frozen.value;
   result.complex_pair = frozen.dominant.imag() > 0;
-  if (simulation.system.disks() <= dense_rate_grains)
+  if (simulation.system.grains() <= dense_rate_grains)
     result.predicted_exact =
         frozen_radius(frozen_contraction(parts, run.frozen(), step.enriched, solver.interface_relaxation)).value;
   result.converged = frozen.converged && !std::isnan(result.observed);
