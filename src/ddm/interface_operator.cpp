@@ -154,15 +154,15 @@ InterfaceOperator::InterfaceOperator(std::shared_ptr<const Implementation> imple
     : implementation_(std::move(implementation)) {}
 
 double InterfaceOperator::flexibility() const { return implementation_->eta; }
-const Decomposition& InterfaceOperator::parts() const { return implementation_->preparation->parts; }
-Index InterfaceOperator::rows() const { return parts().interface_size(); }
+const Decomposition& InterfaceOperator::decomposition() const { return implementation_->preparation->parts; }
+Index InterfaceOperator::rows() const { return decomposition().interface_size(); }
 const Vector& InterfaceOperator::scale() const { return implementation_->preparation->scale; }
 
 // sum_E A_E M_E^-1 A_E^T: rows of a grain meet in the copies that both of them tie.
 const SparseMatrix& InterfaceOperator::generic() const {
   return implementation_->preparation->generic.get([this] {
-    const std::vector<Gluing>& gluing = parts().interface.gluing();
-    const Index d = parts().dofs_per_grain();
+    const std::vector<Gluing>& gluing = decomposition().interface.gluing();
+    const Index d = decomposition().dofs_per_grain();
     const auto same = [](const GrainCopy& a, const GrainCopy& b) { return a.subdomain == b.subdomain ? 1.0 : 0.0; };
     SparseEntries entries;
     for (Index row = 0; row < count(gluing); ++row) {
@@ -190,9 +190,10 @@ Vector InterfaceOperator::apply(const Vector& f) const {
   if (std::isinf(flexibility())) return generic() * f;
   const auto& locals = implementation_->locals;
   std::vector<Vector> velocities(locals.size());
-  for_each_in_parallel(count(locals),
-                       [&](Index e) { velocities[at(e)] = locals[at(e)]->solve(parts().interface.distribute(e, f)); });
-  return parts().interface.exchange(velocities);
+  for_each_in_parallel(count(locals), [&](Index e) {
+    velocities[at(e)] = locals[at(e)]->solve(decomposition().interface.distribute(e, f));
+  });
+  return decomposition().interface.exchange(velocities);
 }
 
 double InterfaceOperator::slope(const Vector& f) const {
@@ -200,11 +201,11 @@ double InterfaceOperator::slope(const Vector& f) const {
   const auto& locals = implementation_->locals;
   std::vector<double> terms(locals.size());
   for_each_in_parallel(count(locals), [&](Index e) {
-    const Vector v = locals[at(e)]->solve(parts().interface.distribute(e, f));
-    const Vector links = parts().subdomains[at(e)].h.transpose() * v;
+    const Vector v = locals[at(e)]->solve(decomposition().interface.distribute(e, f));
+    const Vector links = decomposition().subdomains[at(e)].h.transpose() * v;
     terms[at(e)] = links.squaredNorm() / flexibility();
   });
-  return parts().interface.processes().sum(std::accumulate(terms.begin(), terms.end(), 0.0));
+  return decomposition().interface.processes().sum(std::accumulate(terms.begin(), terms.end(), 0.0));
 }
 
 const Matrix& InterfaceOperator::dense() const {
@@ -217,7 +218,7 @@ const Matrix& InterfaceOperator::dense() const {
       const auto& touched = implementation_->preparation->locals[e]->rows();
       x(touched, touched) += condensed[e];
     }
-    parts().interface.processes().add_up({x.data(), at(x.size())});
+    decomposition().interface.processes().add_up({x.data(), at(x.size())});
     return x;
   });
 }
@@ -239,22 +240,22 @@ double InterfaceOperator::uncertainty() const {
   const auto& locals = implementation_->locals;
   std::vector<double> own(locals.size());
   for_each_in_parallel(count(locals), [&](Index e) { own[at(e)] = locals[at(e)]->uncertainty(); });
-  return parts().interface.processes().maximum(
+  return decomposition().interface.processes().maximum(
       std::accumulate(own.begin(), own.end(), 0.0, [](double a, double b) { return std::max(a, b); }));
 }
 
 Vector InterfaceOperator::solve_generic(const Vector& g) const {
   const Vector& inertia = implementation_->preparation->row_inertia;
-  const Index d = parts().dofs_per_grain();
-  return parts().interface.solve_generic([&](Index row, Index k) { return inertia[d * row + k]; }, g);
+  const Index d = decomposition().dofs_per_grain();
+  return decomposition().interface.solve_generic([&](Index row, Index k) { return inertia[d * row + k]; }, g);
 }
 
 Vector InterfaceOperator::solve(const Vector& g) const {
   const double eta = implementation_->eta;
   if (eta == 0) throw Error("interface operator: the rigid limit (eta = 0) has no inverse");
   if (std::isinf(eta)) return solve_generic(g);
-  const auto& subdomains = parts().subdomains;
-  const Interface& interface = parts().interface;
+  const auto& subdomains = decomposition().subdomains;
+  const Interface& interface = decomposition().interface;
   if (implementation_->preparation->inertia.analyse || !interface.processes().alone()) return solve_on_interface(g);
   const auto& assembled = implementation_->preparation->whole();
   const auto multiply = [&](std::size_t e, const Vector& v) -> Vector {  // M_{E,eta} v
@@ -279,7 +280,7 @@ Vector InterfaceOperator::solve_on_interface(const Vector& g) const {
   const auto preparation = implementation_->preparation;
   if (!preparation->inertia.analyse)
     fail("processes: expected one, or a way to factorise, for solutions with X_eta, met {}",
-         parts().interface.processes().size);
+         decomposition().interface.processes().size);
   const ShiftedPencil& pencil = implementation_->unshifted.get([&] {
     const auto again = [&](double flexibility) {
       return InterfaceOperator(std::make_shared<const Implementation>(preparation, flexibility));

@@ -58,7 +58,7 @@ struct SaddlePointFamily {
   Index rows() const { return inertia.rows(); }
   Index border_size() const { return rows() - border; }
   Index interface_size() const { return rows() - interface; }
-  const Processes& processes() const { return contraction.system.parts().interface.processes(); }
+  const Processes& processes() const { return contraction.system.decomposition().interface.processes(); }
 
   Contraction contraction;  // keeps the decompositions alive
   SystemForm form;
@@ -80,7 +80,7 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
       form(system_form),
       rigid(std::move(rigid_system)),
       generic(std::isinf(b.preconditioner.flexibility())) {
-  const Decomposition &system = b.system.parts(), &preconditioner = b.preconditioner.parts();
+  const Decomposition &system = b.system.decomposition(), &preconditioner = b.preconditioner.decomposition();
   const Sizes of_system(system), of_preconditioner(preconditioner);
   Index impulses = form == SystemForm::augmented ? of_system.contacts : 0, late = 0;
   grain_rows = of_system.dofs;
@@ -146,7 +146,7 @@ SparseMatrix SaddlePointFamily::matrix(double epsilon, double eta, double sigma)
 }
 
 InertiaPattern SaddlePointFamily::pattern() const {
-  const Decomposition& system = contraction.system.parts();
+  const Decomposition& system = contraction.system.decomposition();
   const Index grains = system.interface.grains();
   std::vector<Index> group;  // at first by keys: grains, and behind them copies that are groups of their own
   group.reserve(at(rows()));
@@ -173,7 +173,7 @@ InertiaPattern SaddlePointFamily::pattern() const {
     for (Index impulse = 0; impulse < system_size; ++impulse) group.push_back(keys++);
   else
     group.insert(group.end(), at(system_size - grain_rows), -1);
-  if (!generic) add_grains(contraction.preconditioner.parts());
+  if (!generic) add_grains(contraction.preconditioner.decomposition());
   if (rigid)
     for (const Index size : rigid->hub_rows) group.insert(group.end(), at(size), keys++);
   for (const Gluing& row : system.interface.gluing()) add(row.grain);
@@ -236,7 +236,8 @@ ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, std::shared_ptr<c
 
 bool ShiftedPencilFamily::serves(const Contraction& b, SystemForm form, const InertiaMethod& method) const {
   const Contraction& own = matrices_->contraction;
-  return &b.system.parts() == &own.system.parts() && &b.preconditioner.parts() == &own.preconditioner.parts() &&
+  return &b.system.decomposition() == &own.system.decomposition() &&
+         &b.preconditioner.decomposition() == &own.preconditioner.decomposition() &&
          std::isinf(b.preconditioner.flexibility()) == matrices_->generic && form == matrices_->form &&
          method.name == method_name_;
 }

@@ -18,7 +18,7 @@ double stiffest(const Decomposition& parts) {
 
 double inverse_at_most(const InterfaceOperator& x, const Vector& g) {
   const double in_generic = std::max(0.0, g.dot(x.solve_generic(g)));
-  return std::isinf(x.flexibility()) ? in_generic : (1 + stiffest(x.parts()) / x.flexibility()) * in_generic;
+  return std::isinf(x.flexibility()) ? in_generic : (1 + stiffest(x.decomposition()) / x.flexibility()) * in_generic;
 }
 
 }  // namespace nscdd

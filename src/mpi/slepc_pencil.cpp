@@ -113,10 +113,10 @@ SlepcPencil::SlepcPencil(const Contraction& b, const std::shared_ptr<const Commu
                          const SpectralOptions& options)
     : b_(b),
       all_(all),
-      first_of_p_(dofs(b.system.parts())),
-      layout_(*all, first_of_p_ + dofs(b.preconditioner.parts()), b.rows()),
+      first_of_p_(dofs(b.system.decomposition())),
+      layout_(*all, first_of_p_ + dofs(b.preconditioner.decomposition()), b.rows()),
       tolerance_(options.tolerance),
-      rows_of_p_(processes().sum(dofs(b.preconditioner.parts()))) {
+      rows_of_p_(processes().sum(dofs(b.preconditioner.decomposition()))) {
   assemble();
 }
 
@@ -158,14 +158,14 @@ std::optional<PencilPair> SlepcPencil::nearest(double shift) {
 
 void SlepcPencil::assemble() {
   Entries k, n;
-  for_networks(b_.system.parts(), b_.system.flexibility(),
+  for_networks(b_.system.decomposition(), b_.system.flexibility(),
                [&](Index i, Index j, double value) { k.add(layout_.velocity(i), layout_.velocity(j), value); });
-  for_networks(b_.preconditioner.parts(), b_.preconditioner.flexibility(), [&](Index i, Index j, double value) {
+  for_networks(b_.preconditioner.decomposition(), b_.preconditioner.flexibility(), [&](Index i, Index j, double value) {
     n.add(layout_.velocity(first_of_p_ + i), layout_.velocity(first_of_p_ + j), value);
     k.add(layout_.velocity(first_of_p_ + i), layout_.velocity(first_of_p_ + j), 0);  // one pattern holds the other
   });
   for (const auto& [parts, offset] :
-       {std::pair(&b_.system.parts(), Index{0}), std::pair(&b_.preconditioner.parts(), first_of_p_)}) {
+       {std::pair(&b_.system.decomposition(), Index{0}), std::pair(&b_.preconditioner.decomposition(), first_of_p_)}) {
     Index first = offset;
     for (const Subdomain& subdomain : parts->subdomains) {
       for_entries(subdomain.a, [&](Index row, Index column, double sign) {

@@ -84,7 +84,7 @@ class SlepcPencil {
   Index factorisations = 0;
 
  private:
-  const Processes& processes() const { return b_.system.parts().interface.processes(); }
+  const Processes& processes() const { return b_.system.decomposition().interface.processes(); }
   void assemble();
   void prepare(OwnedSolver& owned, double shift);
   Vector impulses(Vec x) const;

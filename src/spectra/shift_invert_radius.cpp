@@ -75,7 +75,7 @@ bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
 PencilPoint known_bounds(const Contraction& b) {
   const double epsilon = b.system.flexibility();
   PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.flexibility(), .rounding = lost_to_rounding(b)};
-  const Decomposition &system = b.system.parts(), &preconditioner = b.preconditioner.parts();
+  const Decomposition &system = b.system.decomposition(), &preconditioner = b.preconditioner.decomposition();
   const bool same = &system == &preconditioner;
   const double kappa = stiffest(preconditioner);
   const double ratio = epsilon > 0 ? (1 + kappa / point.eta) / (1 + kappa / epsilon) : 0.0;
@@ -210,15 +210,15 @@ bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index
 // the same number; if it does not, one of the two is wrong and nothing is proved.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
   std::optional<RigidLimit>& limit = memory.limit;
-  if (!limit || &limit->met.parts() != &b.system.parts())
-    limit.emplace(
-        RigidLimit{b.system, std::make_shared<const RigidSystem>(rigid_system(b.system.parts())), std::nullopt});
+  if (!limit || &limit->met.decomposition() != &b.system.decomposition())
+    limit.emplace(RigidLimit{b.system, std::make_shared<const RigidSystem>(rigid_system(b.system.decomposition())),
+                             std::nullopt});
   const HeldSystem held{SystemForm::rigid, limit->system};
   PencilPoint point = known_bounds(b);
   const ShiftedPencilFamily& family = family_for(b, held, options.inertia, memory.rigid);
   Index factorisations = 0;
-  const Index processes = b.system.parts().interface.processes().size;
-  if (!limit->kernel && b.system.parts().contacts > ranks_up_to / processes)
+  const Index processes = b.system.decomposition().interface.processes().size;
+  if (!limit->kernel && b.system.decomposition().contacts > ranks_up_to / processes)
     limit->kernel = counted_at_zero(family, point.eta, factorisations);
   if (!limit->kernel) {
     limit->kernel = b.system.nullity();
@@ -277,7 +277,7 @@ std::optional<EndGuess> PencilMemory::expected(const PencilPoint& point, End Vis
 
 SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
   const double epsilon = b.system.flexibility();
-  if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.flexibility())
+  if (&b.system.decomposition() == &b.preconditioner.decomposition() && epsilon == b.preconditioner.flexibility())
     return no_error_left(b.rows(), options.eigenvalues);
   if (epsilon == 0) return rigid_radius(b, options, memory);
   return report(b, find_flexible_ends(b, known_bounds(b), options, memory.flexible), 0, 0.0, options);

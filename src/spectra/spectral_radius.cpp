@@ -132,7 +132,8 @@ void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_m
 
 double moved_by(double t, double lambda, const InterfaceOperator& p) {
   if (t == 0) return 0;
-  const double side = t * (std::isinf(p.flexibility()) ? 1 : std::sqrt(1 + stiffest(p.parts()) / p.flexibility()));
+  const double side =
+      t * (std::isinf(p.flexibility()) ? 1 : std::sqrt(1 + stiffest(p.decomposition()) / p.flexibility()));
   return side * (2 * std::sqrt(std::max(0.0, lambda)) + side);
 }
 
@@ -224,7 +225,7 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
     empty.certified = options.certify;  // no eigenvalue can be missed
     return empty;
   }
-  const SolverChoice choice = choose_solver(n, options, b.system.parts().interface.processes().alone());
+  const SolverChoice choice = choose_solver(n, options, b.system.decomposition().interface.processes().alone());
   const auto solve = [&](SpectralSolver solver) {
     SpectrumMemory none;  // what a fallback finds does not depend on the points before
     return radius_by(solver, b, options, memory != nullptr && solver == choice.solver ? *memory : none);

@@ -45,7 +45,7 @@ class CutContacts {
   /// As ContactMatrix::take_operations, of Stage 1.
   double take_operations();
 
-  const Decomposition& parts() const { return parts_; }
+  const Decomposition& decomposition() const { return parts_; }
   const std::vector<ContactRelation<D>>& relations() const { return relations_; }
   Vector apply(const Vector& f) const;         ///< S F
   Vector precondition(const Vector& g) const;  ///< P^-1 g

@@ -53,7 +53,7 @@ GranularTwoStage<D>::GranularTwoStage(GranularDecomposition<D> parts, const Cont
       solver_(solver),
       enriched_(std::move(enriched)),
       impulse_floor_squared_(ImpulseScale::squared_rounding * parts_.scale.momenta) {
-  if (enriched_ && !enriched_->parts().interface.same_rows(parts_.interface))
+  if (enriched_ && !enriched_->decomposition().interface.same_rows(parts_.interface))
     throw Error("enriched Stage 2: expected an operator of the gluing of this step, met another");
 }
 

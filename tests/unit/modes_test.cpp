@@ -88,7 +88,7 @@ TEST_CASE("mode: Stage 1 balance, jumps, eigen-equation, shares and norm on ever
             if (epsilon == 0) continue;
             // M_E V_E + A_E^T F = H_E r_E with the law r_E = - H_E^T V_E / epsilon
             for (std::size_t e = 0; e < model.parts.subdomains.size(); ++e) {
-              const Subdomain& subdomain = b.system.parts().subdomains[e];
+              const Subdomain& subdomain = b.system.decomposition().subdomains[e];
               if (subdomain.inertia.size() == 0) continue;
               const Vector r = -(subdomain.h.transpose() * mode.velocities[e]) / epsilon;
               const Vector force = subdomain.a.transpose() * mode.impulses;

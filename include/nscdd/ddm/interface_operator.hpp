@@ -15,7 +15,7 @@ struct KernelSplit;  // linalg/pencil.hpp, beside its source
 class InterfaceOperator {
  public:
   double flexibility() const;  ///< 1/kg; eta, or the epsilon of the system of a Contraction
-  const Decomposition& parts() const;
+  const Decomposition& decomposition() const;
   const SparseMatrix& generic() const;  ///< X_infinity, nearly diagonal, whatever eta
   Index rows() const;
   Index cols() const { return rows(); }

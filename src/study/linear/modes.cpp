@@ -17,7 +17,7 @@ constexpr double tie = 1e-6;
 // Everything that follows from F.
 void derive(Mode& mode, const Contraction& b) {
   const Vector pf = b.preconditioner.apply(mode.impulses);
-  const Decomposition& parts = b.system.parts();
+  const Decomposition& parts = b.system.decomposition();
   mode.velocities = StageOneAnswers(parts).velocities(b.system.flexibility(), mode.impulses);
   mode.jumps = parts.interface.exchange(mode.velocities);
   const double lambda = (1.0 - mode.eigenvalue) / b.relaxation;
