@@ -7,7 +7,7 @@
 
 namespace nscdd {
 
-/// Throws an Error with a message that is put together by fmt.
+/// Throws Error with a message formatted by fmt.
 template <class... Arguments>
 [[noreturn]] void fail(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
   throw Error(fmt::format(format, std::forward<Arguments>(arguments)...));

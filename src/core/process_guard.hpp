@@ -5,9 +5,9 @@
 
 namespace nscdd {
 
-/// Holds a setting that the whole process shares, such as an error handler of a library. While any guard
-/// lives the setting is ours; the last guard to go puts back what the first one met, however the guards of
-/// several threads overlap. `take` changes the setting and returns what it was, `restore` sets that again.
+/// Guard of a process-wide setting, such as a library's error handler. The first guard takes the setting, the last one
+/// restores it, in any overlap of threads. `take` changes the setting and returns its old value, `restore` sets it
+/// back.
 template <auto take, auto restore>
 class ProcessGuard {
  public:

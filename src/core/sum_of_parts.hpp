@@ -5,8 +5,8 @@
 
 namespace nscdd {
 
-/// Sums over parts, of which `parts` has a column each, in their order, whoever has them: no bit depends on the
-/// processes. Columns of parts of other processes are 0.
+/// Sums over parts, one column of `parts` each, in their order, so that no bit depends on the number of ranks. Columns
+/// of other ranks are 0.
 inline Vector sum_of_parts(Eigen::MatrixXd parts, const Processes& processes) {
   processes.add_up({parts.data(), at(parts.size())});
   Vector sum = Vector::Zero(parts.rows());

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-/// Enumerations with names. The values of the enumeration count from 0; the table of its names stands beside it:
+/// Enumerations with names. The values of the enumeration count from 0; `names_of` lists their names:
 ///     enum class Colour { red, green };
 ///     constexpr auto names_of(Colour) { return std::to_array<std::string_view>({"red", "green"}); }
 namespace nscdd {
@@ -26,17 +26,17 @@ constexpr std::string_view to_string(Enum value) {
   return names_of(value)[static_cast<std::size_t>(value)];
 }
 
-/// All the names as texts.
+/// All names, as strings.
 template <Named Enum>
 std::vector<std::string> all_names() {
   const auto names = names_of(Enum{});
   return {names.begin(), names.end()};
 }
 
-/// Position of a name among others. Throws Error "what: expected one of ..., met ..." if it is not among them.
+/// Position of a name in a list. Throws Error "what: expected one of ..., met ..." for an unknown name.
 std::size_t position_of(std::string_view name, std::span<const std::string_view> names, std::string_view what);
 
-/// A parameter with named values. It can be set to a value or to a name; an unknown name throws Error.
+/// A parameter with named values, set by value or by name. An unknown name throws Error.
 template <Named Enum>
 class Choice {
  public:
@@ -44,7 +44,7 @@ class Choice {
   Choice(const char* name) : Choice(std::string(name)) {}
   Choice(const std::string& name) : value_(parse(name, "choice")) {}
 
-  /// The value of that name. `what` is the key or option for the error message.
+  /// The value with that name. `what`: the key or option, for the error message.
   static Enum parse(std::string_view name, std::string_view what) {
     return static_cast<Enum>(position_of(name, names_of(Enum{}), what));
   }
@@ -74,8 +74,8 @@ struct Alternatives<std::variant<Types...>> {
   }
 };
 
-/// "; did you mean NAME?" for the nearest of the known names, or "" if none is near. Two names are near if
-/// few letters must be added, removed, changed or swapped with their neighbour to turn one into the other.
+/// "; did you mean NAME?" for the nearest known name by edit distance (insert, delete, change, swap neighbours), or ""
+/// if none is near.
 std::string suggestion(std::string_view met, std::span<const std::string> known);
 
 }  // namespace nscdd

@@ -9,8 +9,7 @@
 
 namespace nscdd {
 
-/// A number for each direction: two along x and y, or three along x, y and z. How many there may be is not known before
-/// the packing is, see `require_components`.
+/// A number per direction: two (x, y) or three (x, y, z). The packing fixes the count later, see `require_components`.
 template <class Number>
 class Components {
  public:
@@ -21,7 +20,7 @@ class Components {
   constexpr Components(const std::array<Number, 3>& values) : Components(values[0], values[1], values[2]) {}
 
   constexpr std::size_t size() const { return size_; }
-  /// The number along x, y or z; along z `Number{}` where there are two.
+  /// The number along x, y or z; `Number{}` along z if there are two.
   constexpr Number operator[](std::size_t direction) const { return values_[direction]; }
   constexpr const Number* begin() const { return values_.data(); }
   constexpr const Number* end() const { return values_.data() + size_; }
@@ -33,7 +32,7 @@ class Components {
   std::size_t size_ = 2;
 };
 
-/// What there should be for bodies of a dimension: "two integers for a packing in the plane".
+/// Error text for a dimension: "two integers for a packing in the plane".
 template <class Number>
 std::string expected_components(Index dimension) {
   return std::string(dimension == 2 ? "two " : "three ") + (std::is_same_v<Number, Index> ? "integers" : "numbers") +

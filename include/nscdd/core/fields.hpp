@@ -21,18 +21,18 @@ struct Field {
   double minimum = -infinity;
   bool minimum_excluded = false;
   double maximum = infinity;
-  double also = not_a_number;  ///< one more number that is allowed outside of the bounds, if any
+  double also = not_a_number;  ///< one allowed number outside the bounds, if any
 };
 
-/// A parameter as `nscdd list` shows it and as result files record it.
+/// A parameter as printed by `nscdd list` and recorded in result files.
 struct FieldDescription {
   std::string key, type, value, unit, description;
 };
 
-/// Reads a text that is one number ("1e-3", "inf"). Throws Error naming `what` if it is anything else.
+/// Parses one number ("1e-3", "inf"). Throws Error naming `what` for any other text.
 double parse_number(std::string_view text, std::string_view what);
 
-/// Reads a text that is one integer. Throws Error naming `what` if it is anything else or out of range.
+/// Parses one integer. Throws Error naming `what` for any other text, or out of range.
 Index parse_integer(std::string_view text, std::string_view what);
 
 /// Sets a value from text: numbers as printed, pairs and components as "a,b" or "[a, b]". Throws Error naming `key`.
@@ -98,7 +98,7 @@ constexpr std::string_view field_type() {
 /// Whether a number is finite and within the bounds of its field.
 bool in_bounds(double value, const Field& field);
 
-/// Throws Error unless every component of the value is in bounds or is the one number that is allowed outside.
+/// Throws Error unless every component of the value is in bounds or equals `Field::also`.
 void check_bounds(double value, const Field& field, std::string_view key);
 inline void check_bounds(Index value, const Field& field, std::string_view key) {
   check_bounds(static_cast<double>(value), field, key);
@@ -116,8 +116,8 @@ inline void check_bounds(const std::string&, const Field&, std::string_view) {}
 template <Named Enum>
 void check_bounds(Choice<Enum>, const Field&, std::string_view) {}
 
-/// Throws Error(key, "expected two numbers for a packing in the plane, met ...") unless there is a number for each
-/// direction of bodies of that dimension.
+/// Throws Error(key, "expected two numbers for a packing in the plane, met ...") unless `value` has `dimension`
+/// numbers.
 template <class Number>
 void require_components(const Components<Number>& value, Index dimension, std::string_view key) {
   if (static_cast<Index>(value.size()) != dimension)
@@ -135,7 +135,7 @@ std::vector<FieldDescription> describe_fields(const Parameters& parameters) {
   return all;
 }
 
-/// Lines "key = value" of a parameter struct, as a TOML file has them.
+/// Lines "key = value" of a parameter struct, in TOML syntax.
 template <class Parameters>
 std::string field_lines(const Parameters& parameters) {
   std::string lines;

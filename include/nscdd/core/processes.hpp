@@ -8,27 +8,27 @@
 
 namespace nscdd {
 
-/// What the other processes throw where one has failed, in the words of that one.
+/// The error of another rank, with its message.
 struct FailedElsewhere : Error {
   using Error::Error;
 };
 
-/// Entries of an array to which this process and another one add, ascending. Both list the same ones in the same order,
-/// wherever in its array each process has them.
+/// Array entries shared with another rank, ascending. Both ranks list the same entries in the same order; positions are
+/// those in their own arrays.
 struct SharedEntries {
   Index process = 0;
   std::vector<Index> entries;
 };
 
-/// What one process has done since it began, counted where it is done.
+/// Work of one rank since its start.
 struct WorkCount {
   double messages = 0;         ///< sent to one other process
-  double message_bytes = 0;    ///< in these
-  double sums = 0;             ///< exchanges in which all processes take part: sums, maxima and gathers
-  double sum_bytes = 0;        ///< that this process put into these
+  double message_bytes = 0;    ///< in these messages
+  double sums = 0;             ///< global exchanges: sums, maxima and gathers
+  double sum_bytes = 0;        ///< contributed by this rank
   double contact_updates = 0;  ///< of single contacts, in the sweeps of a two-stage iteration
   double flops = 0;            ///< additions and multiplications of factorisations and of solves with them
-  /// The same over all processes along the longest way: of what no process may begin before another one has finished.
+  /// Operations on the critical path over all ranks.
   double path_flops = 0;
 
   /// Adds to one of the counts; threads may do so at the same time.

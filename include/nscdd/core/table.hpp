@@ -26,7 +26,7 @@ struct Table {
   std::vector<Column> columns;
   std::vector<Row> rows;
 
-  /// Position of the column of that name; throws Error naming the columns there are.
+  /// Position of the column of that name. Throws Error naming the existing columns.
   std::size_t column(const std::string& name) const;
 };
 
@@ -34,7 +34,7 @@ struct Table {
 /// (inf, -inf, nan for the special values), true/false for a bool.
 std::string to_text(const Cell& cell);
 
-/// Takes results of one kind as they come.
+/// Receives results one by one.
 template <class Result>
 using Sink = std::function<void(const Result&)>;
 using RowSink = Sink<Row>;
@@ -54,8 +54,8 @@ Cell to_cell(const Value& value) {
     return std::string(value);
 }
 
-/// A column of the tables that show results of one kind: its heading, and how its cell is got from a result.
-/// The getter is whatever std::invoke takes: a member of Result, or a function of one.
+/// A table column for results of one kind: its heading and the getter of its cell. The getter is anything that
+/// std::invoke takes: a member of Result, or a function of one.
 template <class Result>
 struct ResultColumn {
   Column heading;
@@ -85,7 +85,7 @@ Row row(const ResultColumns<Result>& columns, const Result& result) {
   return cells;
 }
 
-/// A sink of results that hands on their rows. It refers to `sink` and keeps `columns`.
+/// A sink of results that forwards their rows. It refers to `sink` and owns `columns`.
 template <class Result>
 Sink<Result> as_rows(ResultColumns<Result> columns, const RowSink& sink) {
   return [columns = std::move(columns), &sink](const Result& result) { sink(row(columns, result)); };
@@ -108,17 +108,17 @@ ResultColumns<Result> joined(std::initializer_list<ResultColumns<Result>> lists)
   return all;
 }
 
-/// What a result file says of its origin: pairs of a name and a text, such as ("command_line", "nscdd run ...").
+/// Origin of a result file: pairs of a name and a text, such as ("command_line", "nscdd run ...").
 using Provenance = std::vector<std::pair<std::string, std::string>>;
 
 /// Version of this library, "major.minor.patch".
 std::string version();
 
-/// 16 hexadecimal digits that change with any source of the program, its compiler or its settings: two builds
-/// of one version with different ones need not give equal bits.
+/// Fingerprint of the build, 16 hexadecimal digits: it changes with any source, the compiler or its settings. Builds of
+/// one version with different fingerprints need not give equal bits.
 std::string build_fingerprint();
 
-/// Name and version of every library that the numbers depend on, in a fixed order.
+/// Name and version of every numerical library, in a fixed order.
 Provenance dependency_versions();
 
 }  // namespace nscdd

@@ -20,15 +20,14 @@
 #include <utility>
 #include <vector>
 
-/// The words that every layer speaks. The headers of the standard library above are among them: a file that has this
-/// one, be it through another of ours, does not name them again.
+/// Types of every layer. Files that include this header, directly or not, do not repeat its standard headers.
 namespace nscdd {
 
 using Index = Eigen::Index;
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// Compressed by columns. It moves, where Eigen's own (3.4) copies, and frees its memory with `= {}`.
+/// Sparse matrix, compressed by columns. Unlike Eigen's (3.4) it moves instead of copying, and `= {}` frees its memory.
 class SparseMatrix : public Eigen::SparseMatrix<double> {
  public:
   using Base = Eigen::SparseMatrix<double>;
@@ -61,16 +60,15 @@ constexpr Index count(const Container& c) {
   return static_cast<Index>(c.size());
 }
 
-/// Input that the program cannot use. The message says what was expected, what was met, and where (file and line, key,
-/// option or grain). An Error may be thrown anywhere; `main` catches it and returns exit code 2. A computation that
-/// does not converge throws no Error: its result has a flag for that.
-/// What a message quotes from a file may be any bytes: what() has those that are no text, such as control characters
-/// and invalid UTF-8, as "\x1B".
+/// Invalid input. The message states what was expected, what was met, and where (file and line, key, option or grain).
+/// An Error may be thrown anywhere; `main` catches it and returns exit code 2. A computation that does not converge
+/// throws no Error: its result has a flag.
+/// what() escapes quoted bytes that are no text (control characters, invalid UTF-8) as "\x1B".
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message);
-  /// About the value of a key of a case ("solver.criterion"): what() is "key: message", and whoever knows the file adds
-  /// its name and line.
+  /// Invalid value of a key of a case ("solver.criterion"): what() is "key: message"; the reader of the file adds name
+  /// and line.
   Error(std::string key, const std::string& message) : Error(key + ": " + message) { key_ = std::move(key); }
   const std::string& key() const { return key_; }
 
@@ -78,8 +76,8 @@ class Error : public std::runtime_error {
   std::string key_;
 };
 
-/// Long work calls it after each unit with (units done, units in all). If it returns false, the work stops at
-/// once and returns what it has. An empty Monitor is never called.
+/// Progress callback of long work, called after each unit with (units done, units in all). If it returns false, the
+/// work stops and returns its partial result. An empty Monitor is never called.
 using Monitor = std::function<bool(Index done, Index total)>;
 
 inline bool report(const Monitor& monitor, Index done, Index total) { return !monitor || monitor(done, total); }
