@@ -13,11 +13,11 @@ namespace nscdd {
 /// Writes a table as CSV (RFC 4180 with line feeds): a line of column names, then one per row, as OutputFile does.
 class CsvWriter {
  public:
-  /// With `kept_bytes` > 0, the partial file of an earlier run is continued behind these, which hold the names already.
+  /// With `kept_bytes` > 0, continues the partial file of an earlier run behind these bytes, which include the header.
   CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns,
             std::optional<std::uintmax_t> kept_bytes = std::nullopt);
   void write(const Row& row);
-  void flush();  ///< writes the rows gathered, or the line of names if there is no row yet
+  void flush();  ///< writes the gathered rows, or the header if there is no row yet
   void finish();
   void leave() { file_.leave(); }  ///< closes the partial file and keeps it
 
@@ -26,10 +26,10 @@ class CsvWriter {
   std::string header_;  ///< waits for the first row: a run that fails before it prints nothing
 };
 
-/// One line of CSV without its line feed: a value that holds a comma, a quote or a line feed stands in quotes.
+/// One line of CSV without its line feed; values with a comma, a quote or a line feed are quoted.
 std::string csv_line(const Row& row);
 
-/// The line of names of a table.
+/// The header line of a table.
 std::string csv_header(const std::vector<Column>& columns);
 
 /// Values of one line of CSV, quoted as in RFC 4180. Throws Error "where: ..." for a quote that is not closed.
@@ -43,9 +43,9 @@ class CsvReader {
  public:
   CsvReader(std::string_view text, std::string name);
   const std::vector<std::string>& columns() const { return columns_; }
-  bool next();  ///< goes to the next row; false after the last one
+  bool next();  ///< advances to the next row; false after the last one
   std::string_view value(std::size_t column) const { return values_[column]; }
-  std::size_t line() const { return lines_.number(); }  ///< of the row, at first of the names; counted from 1
+  std::size_t line() const { return lines_.number(); }  ///< of the row, initially of the header; from 1
 
  private:
   bool next_line();
@@ -54,7 +54,7 @@ class CsvReader {
   std::string name_;
   std::vector<std::string> columns_;
   std::vector<std::string_view> values_;
-  std::deque<std::string> quoted_;  ///< values in quotes, without them
+  std::deque<std::string> quoted_;  ///< quoted values, without quotes
 };
 
 /// A CSV file as texts.
@@ -75,9 +75,9 @@ Table untyped_table(const CsvText& csv);
 
 /// The first difference between a table and the CSV text of another, or "" if they agree. They agree if they have the
 /// same columns and the same number of rows, equal texts, and numbers that differ by no more than `tolerance` x max(1,
-/// |number|). A column may have a tolerance of its own. With `relative` the tolerance counts times |number| alone, so
-/// that small numbers count as much as large ones. Columns that tell the effort of a solver (applications, iterations,
-/// spectra) or its rounding (residual, difference) are not compared.
+/// |number|). A column may have its own tolerance. With `relative` the tolerance is relative to |number| only, so that
+/// small numbers count as much as large ones. Columns of the effort of a solver (applications, iterations, spectra) or
+/// of its rounding (residual, difference) are not compared.
 std::string compare(const Table& table, const CsvText& expected, double tolerance,
                     const std::map<std::string, double>& column_tolerance = {}, bool relative = false);
 

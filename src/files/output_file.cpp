@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
   fail("{}: cannot {}: {}", name, action, reason);
 }
 
-// For what the system has just refused.
+// Error for the last system call that failed.
 [[noreturn]] void refuse(std::string_view name, std::string_view action) { refuse(name, action, std::strerror(errno)); }
 
 void remove_file(const fs::path& path) {
@@ -34,12 +34,12 @@ void rename_file(const fs::path& from, const fs::path& to) {
   if (status) refuse(to.string(), "be renamed from " + from.string(), status.message());
 }
 
-// Whether another run has locked the file. If not, it is locked now, where the system can.
+// Whether another run has locked the file. If not, locks it if the system can.
 bool is_locked(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
 
 [[noreturn]] void refuse_locked(const std::string& path) { fail("{}: is being written by another run", path); }
 
-// Locked before it is cut, so that two runs never write into one another's rows. Null if the system refuses.
+// Locks before truncating, so that two runs never write into each other's rows. Null if the system refuses.
 std::FILE* open_growing(const fs::path& path, std::uintmax_t kept_bytes) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) return nullptr;
@@ -53,9 +53,9 @@ std::FILE* open_growing(const fs::path& path, std::uintmax_t kept_bytes) {
   return nullptr;
 }
 
-// The name that symbolic links under `path` lead to in the end, whether that file exists or not.
+// The final target of symbolic links under `path`, whether it exists or not.
 fs::path followed(fs::path path) {
-  constexpr int longest_chain = 40;  // as for the system, which refuses longer ones
+  constexpr int longest_chain = 40;  // the system refuses longer ones
   std::error_code status;
   for (int link = 0; link < longest_chain && fs::is_symlink(path, status); ++link) {
     const fs::path target = fs::read_symlink(path, status);
@@ -65,7 +65,7 @@ fs::path followed(fs::path path) {
   return path;
 }
 
-// Somebody who opened the file when it had its name may still be reading it.
+// A reader that opened the file under its old name may still be reading it.
 bool is_read(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return false;
@@ -186,15 +186,15 @@ std::vector<std::string> AlternatingFile::names_beside(const std::string& path) 
   return {file + ".next", file + ".previous", file + ".lock"};
 }
 
-// A killed run leaves its lock. The other names are made after the lock and removed before it, so they belong
-// to a run only if a lock is beside them. A lock may be empty: its run was killed before it had marked the lock.
+// A killed run leaves its lock. The other names are created after the lock and removed before it, so they belong to a
+// run only if the lock exists. A lock may be empty: its run was killed before marking it.
 AlternatingFile::AlternatingFile(const std::string& path)
     : path_(followed(path).string()),
       spare_(path_ + ".next"),
       previous_(path_ + ".previous"),
       lock_(path_ + ".lock"),
       lock_stream_(std::fopen(lock_.c_str(), "a+e"), &std::fclose) {
-  // What a lock of this program holds. A file with other content is somebody else's.
+  // Content of a lock of this program. A file with other content is not ours.
   constexpr std::string_view mark = "lock of a trajectory that nscdd writes\n";
   std::FILE* stream = lock_stream_.get();
   if (stream == nullptr) refuse(path_, "be opened for writing");
@@ -216,7 +216,7 @@ AlternatingFile::AlternatingFile(const std::string& path)
 AlternatingFile::~AlternatingFile() {
   remove_file(spare_);
   remove_file(previous_);
-  remove_file(lock_);  // before it is unlocked, so that nobody locks a file without a name
+  remove_file(lock_);  // before unlocking, so that nobody locks a nameless file
 }
 
 void AlternatingFile::create(const Change& make) {
@@ -249,8 +249,8 @@ bool AlternatingFile::copying_is_faster() const {
          static_cast<double>(fs::file_size(path_, ignored)) < missing_seconds_ * bytes_per_second;
 }
 
-// One rename puts the new version in place. The old version becomes the spare copy if the file system has
-// hard links and nobody else has one to it. Otherwise the next change begins with a copy.
+// One rename installs the new version. The old version becomes the spare copy if the file system has hard links and
+// there is no other link to it. Otherwise the next change begins with a copy.
 void AlternatingFile::swap() {
   std::error_code status, linked;
   remove_file(previous_);

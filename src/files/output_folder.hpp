@@ -6,25 +6,25 @@
 
 namespace nscdd {
 
-/// Makes the folder, with those that it lies in; returns whether there was none. Throws Error if `path` is a file, if
-/// the system refuses, and for a folder that holds files unless `force`.
+/// Creates a folder with its parents; returns whether it is new. Throws Error if `path` is a file, if the system fails,
+/// and for a folder with files unless `force`.
 bool make_folder(const std::string& path, bool force);
 
-/// A folder of files that belong together. Each is whole when it appears (see OutputFile). A run that fails takes back
-/// what it has written, and the folder if it made that.
+/// Output folder of files that belong together. Each is complete when it appears (see OutputFile). A failing run
+/// removes the files it wrote, and the folder if it created that.
 class OutputFolder {
  public:
-  /// See `make_folder`. With `force` files of an earlier run that are not written again stay.
+  /// See `make_folder`. With `force`, files of an earlier run stay unless written again.
   OutputFolder(std::string path, bool force);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where a file of that name goes, which is about to be written.
+  /// Path of a file of that name, about to be written.
   std::string next(const std::string& name);
   bool force() const { return force_; }
   const std::string& path() const { return path_; }
-  void finish() { finished_ = true; }  ///< all of them are there, and stay
+  void finish() { finished_ = true; }  ///< keeps all files
 
  private:
   std::string path_;

@@ -21,7 +21,7 @@ constexpr WorkPart work_parts[] = {{"version", "code version", &WorkIdentity::ve
                                    {"options", "choice of options", &WorkIdentity::options},
                                    {"effort", "choice of solver options", &WorkIdentity::effort}};
 
-// A text of several lines as TOML. Every text ends with a line feed, so that its quotes never touch the closing ones.
+// A multi-line TOML string. Every text ends with a line feed, so that its quotes never touch the closing ones.
 std::string lines(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
@@ -31,7 +31,7 @@ std::string lines(const std::string& text) {
   return fmt::format("\"\"\"\n{}\"\"\"", escaped);
 }
 
-// The first line in which two texts differ.
+// The first different line of two texts.
 std::string differing_line(std::string_view expected, std::string_view met) {
   const auto next = [](std::string_view& text) {
     const auto end = std::min(text.find('\n'), text.size());
@@ -82,7 +82,7 @@ void check_known_cells(const TableWork& work, const Table& layout, const Row& ro
   }
 }
 
-// The rows of `text` that can be kept, without a last line that was cut short: no line feed, or too few values.
+// The rows of `text` to keep, without a truncated last line: no line feed, or too few values.
 KeptRows usable_rows(const std::string& text, const TableRecord& record, const TableWork& work,
                      const std::string& name) {
   KeptRows kept{"", record.types, 0, false};
@@ -105,7 +105,7 @@ KeptRows usable_rows(const std::string& text, const TableRecord& record, const T
   return kept;
 }
 
-// Throws unless the record is of the same work. One that was cut short is worth no more than a missing one.
+// Throws unless the record is of the same work. A truncated record counts as missing.
 TableRecord matching_record(const std::string& path, const std::string& rows, const TableWork& work) {
   const std::string name = record_path(path).string();
   const TableRecord record = [&] {
@@ -132,7 +132,7 @@ KeptRows partial_rows(const std::string& path, const TableWork& work) {
   return usable_rows(text, record, work, name);
 }
 
-// A finished table that still has its record is part of work that was interrupted later on.
+// A finished table with a record is part of work that was interrupted later.
 KeptRows finished_rows(const std::string& path, const TableWork& work, bool force) {
   if (is_there(record_path(path))) {
     const TableRecord record = matching_record(path, path, work);
@@ -232,7 +232,7 @@ ResumableTable::ResumableTable(std::string path, TableWork work, Reopening how)
   if (found_.finished) return;
   csv_.emplace(path_, how.force, work_.columns, how.resume ? std::optional(found_.text.size()) : std::nullopt);
   if (stream_ || found_.rows > 0) return;
-  remove_record(path_);  // of rows that are no more
+  remove_record(path_);  // of removed rows
   record_is_ours_ = true;
 }
 

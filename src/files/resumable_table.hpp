@@ -7,23 +7,23 @@
 
 namespace nscdd {
 
-/// Everything that the rows of a table come from, as texts to be compared: equal texts give equal rows (on
-/// one machine; from one processor to another the BLAS may round otherwise).
+/// Everything that determines the rows of a table, as texts: equal texts give equal rows on one machine. On another
+/// processor the BLAS may round differently.
 struct WorkIdentity {
   std::string version;  ///< of the program, its build and the libraries
-  std::string cases;    ///< resolved, with the content of packing files: their paths do not count
+  std::string cases;    ///< resolved, with the content of packing files, not their paths
   std::string options;  ///< which points: columns, values of the lists, contacts, seed
-  std::string effort;   ///< how hard each point is worked on: solver, tolerances, limits
+  std::string effort;   ///< per point: solver, tolerances, limits
 };
 
-/// First difference as "the options differ: expected ..., met ...", or "" where there is none.
+/// First difference as "the options differ: expected ..., met ...", or "".
 std::string difference(const WorkIdentity& expected, const WorkIdentity& met);
 
-/// The file beside a growing table that tells what its rows come from: FILE.record, TOML.
+/// Record of a growing table, FILE.record in TOML: the work that its rows come from.
 struct TableRecord {
   WorkIdentity work;
   std::vector<std::string> types;  ///< of the columns: "integer", "number", "boolean" or "text"
-  std::string finished;            ///< fingerprint of the whole table once it is complete, else empty
+  std::string finished;            ///< fingerprint of the complete table, else empty
 };
 
 std::filesystem::path record_path(const std::filesystem::path& table);
@@ -33,49 +33,49 @@ std::string to_toml(const TableRecord& record);
 /// Reads what `to_toml` wrote; throws Error "file:line: ..." for anything else.
 TableRecord parse_record(std::string_view text, const std::string& file);
 
-/// The name of the type of each cell, and the cell of a type that a text stands for, with every bit of a number.
+/// The type name of each cell, and the cell of a type parsed from text, exact to the last bit.
 std::vector<std::string> cell_types(const Row& row);
 Cell parse_cell(const std::string& text, const std::string& type, const std::string& where);
 
-/// What may be done with files that exist already.
+/// How to treat existing files.
 struct Reopening {
-  bool resume = false;  ///< go on with the rows of an interrupted run
+  bool resume = false;  ///< continue the rows of an interrupted run
   bool force = false;   ///< replace a finished table, and without `resume` a partial one, too
 };
 
-/// A table as far as it is known before its rows are computed.
+/// A table before its rows are computed.
 struct TableWork {
   WorkIdentity identity;
   std::vector<Column> columns;
-  std::optional<Index> rows;  ///< how many, if that is known
-  /// Cells of a row, counted from 0, that are known beforehand, by column.
+  std::optional<Index> rows;  ///< their number, if known
+  /// Cells of a row, from 0, known beforehand, by column.
   std::function<std::vector<std::pair<std::string, Cell>>(Index row)> known_cells;
 };
 
-/// Rows that an earlier run of the same work left.
+/// Rows of an earlier run of the same work.
 struct KeptRows {
-  std::string text;                ///< the line of names and whole rows, as in the file
+  std::string text;                ///< header and complete rows, as in the file
   std::vector<std::string> types;  ///< of the columns
   Index rows = 0;
   bool finished = false;  ///< the whole table, under its own name
 };
 
-/// What a run of `work` finds under `path`: nothing, or rows to go on with. Rows are kept only if the record
-/// beside them equals that of `work` and every cell known beforehand is as expected. An incomplete last line
-/// is left out. Tables whose rows are not known beforehand (links, grains) start again unless they are
-/// finished. Throws Error and touches nothing if files may not be reopened that way or come from other work.
+/// Finds the rows of an earlier run of `work` under `path`. Rows are kept only if their record equals that of `work`
+/// and every cell known beforehand matches. An incomplete last line is dropped. Tables with an unknown number of rows
+/// (links, grains) start again unless they are finished. Throws Error and changes nothing if `existing` forbids it or
+/// the files come from other work.
 KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how);
 
-/// Whether the table exists and is finished: neither a partial file nor a record is left beside it.
+/// Whether the table exists and is finished, without a partial file or a record.
 bool is_complete(const std::string& path);
 
-/// Removes the record of a finished table: nothing is left to be resumed.
+/// Removes the record of a finished table.
 void remove_record(const std::string& path);
 
-/// A CSV table that outlives its run. FILE.partial grows row by row beside FILE.record. Both stay if the run
-/// is killed or left. When the table is complete, FILE.partial becomes FILE, and FILE.record proves what FILE
-/// comes from until nothing waits for it any more. A run that fails by an exception removes what it wrote,
-/// unless there were rows before it. Streams ("-", devices, pipes) have neither file and cannot be resumed.
+/// Resumable CSV table. FILE.partial grows row by row, with FILE.record. Both stay if the run is killed or stopped.
+/// When the table is complete, FILE.partial becomes FILE, and FILE.record proves its origin until `remove_record`. A
+/// run that fails by an exception removes what it wrote, unless earlier rows exist. Streams ("-", devices, pipes) have
+/// neither file and cannot be resumed.
 class ResumableTable {
  public:
   ResumableTable(std::string path, TableWork work, Reopening how);
@@ -83,10 +83,10 @@ class ResumableTable {
   ResumableTable(const ResumableTable&) = delete;
   ResumableTable& operator=(const ResumableTable&) = delete;
 
-  Index kept() const { return found_.rows; }  ///< rows that existed before this run
+  Index kept() const { return found_.rows; }  ///< rows of earlier runs
   Index rows() const { return found_.rows + written_; }
   std::optional<Index> total() const { return work_.rows; }
-  void replay(const std::function<void(const Row&)>& sink) const;  ///< hands over the rows that existed before
+  void replay(const std::function<void(const Row&)>& sink) const;  ///< passes the rows of earlier runs
   bool finished() const { return found_.finished; }                ///< before this run
   bool resumable() const { return !stream_; }
 
@@ -101,8 +101,8 @@ class ResumableTable {
   bool stream_;
   KeptRows found_;
   Index written_ = 0;
-  std::optional<CsvWriter> csv_;  ///< absent if the table was finished before
-  bool record_is_ours_ = false;   ///< written for rows of this run alone, which go with them
+  std::optional<CsvWriter> csv_;  ///< absent for a finished table
+  bool record_is_ours_ = false;   ///< written for rows of this run only, removed with them
 };
 
 }  // namespace nscdd
