@@ -8,7 +8,7 @@ namespace {
 
 // Added to sizes, relative to them: far more than coordinates lose by rounding.
 constexpr double margin = 1e-6;
-// Smaller grains per cell of the largest beyond which they get a level of their own. Measured: 4 to 16 serve as well.
+// Smaller grains per cell of the largest beyond which they get their own level. Measured: 4 to 16 serve equally.
 constexpr double crowded = 4;
 
 // > 0 where q is met after p by a disk that rolls over the pivot to that side, less than half a turn apart.
@@ -30,8 +30,8 @@ std::optional<Point> roll_against(const Disk& pivot, const Disk& other, double r
   const double dx = other.x - pivot.x, dy = other.y - pivot.y;
   const double d = std::hypot(dx, dy);
   if (d >= reach_p + reach_o) return std::nullopt;
-  // The meeting point lies `along` the line of centres and `beside` it, on the side the disk comes from; seen
-  // from the centre that it is nearer to, where a large circle does not round off the small one.
+  // The meeting point lies `along` the line of centres and `beside` it, on the side the disk comes from; measured from
+  // the nearer centre, where a large circle does not round off the small one.
   const bool from_pivot = reach_p <= reach_o;
   const Disk& base = from_pivot ? pivot : other;
   const double near = from_pivot ? reach_p : reach_o, far = from_pivot ? reach_o : reach_p;
@@ -86,8 +86,8 @@ void Heap::visit_row(const Level& level, std::size_t row, double left, double ri
     for (std::int32_t i = level.first[cell]; i >= 0; i = next_[at(i)]) visit(i, disks_[at(i)]);
 }
 
-// Whether a disk meets grain i before what it met in `met`: where `lead` is positive. Where it is 0, the disk meets
-// both at one place, and a fixed order of the grains decides, so that the bed does not depend on the order of search:
+// Whether a disk meets grain i before `met`: if `lead` is positive. If it is 0, the disk meets both at one place, and a
+// fixed order of the grains decides, so that the bed does not depend on the order of search:
 // by rows of cells of the coarsest level, in a row from left to right, in a cell from the latest grain to the first.
 bool Heap::first_met(double lead, std::int32_t i, const Meeting& met, Rows rows) const {
   if (lead != 0 || met.with != Meeting::With::grain) return lead > 0;
@@ -124,7 +124,7 @@ Heap::Meeting Heap::fall(const Point& from, double radius) const {
     std::size_t rows = *highest;
     if (std::isfinite(from[1])) rows = std::min(rows, level.row_of(from[1]) + 1);
     for (std::size_t row = rows; row-- > 0;) {
-      // What lies in this row or below stops a disk no higher than this.
+      // A grain in this row or below stops a disk no higher than this.
       if (met.centre[1] >= static_cast<double>(row + 1) * level.side + radius + level.largest) break;
       visit_row(level, row, left, right, [&](std::int32_t i, const Disk& disk) {
         if (disk.y >= from[1]) return;
@@ -139,7 +139,7 @@ Heap::Meeting Heap::fall(const Point& from, double radius) const {
   return met;
 }
 
-// Where rolling ends if no grain is in the way: at the wall, on the floor, or falling from the height of the pivot.
+// End of rolling without an obstacle: at the wall, on the floor, or falling from the height of the pivot.
 Heap::Meeting Heap::end_of_roll(const Disk& pivot, double radius, Side side) const {
   const double reach = radius + pivot.radius, sign = static_cast<double>(side);
   Meeting met{Meeting::With::nothing, {pivot.x + sign * reach, pivot.y}};
@@ -177,7 +177,7 @@ Heap::Meeting Heap::roll(const Disk& pivot, const Point& from, double radius, Si
         right = std::min(right, side == Side::right ? pivot.x + far : pivot.x - near);
       }
       visit_row(level, row, left, right, [&](std::int32_t i, const Disk& disk) {
-        // Only what lies ahead is in the way; the pivot itself and a pivot just left are not.
+        // Only grains ahead are obstacles; the pivot itself and a pivot just left are not.
         if (later(pivot, from, {disk.x, disk.y}, side) <= 0) return;
         const auto centre = roll_against(pivot, disk, radius, side);
         if (centre && first_met(later(pivot, *centre, met.centre, side), i, met, Rows::upwards))

@@ -15,32 +15,32 @@ using Point = std::array<double, 2>;
 ///   y = y_s + sqrt((R - d)(R + d)),  R = r + r_s,  d = |x - x_s|.
 std::optional<double> fall_onto(const Disk& support, double x, double radius);
 
-/// Which way a disk rolls over another: to the right is clockwise.
+/// Direction in which a disk rolls over another: to the right is clockwise.
 enum class Side { left = -1, right = 1 };
 
-/// Where a disk of that radius, rolling over `pivot` to that side, first meets `other`: a point at distance r + r_p
-/// from the pivot and r + r_o from the other. Empty where the disk passes between them without touching.
+/// First contact of a disk, rolling over `pivot` to that side, with `other`: the point at distance r + r_p from the
+/// pivot and r + r_o from the other. Empty if the disk passes between them without touching.
 std::optional<Point> roll_against(const Disk& pivot, const Disk& other, double radius, Side side);
 
 /// Area of disks of these radii, overlaps counted twice, m^2.
 double disk_area(std::span<const double> radii);
 
-/// The bed of a box that grains are dropped into. Its grains lie in square cells, level by level: each level has the
-/// grains of one range of sizes, in cells as wide as the largest of them. A falling or rolling grain searches only the
-/// cells along its way: its cost does not grow with the bed, and little with the ratio of sizes.
+/// A bed of disks in a box, built by drop and roll. Grains lie in square cells, level by level: each level has the
+/// grains of one range of sizes, in cells as wide as the largest of them. A moving grain searches only the cells along
+/// its path: the cost per grain does not grow with the bed, and little with the ratio of sizes.
 class Heap {
  public:
-  /// A box with the floor y = 0 and walls x = 0 and x = width, m. Cells are cut for the `radii`, m, of what will come.
+  /// A box with the floor y = 0 and walls x = 0 and x = width, m. Cells suit the `radii`, m, of the grains to come.
   Heap(double width, double largest_radius, std::vector<double> radii);
 
-  /// Where a disk dropped at x comes to rest: on the floor, or on two supports (grains, or a grain and a wall) with its
+  /// Rest position of a disk dropped at x: on the floor, or on two supports (grains, or a grain and a wall) with its
   /// centre between them. radius <= x <= width - radius, radius <= largest_radius.
   Disk settle(double x, double radius) const;
 
   void add(const Disk& disk);
 
  private:
-  /// What a disk met, and where its centre was then.
+  /// The obstacle that a disk met, and its centre then.
   struct Meeting {
     enum class With { nothing, floor, wall, grain } with;
     Point centre;
@@ -68,7 +68,7 @@ class Heap {
   double width_;
   std::vector<Level> levels_;  ///< coarsest first
   std::vector<Disk> disks_;
-  std::vector<std::int32_t> next_;  ///< of each grain: the one before it in its cell, or -1
+  std::vector<std::int32_t> next_;  ///< of each grain: the previous one in its cell, or -1
 };
 
 }  // namespace nscdd

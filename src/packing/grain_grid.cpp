@@ -4,8 +4,7 @@
 namespace nscdd {
 namespace {
 
-// Grains in a cell, on average over the grains, beyond which another grid is cheaper. Measured; the value matters
-// little.
+// Average number of grains in a grain's cell beyond which another grid is cheaper. Measured; not sensitive.
 constexpr double crowded = 32;
 
 }  // namespace
@@ -19,7 +18,7 @@ CellGrid::CellGrid(const Places& places, double side) {
       low_[k] = *low;
       size[k] = *high - *low;
     }
-  // A little more than asked, so that rounding never puts two points of distance `side` two cells apart.
+  // Slightly larger, so that rounding never puts two points of distance `side` two cells apart.
   side *= 1 + rounding;
   const double budget = 2.0 * static_cast<double>(places.x.size()) + 64;
   const auto cells = [&](std::size_t k) { return std::floor(size[k] / side) + 1; };

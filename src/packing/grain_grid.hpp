@@ -7,13 +7,13 @@
 
 namespace nscdd {
 
-/// Points by their coordinates, m. No z is the plane.
+/// Points by their coordinates, m; no z in the plane.
 struct Places {
   std::span<const double> x, y, z = {};
 };
 
-/// Points sorted into cells, squares or cubes of at least a given side, for neighbour searches in O(N). There are at
-/// most about two cells per point: in a sparse or elongated cloud, cells grow.
+/// Cell grid for neighbour searches in O(N): points sorted into squares or cubes of at least a given side. There are at
+/// most about two cells per point: cells grow in a sparse or elongated cloud.
 class CellGrid {
  public:
   /// Coordinates of at least one point, finite and of the same length; side > 0, m.
@@ -45,7 +45,7 @@ class CellGrid {
   /// Indices of all points, cell by cell.
   const std::vector<Index>& points() const { return points_; }
 
-  /// Points in the cell of a point, itself included, on average over the points: what a search costs each.
+  /// Average number of points in a point's cell, itself included: the cost of a search.
   double crowd() const {
     double sum = 0;
     for (std::size_t c = 0; c + 1 < start_.size(); ++c) {
@@ -73,7 +73,7 @@ class CellGrid {
         for (const Index j : cell(c, r, l)) ordered(i, j, visit);
     }
   }
-  // The cell at an offset from the lower end of the table; the first or last one for what is beyond it.
+  // The cell at an offset from the lower end of the table; clamped to the first or last one.
   Index along(double offset, Index cells) const {
     return static_cast<Index>(std::clamp(offset / side_, 0.0, static_cast<double>(cells - 1)));
   }
@@ -93,10 +93,10 @@ class CellGrid {
   std::vector<Index> points_;  ///< indices, cell by cell, ascending within a cell
 };
 
-/// Grains of any sizes, for neighbour searches in O(N log ratio). One CellGrid with cells for the largest grain serves
-/// them all unless its cells are crowded, as sizes 1 : ratio can fill them with ratio^2 disks or ratio^3 spheres; then
-/// the grains within a factor 2 of the largest have that grid to themselves, the others a grid for the largest of
-/// them, and so on. Each grain meets those of its own grid and of the coarser ones.
+/// Grid of cell levels for neighbour searches among grains of any sizes, in O(N log ratio). One CellGrid with cells for
+/// the largest grain serves all unless its cells are crowded, as sizes 1 : ratio can fill them with ratio^2 disks or
+/// ratio^3 spheres. Then grains within a factor 2 of the largest have their own grid, the others a grid for the largest
+/// of them, and so on. Each grain is compared with those of its own grid and of the coarser ones.
 class GrainGrid {
  public:
   /// places: centres, m; radius > 0, m; all finite and of the same length; stretch >= 1, range >= 0, m.
@@ -113,7 +113,7 @@ class GrainGrid {
       for (std::size_t coarse = 0; coarse < fine; ++coarse) {
         const Level& other = levels_[coarse];
         const double distance = levels_[fine].largest + other.largest;
-        for (const Index a : levels_[fine].grid.points()) {  // by cells: neighbours after each other
+        for (const Index a : levels_[fine].grid.points()) {  // by cells: neighbours are adjacent
           const Index i = grains.numbers[at(a)];
           const std::array<double, 3> place{grains.x[at(a)], grains.y[at(a)], grains.z.empty() ? 0 : grains.z[at(a)]};
           other.grid.for_each_near(place, distance, [&](Index b) {
@@ -132,15 +132,15 @@ class GrainGrid {
     Places places() const { return {x, y, z}; }
   };
   struct Level {
-    Grains grains;   // not needed, and empty, where one level holds all
+    Grains grains;   // empty if one level holds all
     double largest;  // radius, stretched, and half the range
     CellGrid grid;
   };
   std::vector<Level> levels_;  // coarsest first
 };
 
-/// Contacts (anything with members a and b) ascending by (a, b), in O(N): each is counted into place by its
-/// a, 0 <= a < bodies, then the few of one a are sorted by b.
+/// Sorts contacts (anything with members a and b) by (a, b) in O(N): a counting sort by a, 0 <= a < bodies, then the
+/// few of one a by b.
 template <class AnyContact>
 std::vector<AnyContact> sorted_by_bodies(const std::vector<AnyContact>& contacts, Index bodies) {
   std::vector<std::size_t> start(at(bodies) + 1, 0);

@@ -21,7 +21,7 @@ std::string place(const Packing& p, Index grain) {
   return p.z.empty() ? fmt::format("({}, {})", x, y) : fmt::format("({}, {}, {})", x, y, z);
 }
 
-// A pair (i, j) with its geometry, or a gap beyond the tolerance for a pair that does not touch.
+// A pair (i, j) with its geometry; if it does not touch, the gap exceeds the tolerance.
 Contact pair_geometry(const Packing& p, Index i, Index j) {
   const double dx = p.x[at(j)] - p.x[at(i)], dy = p.y[at(j)] - p.y[at(i)];
   const double dz = p.z.empty() ? 0 : p.z[at(j)] - p.z[at(i)];
@@ -38,19 +38,19 @@ std::string described(const Packing& p, Index grain) {
   return fmt::format("{} of radius {}", place(p, grain), p.radius[at(grain)]);
 }
 
-// No rounding is coarser than this many radii, and pairs that are so far apart are none that somebody would name.
+// No rounding is coarser than this many radii; pairs further apart are not reported.
 constexpr double coarsest = 0.1, worth_naming = 0.05;
-// Coarser digits are rounded, too, where they leave both overlaps and gaps, or so many overlaps.
+// Coarser digits count as rounded, too, if they leave both overlaps and gaps, or so many overlaps.
 constexpr Index pairs_that_show = 3;
-constexpr Index sample = 3;  // pairs that are named
+constexpr Index sample = 3;  // pairs reported by name
 
-// Sorts the near pairs of a packing into contacts and others, by the tolerances and by what its digits are worth.
+// Sorts the near pairs of a packing into contacts and others, by the tolerances and by the precision of its digits.
 class NearPairs {
  public:
   NearPairs(const Packing& packing, const ContactDetection& detection)
       : p_(packing), detection_(detection), precision_(precision_of(packing)) {}
 
-  // What near means: gaps up to that many times the smaller radius.
+  // Near pairs: gaps up to that many times the smaller radius.
   double reach() const {
     const double rounding = std::min(coarsest, largest_uncertainty(precision_, p_));
     return std::max({detection_.tolerance, std::min(detection_.overlap_tolerance, coarsest), 3 * rounding, hairline});
@@ -79,7 +79,7 @@ class NearPairs {
     note(doubt_.decided, decided_);
     note(doubt_.open, open_);
     note(doubt_.one_sided, apart_);
-    // The order of cells is an accident of the grid; the order of grains is the packing's own.
+    // The order of cells depends on the grid; the order of grains is the packing's.
     return {.contacts = sorted_by_bodies(contacts_, p_.size()),
             .grains = p_.size(),
             .dimension = p_.dimension(),
@@ -109,7 +109,7 @@ class NearPairs {
     if (!overlaps && !within && near.gap <= worth_a_word) apart_.push_back(near);
   }
 
-  // Rounding leaves overlaps, which nobody writes. Gaps alone may be meant.
+  // Overlaps are due to rounding. Gaps only may be intended.
   bool shows_rounding() const {
     const Index overlaps = std::ranges::count_if(within_, [](double gap) { return gap < 0; });
     return overlaps >= pairs_that_show || (overlaps > 0 && overlaps < count(within_));
@@ -121,7 +121,7 @@ class NearPairs {
     contacts_.push_back(contact);
   }
 
-  // Pairs that the tolerances do not make contacts, where their numbers are rounded and where they are taken as exact.
+  // Pairs beyond the tolerances, with rounded and with exact numbers.
   void settle(const std::vector<Near>& pairs, bool rounded) {
     const auto touches = [](const Near& near) { return near.gap <= near.uncertainty; };
     if (!rounded)
@@ -184,7 +184,7 @@ class NearPairs {
   const ContactDetection& detection_;
   Precision precision_;
   std::vector<Contact> contacts_;
-  // Pairs that the tolerances leave apart or refuse, by whether rounding is certain, may be, or is none; the others.
+  // Pairs beyond the tolerances, by whether rounding is certain, possible, or absent; the others.
   std::vector<Near> sure_, coarse_, exact_, apart_, decided_, open_;
   std::vector<double> within_;  // gaps of those that may be rounding
   double overlap_ = 0;

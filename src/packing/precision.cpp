@@ -8,13 +8,13 @@
 namespace nscdd {
 namespace {
 
-// A decimal number of that many significant digits, the first of which counts 10^exponent.
+// A decimal number: the number of its significant digits, and the power of ten of the first.
 struct Decimal {
   int digits = 0, exponent = 0;
   int behind_point() const { return digits - 1 - exponent; }
 };
 
-// Of a text such as "8.66025e-01", without zeros at the end of its digits.
+// Parses a text such as "8.66025e-01", without trailing zeros.
 Decimal decimal_of(std::string_view text) {
   const std::size_t e = text.find('e');
   std::string_view mantissa = text.substr(text.front() == '-' ? 1 : 0, e - (text.front() == '-' ? 1 : 0));
@@ -32,7 +32,7 @@ Decimal printed(Arguments... arguments) {
   return decimal_of({text.data(), end});
 }
 
-// The fewest digits that give back the double, or its float.
+// The fewest digits that reproduce the double, or its float.
 Decimal shortest(double value) { return printed(value, std::chars_format::scientific); }
 Decimal shortest_of_float(double value) { return printed(static_cast<float>(value), std::chars_format::scientific); }
 // A change of units or a shift leaves noise of a few units in the last place; 15 digits hide it.
@@ -42,11 +42,11 @@ bool is_float(double value) { return static_cast<double>(static_cast<float>(valu
 
 using Digits = Decimal (*)(double);
 
-// What the digits of many numbers have in common.
+// Common digits of many numbers.
 struct Tally {
-  int significant = 0, behind_point = -1000;  // the most that a number has
-  Index at_significant = 0, at_point = 0;     // numbers that have as many
-  Index numbers = 0, longer = 0;              // but 0; and those of them with too many digits
+  int significant = 0, behind_point = -1000;  // the largest counts
+  Index at_significant = 0, at_point = 0;     // numbers with these counts
+  Index numbers = 0, longer = 0;              // nonzero numbers; those with too many digits
 
   void add(const Decimal& decimal, int longest) {
     ++numbers;
@@ -74,7 +74,7 @@ Tally tally_of(const Packing& packing, Digits digits, int longest, std::size_t s
 }
 
 std::optional<Precision> decimal_precision(const Packing& packing, Digits digits, int longest) {
-  constexpr std::size_t sample = 100;  // enough to tell numbers of full length from others
+  constexpr std::size_t sample = 100;  // enough to recognise numbers of full length
   if (tally_of(packing, digits, longest, packing.x.size() / sample + 1).too_long()) return std::nullopt;
   const Tally tally = tally_of(packing, digits, longest, 1);
   if (tally.too_long()) return std::nullopt;
@@ -92,7 +92,7 @@ std::optional<Precision> decimal_precision(const Packing& packing, Digits digits
   return precision;
 }
 
-// Whether the numbers were floats: all of them are, and one at least needs more digits as a double than as a float.
+// Whether the numbers are floats: all are representable, and at least one needs fewer digits as a float.
 bool were_floats(const Packing& packing) {
   bool longer = false;
   for (const auto* values : {&packing.x, &packing.y, &packing.z})
@@ -115,19 +115,19 @@ Precision from_numbers(const Packing& packing) {
   return decimal_precision(packing, shortest, 16).value_or(Precision{});
 }
 
-// A unit in the last place, or two: the arithmetic behind a number has rounded, too.
+// One or two units in the last place: the arithmetic behind a number has rounded, too.
 double unit_of(double value, bool single) {
   return std::abs(value) *
          (single ? double{std::numeric_limits<float>::epsilon()} : std::numeric_limits<double>::epsilon());
 }
 
-// Half a unit of the last digit; none of a number that has more digits than the others, and is known better.
+// Half a unit of the last digit; 0 for a number with more digits than the others.
 double half_unit(const Precision::Digits& digits, double value, bool single) {
   double unit = digits.decimals ? std::pow(10.0, -*digits.decimals) : 0;
   if (digits.significant && value != 0)
     unit = std::max(unit, std::pow(10.0, std::floor(std::log10(std::abs(value))) - *digits.significant + 1));
   if (unit == 0) return 0;
-  const double noise = 0.01 * unit + 2 * unit_of(value, single);  // that a change of units may leave
+  const double noise = 0.01 * unit + 2 * unit_of(value, single);  // from a change of units
   return std::abs(value - unit * std::round(value / unit)) > noise ? 0 : 0.5 * unit;
 }
 

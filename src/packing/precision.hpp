@@ -5,55 +5,54 @@
 
 namespace nscdd {
 
-/// How far a number may be off, or a gap, m.
+/// Error bounds of a number or a gap, m.
 struct Uncertainty {
-  double certain = 0;  ///< by a unit in the last place of its double or float, or by what a reader knows
-  double decimal = 0;  ///< by half a unit of its last decimal digit, unless that is exact: "1.5"
+  double certain = 0;  ///< a unit in the last place of its double or float, or the reader's bound
+  double decimal = 0;  ///< half a unit of its last decimal digit, unless that is exact: "1.5"
 
   double largest() const { return std::max(certain, decimal); }
 };
 
-/// How finely the numbers of a packing are written, as the numbers themselves tell. A program that prints "%.6f" or
-/// rounds to six decimals leaves numbers that six decimals give back, one that prints "%g" six significant digits;
-/// trailing zeros do not matter. Numbers that need 17 digits are what a double holds, or what a float holds.
+/// Precision of the numbers of a packing, inferred from the numbers: "%.6f" gives numbers that six decimals reproduce,
+/// "%g" six significant digits; trailing zeros do not matter. Numbers that need 17 digits have the precision of a
+/// double or a float.
 struct Precision {
-  /// What numbers have in common: decimals behind the point, significant digits, or where numbers of one magnitude do
-  /// not tell which, both; neither where the digits are those of a binary format.
+  /// Common decimals behind the point, or significant digits; both if numbers of one magnitude fit either; neither for
+  /// a binary format.
   struct Digits {
     std::optional<int> decimals, significant;
   };
   Digits coordinates, radii;                              ///< radii have no fewer
   bool single_coordinates = false, single_radii = false;  ///< the numbers are floats
-  double half_digit = 0;                                  ///< that the reader knows, m; see Packing
+  double half_digit = 0;                                  ///< known to the reader, m; see Packing
 
-  /// How far a coordinate or a radius of that value may be off, m.
+  /// Error of a coordinate or a radius of that value, m.
   Uncertainty of_coordinate(double value) const;
   Uncertainty of_radius(double value) const;
   std::string text() const;  ///< "6 decimals", "7 significant digits", "single precision", "double precision"
 };
 
-/// In O(1) for numbers of full length, in O(N) for others. One number in twenty may have more digits than the others.
+/// Infers the precision of a packing: O(1) for numbers of full length, O(N) otherwise. One number in twenty may have
+/// more digits than the others.
 Precision precision_of(const Packing& packing);
 
-/// How far the gap of a contact may be off: what its coordinates along the normal and its radii are off by, added up.
+/// Error of the gap of a contact: the sum of the errors of its coordinates along the normal and of its radii.
 Uncertainty gap_uncertainty(const Precision& precision, const Packing& packing, const Contact& contact);
 
-/// The largest uncertainty that a gap of the packing can have, over its smallest radius.
+/// Largest possible error of a gap of the packing, over its smallest radius.
 double largest_uncertainty(const Precision& precision, const Packing& packing);
 
 /// Decimal digits worth less than so many radii are rounded for certain: nobody writes so many by hand.
 inline constexpr double surely_rounded = 1e-4;
 
-/// How far coordinates of those values, one of the coordinates of the packing, are off for certain, m.
+/// Certain error of coordinates of those values along one axis, m.
 double certain_offset(const Packing& packing, std::span<const double> coordinates);
 
-/// Gaps up to so many radii are small enough to be rounding that no digit shows any more: of numbers that were rounded
-/// and then shifted or scaled. Where they are more than a few (pairs, and a hundredth of the contacts), they are worth
-/// a word.
+/// Gaps up to so many radii may be rounding that no digit shows, of numbers rounded and then shifted or scaled. If
+/// there are more than a few such pairs, and a hundredth of the contacts, a note reports them.
 inline constexpr double hairline = 1e-4;
 
-/// Sentences about contacts that depend on rounding, for a user: none where no contact does. `name` is that of the
-/// packing.
+/// Notes for the user about contacts that depend on rounding; empty if none does. `name`: of the packing.
 std::vector<std::string> rounding_remarks(const ContactNetwork& network, const std::string& name);
 
 }  // namespace nscdd

@@ -8,15 +8,15 @@ namespace {
 
 // Added to sizes, relative to them: far more than coordinates lose by rounding.
 constexpr double margin = 1e-6;
-// Smaller grains per cell of the largest beyond which they get a level of their own.
+// Smaller grains per cell of the largest beyond which they get their own level.
 constexpr double crowded = 8;
-// Far more motions than a drop takes: 4 on average of equal sizes, and 230 at most of 10^5 small ones among some that
-// are ten to a hundred times as large.
+// Far more motions than a drop takes: 4 on average for equal sizes, and at most 230 for 10^5 small ones among some ten
+// to a hundred times as large.
 constexpr Index most_motions = 5000;
 // Angle within which an arc has not begun.
 constexpr double standstill = 1e-6;
 
-// The part of a direction that is tangent to a surface, of length 1; zero where it has none.
+// Unit tangent part of a direction; zero if it has none.
 SpacePoint tangent(const SpacePoint& direction, const SpacePoint& normal) {
   const SpacePoint part = direction - direction.dot(normal) * normal;
   return part.norm() > crest * direction.norm() ? SpacePoint(part.normalized()) : SpacePoint(SpacePoint::Zero());
@@ -73,7 +73,7 @@ void SphereHeap::add(const Sphere& sphere) {
   spheres_.push_back(sphere);
 }
 
-// How far coordinates are off at that height, m.
+// Rounding error of coordinates at that height, m.
 double SphereHeap::rounding(double height) const {
   return std::numeric_limits<double>::epsilon() * std::max({width_, depth_, height});
 }
@@ -98,7 +98,7 @@ Obstacle SphereHeap::around(Index grain, double radius) const {
   return {.number = grain, .plane = false, .at = sphere.centre, .reach = radius + sphere.radius};
 }
 
-// Visits the grains whose centre is in a box, and some beside it.
+// Visits the grains whose centre is in a box, and some next to it.
 template <class Visit>
 void SphereHeap::visit_box(const Level& level, const SpacePoint& low, const SpacePoint& high, Visit&& visit) {
   const std::size_t left = level.column_of(low.x()), right = level.column_of(high.x());
@@ -128,7 +128,7 @@ void SphereHeap::fall(Traveller& one) {
         top = std::max(top, level.filled[row * level.columns + column]);
     if (std::isfinite(from.z())) top = std::min(top, level.layer_of(from.z()) + 1);
     for (std::size_t layer = top; layer-- > 0;) {
-      // What lies in this layer or below stops a sphere no higher than this.
+      // A grain in this layer or below stops a sphere no higher than this.
       if (height >= static_cast<double>(layer + 1) * level.side + reach) break;
       low.z() = high.z() = (static_cast<double>(layer) + 0.5) * level.side;
       visit_box(level, low, high, [&](Index i, const Sphere& sphere) {
@@ -149,7 +149,7 @@ void SphereHeap::fall(Traveller& one) {
   one.touched.push_back(met >= 0 ? around(met, one.radius) : wall(met, one.radius));
 }
 
-// Where a sphere goes that one or two obstacles carry; empty where others stop it on a crest.
+// Path of a sphere on one or two supports; empty if others stop it on a crest.
 std::optional<SphereHeap::Step> SphereHeap::next_step(const Traveller& one, const Carried& carried,
                                                       std::span<const SpacePoint> normals) const {
   Step step;
@@ -220,9 +220,9 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
     return std::any_of(pivots.begin(), pivots.end(), [&](const Obstacle& o) { return o.number == number; });
   };
   const auto meet = [&](Index number, double angle) {
-    // What has just let go is behind, though rounding may see it ahead.
+    // A support just lost is behind, though rounding may place it ahead.
     if (number == one.left && angle < standstill) return;
-    // Of what is met at one place the first in number counts: the bed does not depend on the order of search.
+    // Of obstacles met at one point the lowest number counts: the bed does not depend on the order of search.
     if (angle < end || (angle == end && met && number < *met)) end = angle, met = number, released = std::nullopt;
   };
   for (Index number = Obstacle::floor; number >= Obstacle::floor - 4; --number) {
@@ -274,7 +274,7 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
   return true;
 }
 
-// The centre, without what rounding puts it beyond floor and walls.
+// The centre, moved back inside floor and walls after rounding.
 SpacePoint SphereHeap::in_box(const Traveller& one) const {
   const double r = one.radius;
   return {std::clamp(one.centre.x(), r, width_ - r), std::clamp(one.centre.y(), r, depth_ - r),

@@ -10,30 +10,30 @@ struct Sphere {
   double radius = 0;  ///< m
 };
 
-/// Work that beds were made with.
+/// Work of generating a bed.
 struct RollingWork {
   Index motions = 0;     ///< falls, and arcs of circles
-  Index candidates = 0;  ///< pairs of a motion and a grain that may be in its way
+  Index candidates = 0;  ///< pairs of a motion and a possible obstacle
   Index abandoned = 0;   ///< drops without an end, see SphereHeap::settle
 };
 
-/// A bed of spheres in a box that more of them are dropped into: the floor z = 0, walls x = 0, x = width, y = 0,
-/// y = depth. Its grains lie in cubic cells, level by level as in Heap: a motion searches only the cells along its way.
+/// A bed of spheres in a box, built by drop and roll: floor z = 0, walls x = 0, x = width, y = 0, y = depth. Grains lie
+/// in cubic cells, level by level as in Heap: a motion searches only the cells along its path.
 class SphereHeap {
  public:
-  /// Sizes in m. Cells are cut for the `radii` of what will come.
+  /// Sizes in m. Cells suit the `radii` of the grains to come.
   SphereHeap(double width, double depth, double largest_radius, std::vector<double> radii);
 
-  /// The floor alone; or three that hold a sphere, with its centre above the triangle of the points of contact.
+  /// Only the floor; or three supports of a sphere, with its centre above the triangle of the points of contact.
   using Supports = std::vector<Index>;
   struct Rest {
     SpacePoint centre;
     Supports supports;
   };
-  /// Where a sphere dropped at (x, y) comes to rest by steepest descent: it falls, rolls over one obstacle down its
-  /// meridian, or over two on the circle that touches both, and at every touch and every loss of one carried_by says
-  /// what carries it on. Empty for one that has no end within the most motions allowed: where grains lie so exactly in
-  /// line that rounding decides on their order over and over. radius <= x <= width - radius, y likewise.
+  /// Rest position of a sphere dropped at (x, y), by steepest descent: it falls, rolls over one obstacle along its
+  /// meridian, or over two on the circle that touches both; `carried_by` finds the next supports at every new or lost
+  /// contact. Empty if the most motions do not suffice: grains may be so exactly aligned that rounding decides on their
+  /// order again and again. radius <= x <= width - radius, y likewise.
   std::optional<Rest> settle(double x, double y, double radius);
 
   void add(const Sphere& sphere);
@@ -62,7 +62,7 @@ class SphereHeap {
       return centre + radius * (std::cos(angle) * outwards + std::sin(angle) * ahead);
     }
   };
-  /// A sphere on its way: what it touches, and what stopped carrying it as its last arc ended.
+  /// A moving sphere: its contacts, and the support it lost at the end of its last arc.
   struct Traveller {
     SpacePoint centre;
     double radius = 0;
@@ -80,7 +80,7 @@ class SphereHeap {
   Obstacle wall(Index number, double radius) const;
   Obstacle around(Index grain, double radius) const;
   void fall(Traveller& one);
-  /// False for an arc that meets what was touched already as it begins: then other supports carry.
+  /// False for an arc that at once meets an obstacle already touched: then other supports carry.
   bool roll(Traveller& one, const Step& step);
   std::optional<Step> next_step(const Traveller& one, const Carried& carried,
                                 std::span<const SpacePoint> normals) const;
@@ -92,7 +92,7 @@ class SphereHeap {
   double width_, depth_;
   std::vector<Level> levels_;  ///< coarsest first
   std::vector<Sphere> spheres_;
-  std::vector<std::int32_t> next_;  ///< of each grain: the one before it in its cell, or -1
+  std::vector<std::int32_t> next_;  ///< of each grain: the previous one in its cell, or -1
   RollingWork work_;
 };
 

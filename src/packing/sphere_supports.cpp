@@ -6,16 +6,16 @@
 namespace nscdd {
 namespace {
 
-// What a set of supports may miss of the conditions of equilibrium, by the rounding of unit vectors.
+// Tolerance of the equilibrium conditions, for the rounding of unit vectors.
 constexpr double balance_rounding = 1e-14;
-// And what it may miss where normals are nearly dependent, to be taken if none is better.
+// Tolerance for nearly dependent normals, if no better set exists.
 constexpr double most_missed = 1e-9;
 
-// Supports are in ascending order, and those that are not there are 0.
+// Supports are ascending; absent ones are 0.
 bool same_supports(const Carried& a, const Carried& b) { return a.supports == b.supports && a.by == b.by; }
 
-// The velocity that a set of supports leaves, and by how much the others are in its way. False where a support does not
-// push, or the normals are dependent.
+// Velocity for a set of supports, and its violation by the others. False if a support does not push, or the normals are
+// dependent.
 bool try_supports(std::span<const SpacePoint> normals, Carried& carried, double& missed) {
   const auto n = [&](std::size_t i) -> const SpacePoint& { return normals[carried.by[i]]; };
   std::array<double, 3> lambda{};

@@ -9,8 +9,8 @@ namespace nscdd {
 
 using SpacePoint = Eigen::Vector3d;
 
-/// What a sphere touches, as its centre sees it: it keeps out of the ball about another sphere, or on its side of a
-/// plane. Floor and walls have negative numbers, grains their own.
+/// Obstacle for the centre of a sphere: the ball about another sphere, or a plane. Floor and walls have negative
+/// numbers, grains their own.
 ///
 ///   gap(c) = |c - s| - (r + r_s)  or  n . c - offset,     normal(c) = grad gap
 struct Obstacle {
@@ -24,33 +24,33 @@ struct Obstacle {
   SpacePoint normal(const SpacePoint& c) const { return plane ? at : SpacePoint((c - at).normalized()); }
 };
 
-/// Which of the obstacles carry a sphere that creeps down the steepest way, and where to: v is -e_z projected on the
-/// cone {v : n_k . v >= 0 for all k},
+/// Obstacles that support a sphere in steepest descent, and its velocity v: -e_z projected on the cone
+/// {v : n_k . v >= 0 for all k},
 ///
 ///   v = -e_z + sum_k lambda_k n_k,   lambda_k >= 0,   n_k . v >= 0,   lambda_k n_k . v = 0,
 ///
-/// found by trying the sets of none to three supports, the smallest first. Those with lambda_k > 0 carry; it is at rest
-/// where v = 0. Three that carry independently have its centre above the triangle of the points of contact.
+/// found by trying the sets of none to three supports, the smallest first. Those with lambda_k > 0 support it; v = 0 is
+/// rest. Three independent supports have its centre above the triangle of the points of contact.
 struct Carried {
-  std::array<std::size_t, 3> by{};  ///< positions of those that carry
+  std::array<std::size_t, 3> by{};  ///< positions of the supports
   std::size_t supports = 0;
   SpacePoint velocity = -SpacePoint::UnitZ();
 
   bool has(std::size_t k) const { return std::ranges::count(std::span(by).first(supports), k) > 0; }
 };
-/// Sets in `but` are left out: where several sets meet the conditions (with multipliers of 0) they have one velocity,
-/// and the curvature of their arcs decides, which the normals do not know.
+/// `but`: sets to skip. Several sets may meet the conditions (with multipliers of 0) with one velocity; then the
+/// curvature of their arcs decides, which the normals do not contain.
 Carried carried_by(std::span<const SpacePoint> normals, std::span<const Carried> but = {});
 
-/// Where the first angle >= 0 is at which q_u cos(angle) + q_w sin(angle) = a cos(angle - nearest) rises to a - excess,
-/// a = hypot(q_u, q_w): infinite for an excess of 0 or less. What is above and still rises is met at once.
+/// The first angle >= 0 at which q_u cos(angle) + q_w sin(angle) = a cos(angle - nearest) rises to a - excess,
+/// a = hypot(q_u, q_w): infinite for an excess of 0 or less, 0 if it is above and rising.
 double first_crossing(double q_u, double q_w, double excess);
 
-/// Moves the centre of a sphere of that radius to the nearest place at which all gaps vanish, to rounding: Newton's
-/// step of least length, twice.
+/// Moves the centre of a sphere to the nearest point where all gaps vanish, to rounding: two Newton steps of least
+/// length.
 void touch_exactly(SpacePoint& centre, std::span<const Obstacle> obstacles, double radius);
 
-/// Speed, relative to that of a fall, below which a sphere is on a crest: rounding knows no more which way is down.
+/// Speed, relative to that of a fall, below which a sphere is on a crest: rounding hides the direction of descent.
 inline constexpr double crest = 1e-7;
 
 }  // namespace nscdd

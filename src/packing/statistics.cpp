@@ -32,7 +32,7 @@ Extent extent_of(const std::vector<double>& centres, const std::vector<double>& 
 // Area of the unit disk in x <= a, for -1 <= a <= 1.
 double cap_area(double a) { return 0.5 * pi + a * std::sqrt((1 - a) * (1 + a)) + std::asin(a); }
 
-// Area that a disk has in a rectangle, by inclusion and exclusion of its four corners.
+// Area of a disk in a rectangle, by inclusion and exclusion of its four corners.
 double area_in(const Rectangle& box, double x, double y, double radius) {
   const double left = (box.left - x) / radius, right = (box.right - x) / radius;
   const double low = (box.low - y) / radius, high = (box.high - y) / radius;

@@ -14,18 +14,17 @@ struct SolidFraction {
 };
 SolidFraction solid_fraction(const Packing& packing);
 
-/// Volume that the sphere of radius 1 about the origin has in low <= (x, y, z) <= high, to 10^-10: the integral over z
-/// of the exact area that its disk at z has in the rectangle.
+/// Volume of the unit sphere in the box low <= (x, y, z) <= high, to 10^-10: the integral over z of the exact area of
+/// its disk in the rectangle.
 double sphere_box_volume(const std::array<double, 3>& low, const std::array<double, 3>& high);
 
-/// Area that the disk of radius 1 about the origin has in x <= a, y <= b.
+/// Area of the unit disk in x <= a, y <= b.
 double disk_corner_area(double a, double b);
 
-/// Rattlers as flags: grains that no load can reach through contacts. A grain with fewer than two contacts cannot be in
-/// equilibrium by contact forces alone; leaving it out takes a contact from its neighbour, and so on until every other
-/// grain has two at least (the 2-core of the contact graph). Two is what a grain under gravity rests on, three in space
-/// (the 3-core). A grain that leans on a wall, which is no grain, may count as a rattler, and in space a grain that two
-/// opposite ones squeeze does.
+/// Rattlers as flags: grains that no load can reach through contacts. A grain with fewer than two contacts (three in
+/// space) cannot be in equilibrium by contact forces only. Removing it takes a contact from its neighbour, and so on:
+/// the rest is the 2-core of the contact graph (in space the 3-core). A grain that leans on a wall, which is no grain,
+/// may count as a rattler, and in space a grain that two opposite ones squeeze does.
 std::vector<char> rattlers(const ContactNetwork& network);
 
 /// Grains of radius in [from, to), the last class with its upper end.

@@ -10,17 +10,17 @@
 
 namespace nscdd {
 
-/// Every generator of packings: one file and one word here. Each has `name`, `summary`, fields and `generate`; one of
-/// spheres also `static constexpr Index dimension = 3`.
+/// Generators of packings: one file and one word here each. A generator has `name`, `summary`, fields and `generate`;
+/// one of spheres also `static constexpr Index dimension = 3`.
 using Generator =
     std::variant<TriangularStrip, HexagonalLattice, Deposit, CubicLattice, FccLattice, HcpLattice, SphereDeposit>;
 
-/// The packing of a generator. The monitor counts grains; one that asks to stop leaves those there are.
+/// Generates a packing. The monitor counts grains; stopping keeps the grains placed so far.
 inline Packing generate(const Generator& generator, const Monitor& monitor = {}) {
   return std::visit([&](const auto& one) { return generate(one, monitor); }, generator);
 }
 
-/// Of the packings of a generator: 2 in the plane, 3 in space.
+/// Dimension of a generator's packings: 2 in the plane, 3 in space.
 inline Index dimension(const Generator& generator) {
   return std::visit(
       [](const auto& one) -> Index {

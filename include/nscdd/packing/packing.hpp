@@ -5,14 +5,14 @@
 
 namespace nscdd {
 
-/// Disks in the plane, grain i at (x[i], y[i]), or spheres in space, grain i at (x[i], y[i], z[i]). What has a z is in
-/// space: the dimension is a property of the packing, never an option.
+/// Grains: disks at (x[i], y[i]), or spheres at (x[i], y[i], z[i]). The dimension is a property of the packing, never
+/// an option: a packing with z is in space.
 struct Packing {
   std::vector<double> x, y;    ///< centres, m
   std::vector<double> radius;  ///< m
   std::vector<double> mass;    ///< kg; empty until masses are chosen
   std::vector<double> z = {};  ///< of centres, m; empty in the plane
-  /// Half of the last digit of the coordinates, m, where a reader knows it; 0: their numbers tell, see Precision.
+  /// Half of the last digit of the coordinates, m, if the reader knows it; 0: inferred from the numbers, see Precision.
   double half_digit = 0;
 
   Index size() const { return count(x); }
@@ -21,25 +21,25 @@ struct Packing {
   std::array<double, 3> centre(Index grain) const { return {x[at(grain)], y[at(grain)], z.empty() ? 0 : z[at(grain)]}; }
 };
 
-/// Throws Error naming the grain where a coordinate is not finite or a radius (or mass, where given) is not
-/// finite and positive, for a packing without grains, and for one that has a z for some of its grains alone.
+/// Throws Error for a coordinate that is not finite, a radius (or given mass) that is not finite and positive (naming
+/// the grain), for a packing without grains, and for one with z for some grains only.
 void check(const Packing& packing);
 
-/// How grains get their mass.
+/// Model of the masses of grains.
 enum class MassModel {
-  given,    ///< the masses the packing came with
+  given,    ///< the packing's own masses
   unit,     ///< 1 kg each
   density,  ///< density x volume: pi radius^2 of a disk, 4/3 pi radius^3 of a sphere
 };
 constexpr auto names_of(MassModel) { return std::to_array<std::string_view>({"given", "unit", "density"}); }
 
 struct Masses {
-  /// Left open: the masses the packing came with, or unit masses where it came with none.
+  /// Empty: the packing's own masses, or unit masses if it has none.
   std::optional<MassModel> model;
   double density = 0;  ///< for MassModel::density: kg/m^2 in the plane, kg/m^3 in space
 };
 
-/// The packing with its masses set. Throws Error where `given` is asked of a packing without masses.
+/// The packing with its masses set. Throws Error for `given` and a packing without masses.
 Packing with_masses(Packing packing, const Masses& masses);
 
 /// A pair of touching grains a < b.
@@ -50,32 +50,32 @@ struct Contact {
   double gap = 0;                    ///< m, negative for an overlap
 };
 
-/// Pairs of grains a < b: how many there are, and the first few of them by (a, b).
+/// Pairs of grains a < b: their number, and the first few by (a, b).
 struct PairSample {
   Index size = 0;
   std::vector<std::array<Index, 2>> first = {};
 };
 
-/// What the rounding of coordinates leaves open about contacts. The digits of a packing say how far its gaps may be off
-/// (packing/precision.hpp); that is the least tolerance of gaps and of overlaps.
+/// Contacts in doubt because coordinates are rounded. The digits of a packing bound the error of its gaps
+/// (packing/precision.hpp), which is the least tolerance of gaps and of overlaps.
 struct RoundingDoubt {
-  std::string digits;      ///< those of the coordinates: "6 decimals", "7 significant digits", "single precision", ...
+  std::string digits;      ///< of the coordinates: "6 decimals", "7 significant digits", "single precision", ...
   double uncertainty = 0;  ///< of the gaps of near pairs, times the smaller radius: the largest one
-  bool used = true;        ///< false: digits so few may be exact, and the tolerances of the detection decide
+  bool used = true;        ///< false: so few digits may be exact, and the tolerances of the detection decide
   PairSample decided;      ///< contacts beyond the tolerances of the detection, within the uncertainty
   /// Pairs that do not touch, although the gap is at most three times the uncertainty (once if it is not used).
   PairSample open;
   PairSample one_sided;  ///< pairs that do not touch, although others overlap by more than their gap
   double overlap = 0;    ///< of two grains, the largest one, times the smaller radius
 
-  /// More than a few contacts depend on digits that are not there.
+  /// Whether more than a few contacts depend on missing digits.
   bool ambiguous() const { return open.size > 3; }
 };
 
-/// Contacts sorted by (a, b).
+/// The contact network of a packing, sorted by (a, b).
 struct ContactNetwork {
   std::vector<Contact> contacts;
-  Index grains = 0;     ///< grains of the packing, those without a contact included
+  Index grains = 0;     ///< of the packing, including those without contacts
   Index dimension = 2;  ///< of the packing
   RoundingDoubt rounding = {};
 
@@ -95,7 +95,7 @@ struct ContactDetection {
   }
 };
 
-/// Every contact, by a cell grid. Coordinates that are rounded more coarsely than the tolerances raise these, see
+/// Detects all contacts by a cell grid, in O(N). Coordinates rounded more coarsely than the tolerances raise these, see
 /// RoundingDoubt. Throws Error naming both grains of a pair that overlaps too much or shares a centre.
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection = {});
 

@@ -28,7 +28,7 @@ std::function<double(double)> lognormal_quantile(const SizeDistribution& sizes) 
   };
 }
 
-// Width of a bed as high as wide, at the solid fraction that beds of this kind come to.
+// Width of a bed as high as wide, at the solid fraction typical of such beds.
 double square_width(const std::vector<double>& radii) {
   constexpr double solid_fraction = 0.8;
   const double largest = *std::max_element(radii.begin(), radii.end());

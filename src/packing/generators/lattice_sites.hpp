@@ -18,7 +18,7 @@ inline std::vector<double> draw(RandomStream& random, Index sites) {
   return numbers;
 }
 
-/// The sites of the smallest numbers, as flags: exactly as many as asked, and nested from fraction to fraction.
+/// Vacant sites, as flags: those of the smallest numbers, nested from fraction to fraction.
 inline std::vector<char> vacant_sites(const std::vector<double>& numbers, double fraction) {
   const auto sites = static_cast<double>(numbers.size());
   const auto vacant = static_cast<std::ptrdiff_t>(std::min(std::round(fraction * sites), sites - 1));
@@ -31,7 +31,7 @@ inline std::vector<char> vacant_sites(const std::vector<double>& numbers, double
   return flags;
 }
 
-/// The grains of `rows` rows of sites, of any number of layers, apart from vacant sites, with shrunk radii.
+/// The grains of `rows` rows of sites, in any number of layers, without vacant sites, with shrunk radii.
 /// `add_centre(packing, column, row)` puts the centre of a site there.
 template <class Sites, class AddCentre>
 Packing occupied_sites(const Sites& lattice, Index rows, const AddCentre& add_centre, const Monitor& monitor) {

@@ -6,7 +6,7 @@
 
 namespace nscdd {
 
-/// A deposit of spheres with what holds each of them, and what it took.
+/// A deposit of spheres with the supports of each sphere, and the work of its generation.
 struct SphereBed {
   Packing packing;
   double width = 0, depth = 0;  ///< m

@@ -8,7 +8,7 @@
 namespace nscdd {
 namespace {
 
-// A drop that has no end is dropped anew elsewhere. It never was among 10^7 drops of all kinds.
+// A drop without an end is repeated elsewhere. None occurred among 10^7 drops of all kinds.
 constexpr int most_drops = 10;
 
 void require_bounds(const SphereDeposit& deposit) {
@@ -21,8 +21,7 @@ void require_bounds(const SphereDeposit& deposit) {
       fail("packing.{}: expected 0, or at least 2 radius_max = {} m, met {}", key, 2 * sizes.radius_max, size);
 }
 
-// Width and depth of the box. What is left open makes a bed as high as wide, at the solid fraction that beds of this
-// kind come to.
+// Width and depth of the box. By default the bed is as high as wide, at the solid fraction typical of such beds.
 std::pair<double, double> base_of(const SphereDeposit& deposit, const std::vector<double>& radii) {
   constexpr double solid_fraction = 0.58;
   double volume = 0;

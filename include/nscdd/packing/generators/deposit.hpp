@@ -18,7 +18,7 @@ constexpr auto names_of(Distribution) {
 ///   lognormal       ln r normal of mean ln `median` and deviation `sigma`, truncated to [a, b]:
 ///                   r = F^-1(F(a) + u (F(b) - F(a))), F that of the untruncated law; median 0 stands for sqrt(a b)
 ///
-/// with a = radius_min, b = radius_max and u uniform in [0, 1). A distribution ignores parameters it has no use for.
+/// with a = radius_min, b = radius_max and u uniform in [0, 1). A distribution ignores the parameters of others.
 struct SizeDistribution {
   Choice<Distribution> distribution = Distribution::uniform;
   double radius_min = 0.1, radius_max = 0.2;  ///< m
@@ -49,18 +49,17 @@ struct SizeDistribution {
 };
 
 /// The radius of each u in [0, 1), increasing: the inverse of the distribution function, one uniform number per grain.
-/// Throws Error for radius_min > radius_max, and where no lognormal radius lies between them in double precision.
+/// Throws Error for radius_min > radius_max, and if no lognormal radius lies between them in double precision.
 std::function<double(double u)> radius_quantile(const SizeDistribution& sizes);
 
 /// Grains dropped one by one at random places into a box with a floor (y = 0) and two walls (x = 0, x = width), each
-/// rolling downhill over those that lie there until it rests on two supports (grains, wall) with its centre between
+/// rolling downhill over earlier grains until it rests on two supports (grains, wall) with its centre between
 /// them, or on the floor (Visscher & Bolsterli, Nature 239 (1972) 504-507). A placed grain never moves again. Every
 /// rest is a closed-form intersection of circles and lines: touching grains touch to rounding, nothing overlaps by
 /// more. Grains are numbered in the order of their fall.
 ///
-/// Floor and walls shape the bed and are no grains: a grain that leans on one has fewer contacts. Elsewhere grains rest
-/// on two others each, so that the network has at most 2 contacts per grain and is isostatic or less, equal sizes
-/// stacked against each other aside.
+/// Floor and walls are no grains: a grain that leans on one has fewer contacts. All others rest on two grains each, so
+/// the network has at most 2 contacts per grain and is isostatic or less, except for stacks of equal sizes.
 struct Deposit {
   static constexpr std::string_view name = "deposit";
   static constexpr std::string_view summary =
@@ -80,7 +79,7 @@ struct Deposit {
   }
 };
 
-/// Time proportional to the grains. Sizes far apart cost more: 1 : 100 some five times as much as equal sizes. The
+/// Generates a deposit in O(N). Sizes far apart cost more: 1 : 100 some five times as much as equal sizes. The
 /// first `grains` numbers of the stream are the sizes, the next ones the places, so that equal seeds give equal sizes
 /// in boxes of any width. Throws Error for sizes that radius_quantile refuses, and for a box narrower than the largest
 /// grain or wider than 10^7 radius_min (where rounding would drown the tangencies).

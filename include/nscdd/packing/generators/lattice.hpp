@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// The parameter that all these disks share.
+/// The radius field of lattices of disks.
 inline constexpr Field radius_of_all{
     .description = "radius of every disk", .unit = "m", .minimum = 0, .minimum_excluded = true};
 
@@ -41,11 +41,11 @@ void visit_defects(Lattice& lattice, Visitor& visit, std::string_view vacancies)
 /// Touching equal disks on a triangular lattice, row by row: grain k = row x columns + column at
 /// ((2 column + row mod 2) r, row sqrt(3) r). Hyperstatic from 2 rows of 3 on.
 ///
-/// Two defects, drawn per site from the seed, so that either can be varied with the other held:
-/// - vacancies: round(vacancies x sites) disks are left out, one disk staying at least. Those left out at a lower
-///   fraction are left out at every higher one.
-/// - size disorder: radius_i = radius x (1 - disorder x u_i), u_i uniform in [0, 1). Centres stay, so neighbours part
-///   by up to 2 disorder x radius: under the default contact tolerance next to no contact is left. A
+/// Two independent defects, drawn per site from the seed:
+/// - vacancies: round(vacancies x sites) disks are left out, but never the last. Vacancies are nested from fraction to
+///   fraction.
+/// - size disorder: radius_i = radius x (1 - disorder x u_i), u_i uniform in [0, 1). Centres stay, so neighbours
+///   separate by up to 2 disorder x radius: the default contact tolerance leaves hardly any contact. A
 ///   contacts.tolerance >= 2 disorder / (1 - disorder) keeps every link, a smaller one thins the network at random.
 struct HexagonalLattice {
   static constexpr std::string_view name = "hexagonal";

@@ -6,14 +6,14 @@
 namespace nscdd {
 
 /// Spheres dropped one by one at random places into a box with a floor (z = 0) and four walls (x = 0, x = width, y = 0,
-/// y = depth): Deposit in space. Each falls, rolls over one of those that lie there, then in the groove between two,
-/// always down the steepest way that they leave open, until three (spheres, walls) hold it with its centre above the
+/// y = depth): Deposit in space. Each falls, rolls over one sphere, then in the groove between two, always by
+/// steepest descent, until three (spheres, walls) hold it with its centre above the
 /// triangle of the points of contact, or the floor does (Visscher & Bolsterli, Nature 239 (1972) 504-507). A placed
-/// sphere never moves again. Its way is made of vertical lines and arcs of circles, whose ends are roots in closed
+/// sphere never moves again. Its path consists of vertical lines and arcs of circles, whose ends are roots in closed
 /// form: touching spheres touch to rounding, nothing overlaps by more. Grains are numbered in the order of their fall.
 ///
-/// Floor and walls shape the bed and are no grains: a grain that leans on one has fewer contacts. Elsewhere grains rest
-/// on three others each, so that the network has at most 3 contacts per grain and is isostatic or less.
+/// Floor and walls are no grains: a grain that leans on one has fewer contacts. All others rest on three grains each,
+/// so the network has at most 3 contacts per grain and is isostatic or less.
 struct SphereDeposit {
   static constexpr std::string_view name = "sphere_deposit";
   static constexpr std::string_view summary =
@@ -39,10 +39,10 @@ struct SphereDeposit {
   }
 };
 
-/// Time proportional to the grains. Sizes far apart cost more. The first `grains` numbers of the stream are the sizes,
-/// the next ones the places, x and y of each drop, so that equal seeds give equal sizes in boxes of any width. Throws
-/// Error for fields out of bounds, for sizes that radius_quantile refuses, and for a box narrower or less deep than the
-/// largest grain, or wider or deeper than 10^7 radius_min (where rounding would drown the tangencies).
+/// Generates a deposit of spheres in O(N). Sizes far apart cost more. The first `grains` numbers of the stream are the
+/// sizes, the next ones the places, x and y of each drop, so that equal seeds give equal sizes in boxes of any width.
+/// Throws Error for fields out of bounds, for sizes that radius_quantile refuses, and for a box narrower or less deep
+/// than the largest grain, or wider or deeper than 10^7 radius_min (where rounding would drown the tangencies).
 Packing generate(const SphereDeposit& deposit, const Monitor& monitor = {});
 
 }  // namespace nscdd

@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// What lattices of touching equal spheres have in common: layers of rows of columns, grain
+/// Common parameters of lattices of touching equal spheres: layers of rows of columns, grain
 /// (layer x rows + row) x columns + column, horizontal layers from z = 0 upwards. Vacancies and size disorder are those
 /// of HexagonalLattice, drawn per site from the seed.
 struct SphereSites {
