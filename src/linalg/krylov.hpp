@@ -7,16 +7,16 @@
 
 namespace nscdd {
 
-/// x -> A x, as the iterative solvers take a linear map.
+/// A linear map x -> A x, for iterative solvers.
 using LinearMap = std::function<Vector(const Vector&)>;
 
-/// ARPACK cannot treat problems smaller than this; callers go dense below it.
+/// Smallest problem of ARPACK; callers solve smaller ones densely.
 inline constexpr Index arpack_smallest_size = 5;
 
 /// One end of the spectrum of a symmetric definite pencil A x = lambda M x.
 struct LanczosResult {
   double value = 0;        ///< Ritz value at the end asked for
-  Vector vector;           ///< its Ritz vector; empty if the iteration produced none
+  Vector vector;           ///< its Ritz vector; empty if there is none
   Index applications = 0;  ///< products with A, one solve with M each
   bool converged = false;
 };
@@ -24,9 +24,9 @@ struct LanczosResult {
 enum class SpectrumEnd { smallest, largest };
 
 /// Implicitly restarted Lanczos (ARPACK dsaupd, mode 2) in the inner product of M. `a`, `m`, `m_inverse`: x -> A x, M
-/// x, M^-1 x, A symmetric, M symmetric positive definite. `start`: where the iteration starts, such as the vector of a
-/// neighbouring problem; empty for a fixed vector, a thousandth of which is added to any other, so that a wrong
-/// eigenvector is left. Equal calls give equal bits. Calls wait for each other (static memory). Throws Error for n < 5.
+/// x, M^-1 x, A symmetric, M symmetric positive definite. `start`: initial vector, such as that of a neighbouring
+/// problem; empty for a fixed vector, a thousandth of which is added to any other, to escape a wrong eigenvector. Equal
+/// calls give equal bits. Calls wait for each other (static memory). Throws Error for n < 5.
 LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse, SpectrumEnd end,
                       const ArpackOptions& options = {}, const Vector& start = {});
 
@@ -35,16 +35,16 @@ struct ArnoldiResult {
   std::complex<double> value{not_a_number, not_a_number};  ///< of a complex pair, the one with positive imaginary part
   double residual = not_a_number;  ///< ||A x - lambda x|| / ||x||, recomputed with one more complex application
   Index applications = 0;
-  Index units = 0;  ///< eigenvalues passed over because they lie within `unit_tolerance` of 1
+  Index units = 0;  ///< eigenvalues skipped because they lie within `unit_tolerance` of 1
   bool converged = false;
 };
 
 /// Implicitly restarted Arnoldi (ARPACK dnaupd, mode 1) for the eigenvalue of largest modulus, n >= 5. Several
-/// eigenvalues are asked for, so that a complex pair is never cut in two; those nearer to 1 than `unit_tolerance` are
-/// passed over (not converged where all of them are). Fixed start vector.
+/// eigenvalues are computed, so that a complex pair is never split; those nearer to 1 than `unit_tolerance` are skipped
+/// (not converged if all of them are). Fixed start vector.
 ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options = {}, double unit_tolerance = 0);
 
-/// A run stops at the first step at which every eigenvalue wanted meets one of the two accuracies.
+/// Stopping criteria: a run stops at the first step at which every wanted eigenvalue meets one of the two accuracies.
 struct ShiftInvertOptions {
   Index maximum_steps = 300;  ///< Krylov vectors, cut to the size of the problem
   double tolerance = 1e-12;   ///< residual of nu = 1 / (lambda - sigma), relative to nu
@@ -56,11 +56,11 @@ struct ShiftInvertResult {
   Vector values;   ///< Ritz values lambda, as many as wanted if there are as many on that side
   Matrix vectors;  ///< their vectors, n x k, M-orthonormal
   Vector bounds;   ///< an eigenvalue lies within this distance of each
-  /// Expected distance, of second order: min(bound, residual^2 / gap), with the gap to the next Ritz value. No proof: a
-  /// gap may hide an eigenvalue that the run has not seen.
+  /// Expected distance, of second order: min(bound, residual^2 / gap), with the gap to the next Ritz value. No proof:
+  /// the gap may contain an undetected eigenvalue.
   Vector errors;
   Index applications = 0;  ///< products with (A - sigma M)^-1
-  bool converged = false;  ///< all that were wanted
+  bool converged = false;  ///< all wanted ones
 };
 
 /// A x = lambda M x next to a shift sigma, of `size` unknowns. M is symmetric positive definite.

@@ -44,7 +44,7 @@ IteratedSolution generalised_minimal_residuals(const LinearMap& a, const LinearM
     Vector next = a(directions.back());
     ++result.iterations;
     Vector column = Vector::Zero(count(basis) + 1);
-    for (int pass = 0; pass < 2; ++pass)  // the second takes away what rounding left of the first
+    for (int pass = 0; pass < 2; ++pass)  // the second removes the rounding of the first
       for (std::size_t k = 0; k < basis.size(); ++k) {
         const double part = basis[k].dot(next);
         column[static_cast<Index>(k)] += part;
@@ -93,7 +93,7 @@ Index predicted_iterations(const Eigen::VectorXcd& eigenvalues, const IterationL
       const double re = eigenvalues[k].real(), im = eigenvalues[k].imag();
       y[k] = re * x[k];
       if (im == 0 || k + 1 == x.size()) continue;
-      y[k] -= im * x[k + 1];  // the two of a pair turn a plane
+      y[k] -= im * x[k + 1];  // a complex pair rotates a plane
       y[k + 1] = im * x[k] + re * x[k + 1];
       ++k;
     }

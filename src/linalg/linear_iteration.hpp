@@ -10,13 +10,13 @@ struct IterationLimits {
   Index maximum = 1000;      ///< products with A
 };
 
-/// An approximate solution of A x = b. Not converged, also because a number was not finite, is data.
+/// Approximate solution of A x = b. No convergence, or numbers that are not finite, are data.
 struct IteratedSolution {
   Vector x;
   Index iterations = 0;  ///< products with A
-  double residual = 0;   ///< || b - A x || / || b ||, as the iteration has it
+  double residual = 0;   ///< || b - A x || / || b ||, of the iteration
   bool converged = true;
-  int determinant_sign = 1;  ///< of the matrix that P^-1 A is on the Krylov space; without iterations 1
+  int determinant_sign = 1;  ///< of the projection of P^-1 A on the Krylov space; 1 without iterations
 };
 
 /// Preconditioned conjugate gradients, A and P symmetric positive definite; `p_inverse`: x -> P^-1 x.
@@ -28,9 +28,9 @@ IteratedSolution conjugate_gradients(const LinearMap& a, const LinearMap& p_inve
 IteratedSolution generalised_minimal_residuals(const LinearMap& a, const LinearMap& p_inverse, const Vector& b,
                                                const IterationLimits& limits = {});
 
-/// Iterations that generalised minimal residuals take on a normal matrix with these eigenvalues, where every
-/// eigenvector has the same part in the right-hand side: what the eigenvalues of P^-1 A alone say. (For a symmetric
-/// matrix it is also what conjugate gradients take, to within a few.) Complex ones come in pairs, side by side.
+/// Predicted iterations of GMRES on a normal matrix with these eigenvalues, every eigenvector having the same weight in
+/// the right-hand side. (For a symmetric matrix conjugate gradients take as many, to within a few.) Complex pairs are
+/// adjacent.
 Index predicted_iterations(const Eigen::VectorXcd& eigenvalues, const IterationLimits& limits = {});
 
 }  // namespace nscdd

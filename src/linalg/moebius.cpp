@@ -4,7 +4,7 @@
 namespace nscdd {
 namespace {
 
-// Positive roots of a x^2 + b x + c. A root that is lost or moved by rounding is none that a bound may rest on.
+// Positive roots of a x^2 + b x + c. Rounding may lose or move a root; bounds stay valid then.
 std::vector<double> positive_roots(double a, double b, double c) {
   const double discriminant = b * b - 4 * a * c;
   if (!(discriminant >= 0)) return {};

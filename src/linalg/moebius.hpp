@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// x -> (a x + b) / (c x + d), a function that is monotone between its poles.
+/// Moebius function x -> (a x + b) / (c x + d), monotone between its poles.
 struct Moebius {
   double a = 0, b = 0, c = 0, d = 1;
 

@@ -45,13 +45,13 @@ double residual_of(const SymmetricEigen& pairs, const Tridiagonal& t) {
 }
 
 // Eigenvalues first ... last (from 1, ascending) of a tridiagonal matrix with unit eigenvectors, by bisection and
-// inverse iteration. Empty if LAPACK finds too few values, or no vectors for them, as happens where many are equal.
+// inverse iteration. Empty if LAPACK finds too few values, or no vectors, as may happen if many are equal.
 SymmetricEigen some_pairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
   const auto n = static_cast<lapack_int>(t.diagonal.size());
   const Index wanted = last - first + 1;
   lapack_int found = 0, blocks = 0;
   std::vector<lapack_int> block(at(n)), split(at(n)), failed(at(wanted));
-  Vector value = Vector::Zero(n);                 // LAPACKE looks for NaN in all n, of which a few are set
+  Vector value = Vector::Zero(n);                 // LAPACKE checks all n for NaN, of which a few are set
   const double finest = 2 * LAPACKE_dlamch('S');  // as accurate as bisection can be
   if (LAPACKE_dstebz('I', 'B', n, 0, 0, first, last, finest, t.diagonal.data(), t.off.data(), &found, &blocks,
                      value.data(), block.data(), split.data()) != 0 ||
@@ -135,7 +135,7 @@ SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below) {
   return eigen_of(solver, Eigenvectors::wanted);
 }
 
-// A wide matrix is as good as the L of its L Q, Q orthogonal.
+// A wide matrix is replaced by the L of its L Q, Q orthogonal.
 LeftSingular left_singular(Matrix a) {
   const auto rows = static_cast<lapack_int>(a.rows()), all = static_cast<lapack_int>(a.cols());
   const lapack_int columns = std::min(rows, all);
@@ -166,7 +166,7 @@ GeneralEigen general_eigen(Matrix a, Eigenvectors vectors) {
   GeneralEigen result{{}, Matrix(wanted ? n : 1, wanted ? n : 1)};
   lapack_int low = 0, high = 0;
   double norm = 0;
-  // Not balanced ('N' first): where entries are next to 0, balancing costs eigenvectors half of their digits.
+  // Not balanced ('N' first): with tiny entries, balancing costs eigenvectors half of their digits.
   if (LAPACKE_dgeevx(LAPACK_COL_MAJOR, 'N', 'N', wanted ? 'V' : 'N', 'N', n, a.data(), n, real.data(), imaginary.data(),
                      nullptr, 1, result.packed.data(), wanted ? n : 1, &low, &high, scale.data(), &norm, nullptr,
                      nullptr) == 0)

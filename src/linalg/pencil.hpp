@@ -10,26 +10,27 @@ namespace nscdd {
 
 /// Both ends of the spectrum of a symmetric definite pencil, A x = lambda P x.
 struct PencilEnds {
-  std::string_view failure = {};     ///< why there are no eigenvalues; empty if there are
+  std::string_view failure = {};     ///< reason for missing eigenvalues, else empty
   Vector low, high;                  ///< k eigenvalues from each end inwards: ascending, descending
   Matrix low_vectors, high_vectors;  ///< n x k, their eigenvectors, x^T P x = 1
-  /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs: an eigenvalue lies as near as this to each value.
+  /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs: an eigenvalue lies within this distance of each
+  /// value.
   double residual = not_a_number;
 };
 
 /// Ends of the spectrum of (A, P), A n x n symmetric, P n x n symmetric positive definite, n >= 1 (LAPACK):
 /// tridiagonalisation of L^-1 A L^-T with P = L L^T, bisection (Sturm counts) and inverse iteration for the
-/// k = min(wanted, n) eigenvalues of each end. Where these two fail, as they may where many eigenvalues are equal, the
-/// QR iteration computes all eigenvalues. Fails if P has no Cholesky factor in double precision.
+/// k = min(wanted, n) eigenvalues of each end. If these two fail, as they may if many eigenvalues are equal, the QR
+/// iteration computes all eigenvalues. Fails if P has no Cholesky factor in double precision.
 PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted = 1);
 
-/// Largest residual of such pairs for another pencil they belong to, P = L L^T given by its factor.
+/// Largest residual of such pairs for another pencil, P = L L^T given by its factor.
 double pair_residual(const Matrix& a, const Matrix& p, const Matrix& lower, const Vector& values,
                      const Matrix& vectors);
 
 /// All eigenvalues of a symmetric matrix, ascending, and orthonormal eigenvectors as columns (none unless they are
-/// wanted). The values are NaN if the QR iteration fails. Eigen's decompositions are slow to compile: this is the one
-/// place that does.
+/// wanted). The values are NaN if the QR iteration fails. Eigen's decompositions are slow to compile: only this
+/// file does.
 struct SymmetricEigen {
   Vector values;
   Matrix vectors;
@@ -39,18 +40,17 @@ SymmetricEigen symmetric_eigen(const Matrix& a, Eigenvectors vectors = Eigenvect
 /// The same of a tridiagonal matrix, given by its diagonal and the line below it.
 SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below);
 
-/// The singular values of an n x c matrix, n of them, ascending, with n - c zeros where it is narrower than high, and
-/// the orthonormal vectors on the left as columns (LAPACK dgesdd, or dgesvd where that fails). In contrast to
-/// eigenvalues of A A^T, small values and the spaces that belong to them keep their digits. There are no values if both
-/// fail.
+/// The n singular values of an n x c matrix, ascending, with n - c zeros if c < n, and the left singular vectors as
+/// columns (LAPACK dgesdd, or dgesvd if that fails). Unlike eigenvalues of A A^T, small values and their spaces keep
+/// their digits. There are no values if both fail.
 struct LeftSingular {
   Vector values;
   Matrix vectors;
 };
 LeftSingular left_singular(Matrix a);
 
-/// All eigenvalues of a square matrix that need not be symmetric, n >= 1, and its eigenvectors or none (LAPACK). There
-/// are no values if the iteration of LAPACK fails.
+/// All eigenvalues of a general square matrix, n >= 1, and optionally its eigenvectors (LAPACK). There are no values if
+/// the iteration fails.
 struct GeneralEigen {
   Eigen::VectorXcd values;
   Matrix packed;  ///< a column per real eigenvalue; real and imaginary part for the two of a pair, the upper one first
@@ -63,7 +63,7 @@ GeneralEigen general_eigen(Matrix a, Eigenvectors vectors = Eigenvectors::wanted
 /// `threshold` times the largest count as zero.
 std::function<Matrix(const Matrix&)> minimum_norm_map(const Matrix& a, double threshold);
 
-/// Orthonormal columns that span what is orthogonal to n x m independent ones: n x (n - m).
+/// Orthonormal basis of the complement of n x m independent columns: n x (n - m).
 Matrix orthonormal_complement(const Matrix& columns);
 
 /// Orthonormal bases of the kernel of a symmetric positive semidefinite matrix and of its complement.
@@ -72,7 +72,7 @@ struct KernelSplit {
   Matrix range;   ///< n x (n - m)
 };
 
-/// Splits R^n by such a matrix of known nullity: its kernel belongs to its `nullity` smallest eigenvalues.
+/// Splits R^n by such a matrix of known nullity: the kernel is the space of its `nullity` smallest eigenvalues.
 KernelSplit split_kernel(const Matrix& s, Index nullity);
 
 }  // namespace nscdd

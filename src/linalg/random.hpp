@@ -17,7 +17,7 @@ class RandomStream {
     if (generator_ == nullptr) throw std::bad_alloc();
     gsl_rng_set(generator_.get(), seed);
   }
-  /// In [0, 1).
+  /// Uniform in [0, 1).
   double uniform() { return gsl_rng_uniform(generator_.get()); }
   double normal() { return gsl_ran_gaussian_ziggurat(generator_.get(), 1.0); }
   Vector normal_vector(Index n) {

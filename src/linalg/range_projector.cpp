@@ -14,15 +14,15 @@ namespace nscdd {
 namespace {
 
 constexpr int most_refinements = 20;
-constexpr double refined = 1e-15;      // of the vector projected: below, corrections are rounding
-constexpr double blurred = 1e-3;       // tau where columns are chosen
-constexpr double faint = 1e-6;         // tau where that is wanted which is outside their span
+constexpr double refined = 1e-15;      // of the projected vector: below, corrections are rounding
+constexpr double blurred = 1e-3;       // tau for choosing columns
+constexpr double faint = 1e-6;         // tau for parts outside their span
 constexpr double clearly_apart = 0.1;  // from the span of others
 constexpr double barely_apart = 0.02;
-constexpr double least_outside = 1e-9;  // of a column of unit length that is in no span of others
-constexpr Index most_missing = 100;     // columns that are sought by random vectors, of those that are barely apart
-constexpr Index most_full = 30;         // columns that are replaced by their parts outside a span
-constexpr Index oversampling = 10;      // random vectors beyond as many as there are columns to be found
+constexpr double least_outside = 1e-9;  // least part of a unit column outside the span of others
+constexpr Index most_missing = 100;     // columns sought by random vectors
+constexpr Index most_full = 30;         // columns replaced by their parts outside a span
+constexpr Index oversampling = 10;      // random vectors beyond the number of missing columns
 constexpr Index solved_at_once = 64;    // right-hand sides
 constexpr int power_iterations = 10;
 
@@ -47,16 +47,16 @@ double norm_of(const LinearMap& map, const LinearMap& transposed, Index columns)
   return norm;
 }
 
-// The columns of `others` in the order in which they add most to the span of the columns `taken`, as many as are
-// wanted, and by how much each does: its distance from the span of all before it, about.
+// The columns of `others` that add most to the span of the columns `taken`, as many as wanted, in order, each with its
+// approximate distance from the span of all before it.
 struct Additions {
   std::vector<Index> order;
   Vector distance;
 };
 
-// What lies outside that span is seen by a few random vectors of the space that is orthogonal to it: Q R with column
-// exchanges on their products with `others` tells what adds most. Of m random vectors, k of which the columns before
-// have taken up, the others see a distance d as d sqrt(m - k).
+// Random vectors orthogonal to that span sample its complement: Q R with column exchanges on their products with
+// `others` ranks the columns. Of m random vectors, k of which earlier columns have used, the others see a distance d as
+// d sqrt(m - k).
 Additions additions(const SparseMatrix& taken, const SparseMatrix& others, Index wanted) {
   const SymmetricFactor factor = faint_factor(taken);
   if (!factor.regular()) return {};
@@ -85,11 +85,11 @@ struct ChosenBasis {
 // Columns are taken in three rounds.
 // 1. The pivot of column j in [I B; B^T -tau^2 I] is -(tau^2 + d_j^2), d_j its distance from the span of the columns
 //    before it (short of directions that these have by less than tau). All columns that are clearly apart are taken.
-// 2. Of the others those that add most, as long as they add something clear.
-// 3. What is still missing is in the range by little: the parts of columns outside the span of all that are taken.
+// 2. Of the others those that add most, as long as they clearly add something.
+// 3. For the missing directions, the parts of columns outside the span of all columns taken.
 // With the columns of B in the order [B_1 B_2], B_1 independent, the space of the singular values that count is tilted
-// against the span of B_1 by no more than the norm of what B_2 has outside it, over the smallest singular value of B_1.
-// With parts of columns that is at least about the product of their smallest length and the one of whole columns.
+// against the span of B_1 by at most the norm of the part of B_2 outside it, over the smallest singular value of B_1.
+// With parts of columns the latter is about the product of their smallest length and that of whole columns.
 ChosenBasis choose_basis(CountedRank rank, Tilt tilt) {
   const SparseMatrix& b = rank.b;
   ChosenBasis result{{.columns = {}, .others = Matrix(b.rows(), 0), .conclusive = rank.conclusive && rank.clear}, {}};
@@ -131,7 +131,7 @@ ChosenBasis choose_basis(CountedRank rank, Tilt tilt) {
     complement.leave_out(own.normalized());
   }
   basis.others = complement.others();
-  // Below that it would be rounding, and no part of the range.
+  // Shorter parts are rounding.
   basis.conclusive &= basis.others.allFinite() && least > least_outside;
   if (tilt == Tilt::measured) {
     basis.tilt = complement.pseudo_inverse_norm() / least *

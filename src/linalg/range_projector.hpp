@@ -8,11 +8,10 @@ namespace nscdd {
 /// A well-conditioned basis of the range of a matrix.
 struct RangeBasis {
   std::vector<Index> columns;  ///< of the matrix, ascending
-  Matrix others;               ///< rows x k, orthonormal: what the range has that these columns have next to nothing of
-  bool conclusive = true;      ///< false if the range is not sure, or its rank not clear (CountedRank)
-  /// Sine of the angle between the span of the basis and the space that belongs to the singular values that count, an
-  /// estimate: rounding over the smallest of these, unless other singular values count as zero that are not. 0 if it
-  /// was not measured.
+  Matrix others;               ///< rows x k, orthonormal: the rest of the range, nearly orthogonal to these columns
+  bool conclusive = true;      ///< false if the range is uncertain, or its rank not clear (CountedRank)
+  /// Estimated sine of the angle between the span of the basis and the space of the singular values that count:
+  /// rounding over the smallest of these, unless nonzero singular values count as zero. 0 if not measured.
   double tilt = 0;
 
   Index size() const { return count(columns) + others.cols(); }
@@ -22,17 +21,16 @@ enum class Tilt { measured, not_measured };
 
 RangeBasis range_basis(const SparseMatrix& a, Tilt tilt = Tilt::measured);
 
-/// The orthogonal complement of what sparse columns of unit length and orthonormal others span, all of them independent
-/// of each other.
+/// Orthogonal complement of the span of independent columns: sparse ones of unit length, and orthonormal full ones.
 class Complement {
  public:
-  /// `factor`: of [I B; B^T t I], whatever the small t; made if it is not given.
+  /// `factor`: of [I B; B^T t I] for any small t; made if not given.
   explicit Complement(SparseMatrix b, std::optional<SymmetricFactor> factor = {});
 
   bool regular() const { return !factor_ || factor_->regular(); }
-  void leave_out(const Vector& unit);  ///< takes one more direction into the span, which must be orthogonal to it
+  void leave_out(const Vector& unit);  ///< adds a unit direction orthogonal to the span
   const Matrix& others() const { return others_; }
-  /// The part of x that is orthogonal to all of them: v of [I B; B^T 0] [v; r] = [x; 0] by iterative refinement.
+  /// The part of x orthogonal to all of them: v of [I B; B^T 0] [v; r] = [x; 0] by iterative refinement.
   Vector apply(const Vector& x) const;
   double pseudo_inverse_norm() const;  ///< 1 over the smallest singular value of B, by the power method
 
@@ -43,14 +41,14 @@ class Complement {
 };
 
 /// Orthogonal projector onto the range of a sparse matrix A (any shape, rank 0 and no columns included), by a basis of
-/// it where its columns depend on each other.
+/// the range if its columns are dependent.
 class RangeProjector {
  public:
   explicit RangeProjector(const SparseMatrix& a, double tolerance = rank_tolerance, Tilt tilt = Tilt::not_measured);
   Index rank() const { return rank_; }
   /// False if the rank is not (CountedRank), or no basis could be chosen; `apply` then gives NaN.
   bool conclusive() const { return conclusive_; }
-  /// Of what it projects onto, see RangeBasis; infinity if the rank is not clear.
+  /// Uncertainty of the range, see RangeBasis; infinity if the rank is not clear.
   double tilt() const { return tilt_; }
   Vector apply(const Vector& x) const;  ///< Pi x, as many rows as A
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int maximum_iterations = 200;
 
-// A callback GSL can call, which carries an exception across the C frames.
+// A callback for GSL, which carries an exception across the C frames.
 struct Callback {
   const std::function<double(double)>& f;
   std::exception_ptr failure = nullptr;
@@ -38,7 +38,7 @@ struct Callback {
   }
 };
 
-// GSL aborts the process on an error unless told otherwise; statuses are read here instead.
+// Disables GSL's abort on errors; statuses are checked here instead.
 using QuietGsl = ProcessGuard<gsl_set_error_handler_off, gsl_set_error_handler>;
 
 // Whether the bracket of a solver came within the tolerance.

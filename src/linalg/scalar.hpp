@@ -13,10 +13,10 @@ struct LinearFit {
   double slope_error = 0;  ///< standard error of the slope
 };
 
-/// Fits at least three points; x and y have the same length. Throws Error for fewer.
+/// Fits a line to at least three points; x and y have the same length. Throws Error for fewer.
 LinearFit linear_fit(std::span<const double> x, std::span<const double> y);
 
-/// Abscissa where a scalar search ended.
+/// Result of a scalar search.
 struct ScalarSearch {
   double x = 0;
   double value = 0;  ///< f(x)
@@ -27,12 +27,12 @@ struct ScalarSearch {
 ScalarSearch find_root(const std::function<double(double)>& f, double a, double b, double tolerance);
 
 /// Integral of f from a to b by adaptive Gauss-Kronrod rules of 21 points (GSL), to an estimated error of
-/// max(absolute, 10^-12 x the integral). f may have kinks, and is not called at a or b. Throws Error where that is not
+/// max(absolute, 10^-12 x the integral). f may have kinks, and is not called at a or b. Throws Error if it is not
 /// reached.
 double integral(const std::function<double(double)>& f, double a, double b, double absolute);
 
 /// Minimum of f between a and b by Brent's method (GSL), given an inner point m with f(m) below both ends.
-/// Throws Error where (a, m, b) does not bracket a minimum.
+/// Throws Error if (a, m, b) does not bracket a minimum.
 ScalarSearch find_minimum(const std::function<double(double)>& f, double a, double m, double b, double tolerance);
 
 }  // namespace nscdd

@@ -12,7 +12,7 @@ void for_entries(const SparseMatrix& matrix, Visit&& visit) {
     for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) visit(e.row(), j, e.value());
 }
 
-/// Entries of a sparse matrix, gathered in any order. Entries of one place add up; a zero that is added is stored.
+/// Entries of a sparse matrix, gathered in any order. Entries at one position add up; zeros are stored.
 class SparseEntries {
  public:
   void reserve(std::size_t entries) { entries_.reserve(entries); }
@@ -28,7 +28,7 @@ class SparseEntries {
   std::vector<Eigen::Triplet<double>> entries_;
 };
 
-/// The columns of a matrix with the given numbers, in that order.
+/// Selected columns of a matrix, in the given order.
 SparseMatrix selected_columns(const SparseMatrix& matrix, const std::vector<Index>& columns);
 
 /// The matrix with each row divided by its entry of `scale`.

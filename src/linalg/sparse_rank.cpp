@@ -10,10 +10,10 @@
 namespace nscdd {
 namespace {
 
-// Largest error of coefficients of size 1: below 1 no pivot has a false sign.
+// Largest accepted error of coefficients of size 1: below 1 no pivot has a false sign.
 constexpr double reliable = 1e-2;
-constexpr Index dense_limit = 1500;  // up to so many columns a dense spectrum decides if no factors do
-constexpr double margin = 0.3;       // of the square of the tolerance, where a rank is clear
+constexpr Index dense_limit = 1500;  // columns up to which a dense spectrum decides if no factors do
+constexpr double margin = 0.3;       // of the square of the tolerance, for a clear rank
 
 std::vector<Index> filled_columns(const SparseMatrix& a) {
   std::vector<Index> filled;
@@ -48,8 +48,8 @@ CountedRank::CountedRank(const SparseMatrix& a, double tolerance)
   conclusive = false;
 }
 
-// The pivots of dependent columns are as small as tolerance^2. Whether their signs can be relied on is estimated by how
-// well the factors give back known coefficients, one for each column.
+// The pivots of dependent columns are as small as tolerance^2. The reliability of their signs is estimated by solving
+// for known coefficients, one for each column.
 bool CountedRank::exact_enough(const SparseMatrix& matrix) const {
   Vector x = Vector::Zero(matrix.rows());
   for (Index j = 0; j < b.cols(); ++j) x[b.rows() + j] = std::cos(1.0 + 0.7 * static_cast<double>(j));

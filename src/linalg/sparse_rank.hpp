@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// Singular values of a matrix with columns of unit length below it count as zero.
+/// Tolerance of a rank: smaller singular values of a matrix with unit columns count as zero.
 inline constexpr double rank_tolerance = 1e-6;
 
 /// The rank of a sparse matrix A by inertia. With B the columns of A scaled to unit length, those that are zero left
@@ -17,13 +17,13 @@ inline constexpr double rank_tolerance = 1e-6;
 struct CountedRank {
   explicit CountedRank(const SparseMatrix& a, double tolerance = rank_tolerance);
 
-  std::vector<Index> filled;  ///< columns of A that B has
+  std::vector<Index> filled;  ///< the nonzero columns of A, those of B
   SparseMatrix b;
   std::optional<SymmetricAnalysis> analysis;  ///< of the saddle point, as `factor`; none if B has no columns
   std::optional<SymmetricFactor> factor;
   Index value = 0;
-  /// False if there were no two reliable factorisations, with tolerances near the one asked for, that agreed on the
-  /// rank. The rank is then the last one counted.
+  /// False unless two reliable factorisations, with tolerances near the requested one, agree on the rank. The rank is
+  /// then the last one counted.
   bool conclusive = true;
   /// False if B has a singular value between 0.55 and 1.8 times the tolerance.
   bool clear = true;
@@ -38,7 +38,8 @@ struct MatrixRank {
   bool clear = true;
 };
 
-/// Rank by such a factorisation. If that is not conclusive, by the dense spectrum of B^T B for up to 1 500 columns.
+/// Rank of a sparse matrix by such a factorisation or, if that is not conclusive, by the dense spectrum of B^T B for up
+/// to 1 500 columns.
 MatrixRank sparse_rank(const SparseMatrix& a, double tolerance = rank_tolerance);
 
 }  // namespace nscdd

@@ -10,7 +10,7 @@
 #include <csignal>
 #include <cstdlib>
 
-// Null if the BLAS is another than OpenBLAS.
+// Null unless the BLAS is OpenBLAS.
 extern "C" {
 __attribute__((weak)) void openblas_set_num_threads(int);
 __attribute__((weak)) int openblas_get_num_threads();

@@ -6,7 +6,7 @@
 
 namespace nscdd {
 
-/// While it lives, parallel work has at most `threads` threads (0: all of the machine). No result depends on it.
+/// Limit of the threads of parallel work, for its lifetime (0: all of the machine). No result depends on it.
 class ThreadLimit {
  public:
   explicit ThreadLimit(Index threads);
@@ -15,11 +15,11 @@ class ThreadLimit {
   std::shared_ptr<void> control_;
 };
 
-int take_one_blas_thread();  ///< returns how many there were
+int take_one_blas_thread();  ///< returns the previous number
 void restore_blas_threads(int threads);
 
-/// While any lives, OpenBLAS keeps to one thread per call in the whole process: its threads would change the order of
-/// sums and the last bits of results. Whatever calls BLAS or LAPACK on more than a few numbers holds one.
+/// Guard that keeps OpenBLAS to one thread per call in the whole process: its threads would change the order of sums
+/// and the last bits of results. Callers of BLAS or LAPACK on more than a few numbers hold one.
 using OneBlasThread = ProcessGuard<take_one_blas_thread, restore_blas_threads>;
 
 /// Runs parallel `work` with one BLAS thread per call; on one thread in all if OpenBLAS was built without locks.
@@ -28,12 +28,12 @@ void with_threads(const std::function<void()>& work);
 /// work(0) ... work(n - 1) in parallel, each on its own data.
 void for_each_in_parallel(Index n, const std::function<void(Index)>& work);
 
-/// The status of a call that may reach METIS, which seeds the C library's random numbers and draws from them: two
-/// orderings found at the same time would disturb each other. Such calls are therefore made one at a time. Each has a
-/// state of these numbers to itself, and the state that the process had comes back afterwards.
+/// Calls METIS, one call at a time, and returns its status. METIS seeds the C library's random numbers and draws from
+/// them, so concurrent calls would disturb each other. Each call has its own state of these numbers; the state of the
+/// process is restored afterwards.
 ///
-/// METIS catches SIGTERM, takes it for a failure of its own and hands it to nobody. A call that fails is therefore made
-/// again. If it then succeeds, there was a signal. It is raised again for the process, whose handlers METIS put back.
+/// METIS catches SIGTERM, takes it for its own failure and does not pass it on. So a failing call is repeated. If it
+/// then succeeds, there was a signal, which is raised again for the process with its restored handlers.
 int metis_status(const std::function<int()>& call);
 
 }  // namespace nscdd

@@ -8,11 +8,11 @@ namespace nscdd {
 /// A = L D L^T, up to a permutation, of a sparse symmetric n x n matrix: by Sylvester's law of inertia D has as many
 /// negative eigenvalues as A. Most solutions are wanted on the last m rows only, the border; E = [0; I], n x m.
 ///
-/// Where several processes share a matrix, each has the lower triangle of its part: rows of its own, and the border,
-/// which all have in common. A is the sum of the parts. Vectors have the own rows and the whole border.
+/// If several ranks share a matrix, each holds the lower triangle of its part: its own rows, and the border, which is
+/// common to all. A is the sum of the parts. Vectors have the own rows and the whole border.
 struct InertiaFactor {
   using Solve = std::function<Vector(const Vector&)>;
-  bool regular = false;            ///< false where the factorisation broke down; nothing else may then be asked
+  bool regular = false;            ///< false if the factorisation broke down; other members are then invalid
   Index negative_eigenvalues = 0;  ///< of A, with multiplicity
   Solve solve;                     ///< b -> A^-1 b
   Solve solve_from_border;         ///< g -> A^-1 E g
@@ -20,13 +20,13 @@ struct InertiaFactor {
   Solve solve_on_border;           ///< g -> E^T A^-1 E g
 };
 
-/// The matrices that are factorised one after the other: they have one pattern.
+/// Pattern of a family of matrices, factorised one after the other.
 struct InertiaPattern {
   SparseMatrix lower;  ///< n x n, lower triangle, values ignored
-  /// For each row the number of its group, 0 ... groups - 1, or -1: with any of the groups that the row touches, one
-  /// that is not of the border alone if there is one. Rows
-  /// of a group should be eliminated together: a multiplier of a saddle point belongs with what it ties, unless what it
-  /// ties is definite. Groups of border rows alone may be eliminated after all others, which leaves the border small.
+  /// For each row the number of its group, 0 ... groups - 1, or -1: any group that the row touches, preferably one with
+  /// interior rows. Rows of a group should be eliminated together: a multiplier of a saddle point belongs with the rows
+  /// it ties, unless their block is definite. Groups of border rows only may be eliminated after all others, which
+  /// keeps the border small.
   std::vector<Index> group;
   Index border = 0;  ///< m, the number of the last rows; all rows apart from their groups are the interior
 };
@@ -35,31 +35,32 @@ struct InertiaPattern {
 struct InertiaFamily {
   /// Factorises the matrix with this lower triangle. With equal `parameters` the interior is the same and may be kept.
   std::function<InertiaFactor(const SparseMatrix& lower, const std::array<double, 2>& parameters)> factorise;
-  std::function<void()> release;  ///< frees what is kept
+  std::function<void()> release;  ///< frees the interior
 };
 
-/// A way to factorise. Another than our own may stand in its place, as a record of these functions.
+/// A factorisation method, as a record of functions: our own or another.
 struct InertiaMethod {
   std::string name;
   std::function<InertiaFamily(const InertiaPattern&)> analyse;
 };
 
-/// Our own factorisation (src/linalg/multifrontal/README.md). It keeps the interior, and solves on the border
-/// without a walk over it. The bits do not depend on the number of threads. `work`: where it counts its operations.
+/// Our multifrontal factorisation (src/linalg/multifrontal/README.md). It keeps the interior, and solves on the border
+/// without visiting it. The bits do not depend on the number of threads. `work`: counts its operations.
 InertiaMethod multifrontal(std::shared_ptr<WorkCount> work = std::make_shared<WorkCount>());
 
-/// A factor that solves from, to and on the border by whole solves, for methods that know no better.
+/// A factor that solves from, to and on the border by whole solves, for methods without such a shortcut.
 InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern);
 
-/// How far a factor is from exact: ||d|| / ||x|| on the border, where x = A^-1 E 1 as the factor has it and d is the
-/// correction of one step of iterative refinement. Infinite if the ratio is not a finite number.
+/// Error of a factor: ||d|| / ||x|| on the border, where x = A^-1 E 1 by the factor and d is the correction of one step
+/// of iterative refinement. Infinite if the ratio is not finite.
 double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index border,
                    const Processes& processes = {});
 
 /// Inexactness below which an inertia and solutions are used.
 inline constexpr double reliable_inexactness = 1e-3;
 
-/// Factorises with `first`. If that factor is not regular or not reliable, takes the more exact one of it and `second`.
+/// Factorises with `first`. If that factor is not regular or not reliable, returns the more exact one of it and that of
+/// `second`.
 InertiaMethod first_reliable(InertiaMethod first, InertiaMethod second);
 
 /// Settings of ARPACK, the matrix-free solver of eigenvalue problems, which factorises nothing.
@@ -71,7 +72,7 @@ struct ArpackOptions {
 
 /// b - A x for a symmetric matrix given by its lower triangle.
 Vector symmetric_residual(const SparseMatrix& lower, const Vector& x, const Vector& b);
-/// E g - A x, of a matrix that processes may share.
+/// E g - A x, for a matrix that ranks may share.
 Vector border_residual(const SparseMatrix& lower, const Vector& x, const Vector& g, const Processes& processes);
 
 }  // namespace nscdd
