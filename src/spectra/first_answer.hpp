@@ -7,9 +7,9 @@
 
 namespace nscdd {
 
-/// What the solvers of a choice find: the result of the first one that `answers` it, tried in their order. If none
-/// does, the one that says most, with the reason of each in `failure`, and with all of them in `solver` unless it
-/// converged. `solve(solver)` is a SpectralRadius or a MapRadius, whose `failure` may say why it has no answer.
+/// Result of the first solver of a choice that `answers`, tried in order. If none does, the most informative result,
+/// with the reason of each in `failure`, and with all of them in `solver` unless it converged. `solve(solver)` is a
+/// SpectralRadius or a MapRadius, whose `failure` may say why it has no answer.
 template <class Solve, class Answers>
 auto first_answer(const SolverChoice& choice, double tolerance, Solve&& solve, Answers&& answers) {
   const auto reason = [&](const auto& one) -> std::string {

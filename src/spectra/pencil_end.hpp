@@ -6,18 +6,18 @@
 
 namespace nscdd {
 
-/// A point of a sweep as the search for an end of the spectrum sees it.
+/// A point of a sweep, for the search for an end of the spectrum.
 struct PencilPoint {
   double epsilon = 1;
   double eta = infinity;
-  Index kernel = 0;        ///< eigenvalues at the low end that are left out: the zeros of the rigid limit
+  Index kernel = 0;        ///< skipped eigenvalues at the low end: the zeros of the rigid limit
   double low = 0;          ///< no other eigenvalue is below; >= 0
   double high = infinity;  ///< no eigenvalue is above
-  /// Lost digits may move an eigenvalue by this times max(1, |lambda|). Certificates keep as far away.
+  /// Lost digits may move an eigenvalue by this times max(1, |lambda|). Certificates keep this distance.
   double rounding = 0;
 };
 
-/// Where an end is expected.
+/// Expected end.
 struct EndGuess {
   double value = 0;        ///< > 0
   double uncertainty = 0;  ///< >= 0
@@ -28,19 +28,19 @@ struct EndOptions {
   Index eigenvalues = 1;    ///< wanted, from the end inwards
   bool certify = false;
   Index maximum_factorisations = 40;
-  Index steps = 24;  ///< of Lanczos from one shift; after more, a closer shift is worth its factorisation
+  Index steps = 24;  ///< of Lanczos from one shift; beyond, a closer shift is worth its factorisation
 };
 
 /// One end of the spectrum of (S, P).
 struct PencilEnd {
   Vector values;   ///< from the end inwards; empty if none was found
   Matrix vectors;  ///< n_Gamma x k, interface impulses
-  /// The end lies within this distance of the first value, and an eigenvalue within it of each other value.
-  /// The distance is that between two proved bounds of the end: the first value, a Rayleigh quotient, is
-  /// never beyond the end; and no eigenvalue lies beyond a certain shift, by an inertia count or by what is
-  /// known beforehand. An estimate of the error of the solves is added.
+  /// The end lies within this distance of the first value, and an eigenvalue within it of each other value. It is the
+  /// distance between two proved bounds of the end: the first value, a Rayleigh quotient, is never beyond the end, and
+  /// no eigenvalue lies beyond a certain shift, by an inertia count or a bound known beforehand. An estimate of the
+  /// error of the solves is added.
   double residual = infinity;
-  bool converged = false;  ///< residual <= tolerance, and no copy missing among the values
+  bool converged = false;  ///< residual <= tolerance, and no copy of a value is missing
   /// Inertia counts prove that no eigenvalue lies beyond `outside`, and how many lie between it and `inside`.
   bool certified = false;
   double outside = not_a_number, inside = not_a_number;
@@ -50,22 +50,22 @@ struct PencilEnd {
   Index factorisations = 0, solves = 0;
 };
 
-/// Finds one end of the spectrum from shifts beyond it that close in on it.
+/// Finds one end of the spectrum by shifts that close in on it from outside.
 /// 1. Choose a shift beyond the expected end and factorise there. The inertia proves that no eigenvalue lies
 ///    further out; if some do, step out and begin again.
 /// 2. Run shift-inverted Lanczos from this shift. If the end is not crowded, a few steps bring it to within a
 ///    fraction of the tolerance.
-/// 3. Place the next shift a tenth of the tolerance beyond what was found. If no eigenvalue lies beyond that one
+/// 3. Place the next shift a tenth of the tolerance beyond the value found. If no eigenvalue lies beyond that one
 ///    either, the end is proved, and one solve completes the vector. If some do, the end is among these few:
-///    look for them from there, and repeat from step 2.
+///    search from there, and repeat from step 2.
 /// A crowded end costs some factorisations more, not thousands of products.
-/// `start`: a vector to start from, or empty. What does not converge is data: see PencilEnd::converged.
+/// `start`: initial vector, or empty. No convergence is data: see PencilEnd::converged.
 PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner, const PencilPoint& point,
                    SpectrumEnd end, const std::optional<EndGuess>& guess, const Vector& start,
                    const EndOptions& options);
 
-/// One side of the spectrum at a point of a sweep: which way is inwards, how near is near enough, the factorisations
-/// and solves, and what was found. The search for the end and the list of eigenvalues behind it share it.
+/// One side of the spectrum at a point of a sweep: its direction, tolerances, factorisations, solves and results. The
+/// search for the end and the list of eigenvalues behind it share it.
 struct PencilSide {
   const ShiftedPencilFamily& family;
   const InterfaceOperator& p;
@@ -75,22 +75,22 @@ struct PencilSide {
   SolutionAccuracy accuracy = SolutionAccuracy::enough_next_to_an_end;
   PencilEnd result = {};
 
-  /// Signed so that inwards is positive at both ends.
+  /// Signed distance, positive inwards at both ends.
   double inward(double difference) const { return end == SpectrumEnd::smallest ? difference : -difference; }
 
-  /// Of lambda. It is relative if |1 - lambda|, an eigenvalue of B, is above 1.
+  /// Tolerance of lambda, relative if |1 - lambda|, an eigenvalue of B, is above 1.
   double tolerance(double lambda) const { return options.tolerance * std::max(1.0, std::abs(1 - lambda)); }
   double rounding(double lambda) const { return point.rounding * std::max(1.0, std::abs(lambda)); }
 
-  /// How far beyond an eigenvalue the last shift is placed. Within the rounding of the matrix a count would say
-  /// nothing. A tenth of the tolerance, because a relaxation multiplies the distance to give its residual.
+  /// Distance of the last shift beyond an eigenvalue. Within the rounding of the matrix a count would be meaningless. A
+  /// tenth of the tolerance, because a relaxation multiplies the distance to give its residual.
   double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
 
-  /// The pencil at the shift, or at one nearby whose factorisation can be relied on; none if there is no such
-  /// shift. `side`: which way to step from an unreliable one, inwards (1) or outwards (-1).
+  /// The pencil at the shift, or at a nearby one with a reliable factorisation; nothing if there is none. `side`: the
+  /// direction of steps from an unreliable shift, inwards (1) or outwards (-1).
   std::optional<ShiftedPencil> factorise(double shift, double side = -1);
 
-  /// Eigenvalues beyond the shift.
+  /// Number of eigenvalues beyond the shift.
   Index beyond(const ShiftedPencil& pencil) const {
     return end == SpectrumEnd::smallest ? pencil.below() - point.kernel : p.rows() - pencil.below();
   }
@@ -99,12 +99,12 @@ struct PencilSide {
     return ++result.solves, pencil.respond(g);
   }
 
-  /// `towards`: the side of the shift that is looked at, see shift_invert_lanczos.
+  /// `towards`: the side of the shift to search, see shift_invert_lanczos.
   ShiftInvertResult lanczos(const ShiftedPencil& pencil, SpectrumEnd towards, Index wanted,
                             const ShiftInvertOptions& lanczos_options, const Vector& start, const Matrix& locked = {});
 
-  /// Adds to the result, which has the end, the eigenvalues behind it, as many as the options want, from a shift far
-  /// enough out to see them all. The result stays converged if they all are and a count proves that none is missing.
+  /// Adds the eigenvalues behind the end to the result, as many as the options want, from a shift far enough out to
+  /// reach them all. The result stays converged if they all are and a count proves that none is missing.
   void list_behind();
 
  private:

@@ -4,8 +4,8 @@
 namespace nscdd {
 
 std::optional<ShiftedPencil> PencilSide::factorise(double shift, double side) {
-  // The first steps stay within the tolerance of the end. The later ones go far enough to leave whatever made
-  // the factorisation unreliable, usually an eigenvalue of a part of the packing.
+  // The first steps stay within the tolerance of the end. Later ones go far enough to leave the cause of the unreliable
+  // factorisation, usually an eigenvalue of a part of the packing.
   for (const double step : {0.2, 0.5, 3.0, 30.0, 300.0}) {
     ++result.factorisations;
     ShiftedPencil pencil = family.at(point.epsilon, point.eta, shift, accuracy);
@@ -31,7 +31,7 @@ void PencilSide::list_behind() {
       pencil && (polish(*pencil), extend_list(*pencil)) && result.residual <= tolerance(result.values[0]);
 }
 
-// Inverse iteration: what a locked vector keeps of others disturbs their values, more so the nearer it is to the shift.
+// Inverse iteration: components of other vectors in a locked one disturb their values, more so nearer to the shift.
 void PencilSide::polish(const ShiftedPencil& pencil) {
   Vector x = result.vectors.col(0);
   for (int k = 0; k < 2; ++k) {
@@ -42,8 +42,8 @@ void PencilSide::polish(const ShiftedPencil& pencil) {
   if (x.allFinite()) result.vectors.col(0) = x;
 }
 
-// Lanczos alone may see only one copy of a multiple eigenvalue. So eigenvalues are looked for until an
-// inertia count beyond the last one wanted equals the length of the list. False if it cannot be reached.
+// Lanczos may find only one copy of a multiple eigenvalue. So the search goes on until an inertia count beyond the last
+// wanted eigenvalue equals the length of the list. False if it cannot be reached.
 bool PencilSide::extend_list(const ShiftedPencil& pencil) {
   const Index wanted = std::min(options.eigenvalues, p.rows() - point.kernel);
   std::optional<ShiftedPencil> nearer;  // behind a gap that is too wide for the first shift
@@ -78,9 +78,8 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
   return true;
 }
 
-// In second order, by how much an eigenvalue is off because the locked vectors are those of their own values only
-// nearly: the image y of its vector under (S - sigma P)^-1 P then has parts c along them. With nu = 1 / (lambda -
-// sigma) it is the sum of c^2 / |nu - nu_j|, over nu^2.
+// Second-order error of an eigenvalue due to inexact locked vectors: the image y of its vector under (S - sigma P)^-1 P
+// then has parts c along them. With nu = 1 / (lambda - sigma) it is the sum of c^2 / |nu - nu_j|, over nu^2.
 double PencilSide::disturbance(const ShiftedPencil& pencil, const Vector& x, double lambda, const Matrix& locked,
                                const Vector& known) {
   ++result.solves;
@@ -92,7 +91,7 @@ double PencilSide::disturbance(const ShiftedPencil& pencil, const Vector& x, dou
   return sum / (nu * nu);
 }
 
-// Looks for more eigenvalues, orthogonal to those of the list.
+// Searches for more eigenvalues, orthogonal to those of the list.
 PencilSide::Added PencilSide::add_to_list(const ShiftedPencil& pencil, Index wanted) {
   constexpr Index list_steps = 300;  // of Lanczos
   const Matrix locked = result.vectors;
