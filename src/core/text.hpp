@@ -12,11 +12,10 @@ namespace nscdd {
 /// The text without blanks and tabs at its ends.
 std::string_view trimmed(std::string_view text);
 
-/// The number that a text of a file is, also with the exponent of Fortran, "1.0D+00"; nothing for any other text.
+/// Parses a number, also with the exponent of Fortran, "1.0D+00"; nothing for any other text.
 std::optional<double> number_of(std::string_view text);
 
-/// The text as it may be shown: what is not text, control characters but line feeds and tabs, and bytes that are no
-/// UTF-8, is "\x1B".
+/// Printable text: control characters except line feeds and tabs, and invalid UTF-8, are escaped as "\x1B".
 std::string printable(std::string_view text);
 
 /// Throws Error "name: expected UTF-8, met UTF-16" for a text whose first bytes are those of UTF-16 or UTF-32, with a
@@ -44,12 +43,12 @@ class TextLines {
   char end_;
 };
 
-/// 16 hexadecimal digits by which two contents are told apart: the 64-bit FNV-1a hash (Fowler, Noll, Vo),
+/// Fingerprint of a content, 16 hexadecimal digits: the 64-bit FNV-1a hash (Fowler, Noll, Vo),
 ///     h <- (h xor byte) * 1099511628211 mod 2^64, from 14695981039346656037.
-/// It notices every accident; it is no protection from somebody who looks for two contents with one hash.
+/// It detects accidental changes, not deliberate collisions.
 std::string fingerprint(std::string_view bytes);
 
-/// The same of the bits of numbers: -0 and 0 differ.
+/// Fingerprint of the bits of numbers: -0 and 0 differ.
 std::string fingerprint(std::span<const double> numbers);
 
 }  // namespace nscdd

@@ -8,14 +8,14 @@
 
 #include <type_traits>
 
-/// The C interface of HDF5 as this program uses it: files on disk or in memory, groups, arrays of numbers,
-/// texts. Whatever fails throws Error. Files carry no time stamps, so that equal content gives equal bytes.
+/// Wrapper of the C interface of HDF5: files on disk or in memory, groups, arrays of numbers, texts. Failures throw
+/// Error. Files carry no time stamps, so that equal content gives equal bytes.
 namespace nscdd::hdf5 {
 
 using ErrorHandler = std::pair<H5E_auto2_t, void*>;  ///< with its data
-ErrorHandler silence_errors();                       ///< returns the handler that HDF5 had
+ErrorHandler silence_errors();                       ///< returns the previous handler of HDF5
 void restore_errors(const ErrorHandler& handler);
-/// While such an object lives, HDF5 prints no error messages of its own.
+/// Silences the error messages of HDF5 for its lifetime.
 using QuietErrors = ProcessGuard<silence_errors, restore_errors>;
 
 inline constexpr const char* incomplete = "HDF5: the file cannot be put together";
@@ -52,15 +52,15 @@ Types types_of() {
   if constexpr (std::is_same_v<Value, std::int8_t>) return {H5T_NATIVE_INT8, H5T_STD_I8LE};
 }
 
-/// How an array is written.
+/// Options for writing an array.
 struct ArrayForm {
-  /// Texts that describe it, such as {{"unit", "m"}}: written when the array is made.
+  /// Attributes, such as {{"unit", "m"}}, written when the array is created.
   std::vector<std::pair<const char*, std::string_view>> attributes{};
-  std::size_t chunk = 0;              ///< elements per chunk of an array that may change its size; 0: it may not
-  bool append = false;                ///< behind the end of what there is, not in its place
+  std::size_t chunk = 0;              ///< elements per chunk of a resizable array; 0: fixed size
+  bool append = false;                ///< to the existing array, instead of replacing it
   std::optional<std::size_t> rows{};  ///< of a two-dimensional array
-  std::size_t longest_text = 0;       ///< bytes after which texts are cut; 0: as long as the longest one
-  bool compressed = false;            ///< shuffled and deflated, chunk by chunk; only of an array with chunks
+  std::size_t longest_text = 0;       ///< bytes at which texts are cut; 0: no limit
+  bool compressed = false;            ///< shuffled and deflated, chunk by chunk; only with chunks
 };
 
 /// Part of an array: of a two-dimensional one, whole rows.
@@ -91,7 +91,7 @@ class Group {
   std::vector<std::string> texts(const std::string& name) const;  ///< a one-dimensional array
   std::string text_attribute(const std::string& name) const;
 
-  /// Writing. A group or array that exists is taken again; an array with chunks is then resized.
+  /// Writing. An existing group or array is reused; an array with chunks is then resized.
   Group make_group(const std::string& name) const;
   template <class Value>
   void put(const std::string& name, std::span<const Value> values, const ArrayForm& form = {}) const {
@@ -100,10 +100,10 @@ class Group {
   void put(const std::string& name, std::span<const std::string> texts, const ArrayForm& form) const;
   /// The columns of a table, with their units and descriptions.
   void put_columns(const Table& table, ArrayForm form = {}) const;
-  /// `terminated`: with a zero at its end, for readers that take the bytes as a string of C.
+  /// `terminated`: with a zero at its end, for readers of C strings.
   void put_text(const std::string& name, const std::string& text, bool terminated = false) const;
   void put_attribute(const std::string& name, std::string_view text) const;
-  /// For readers that take no UTF-8: a text of ASCII alone, of fixed length.
+  /// ASCII text of fixed length, for readers without UTF-8.
   void put_ascii_attribute(const std::string& name, std::string_view text) const;
   void put_attribute(const std::string& name, std::int64_t number) const;
   void put_attribute(const std::string& name, std::span<const std::int64_t> numbers) const;
@@ -122,7 +122,7 @@ enum class Access {
   fill,  ///< create anew in a file that the caller has locked
 };
 
-/// An open file. It is closed, with everything in it, at the end of the object's life.
+/// An open file, closed with everything in it by the destructor.
 class File {
  public:
   File();                                                                    ///< new, in memory
@@ -139,7 +139,7 @@ class File {
   Handle id_;
 };
 
-/// The bytes of a new file that `fill(root)` puts its groups into.
+/// The bytes of a new file that `fill(root)` fills.
 template <class Fill>
 std::string new_file_bytes(Fill&& fill) {
   const File file;

@@ -12,8 +12,8 @@
 
 namespace nscdd {
 
-/// A TOML table read strictly: every key must be asked for before `finish`, and every value must have the
-/// type and lie in the bounds asked for. Otherwise it throws Error "file:line: key: expected ..., met ...".
+/// Strict reader of a TOML table: every key must be read before `finish`, and every value must have the requested type
+/// and bounds. Otherwise it throws Error "file:line: key: expected ..., met ...".
 class StrictTable {
  public:
   StrictTable(const toml::table& table, std::string file, std::string path)
@@ -38,7 +38,7 @@ class StrictTable {
     return table_->get(key);
   }
 
-  /// A section [key]. A required section must be there; any other is read as empty if it is missing.
+  /// A section [key]; a missing optional section is empty.
   StrictTable section(std::string_view key, bool required) {
     static const toml::table empty;
     const toml::node* found = node(key);
@@ -65,24 +65,24 @@ class StrictTable {
     return all;
   }
 
-  /// Sets `value` if the key is there. Values of other types than TOML has, such as a Choice, are read from their text.
+  /// Sets `value` if the key exists. Values of types outside TOML, such as a Choice, are parsed from text.
   template <class Value>
   void read(std::string_view key, Value& value) {
     if (const toml::node* found = node(key)) get(*found, key, value);
   }
-  /// The same, with bounds.
+  /// Sets `value` within bounds if the key exists.
   void read(std::string_view key, auto& value, const Field& field) {
     read(key, value);
     check_bounds(value, field, where(key));
   }
 
-  /// Throws for the first of the keys that is missing.
+  /// Throws for the first missing key.
   void require_keys(std::initializer_list<const char*> keys) const {
     for (const char* key : keys)
       if (!has(key)) fail(key, "a value", "none");
   }
 
-  /// Does what throws errors that do not know the line of `key`; `what` comes before theirs.
+  /// Runs work whose errors do not know the line of `key`; `what` prefixes their messages.
   template <class Action>
   auto located(std::string_view key, Action&& action, std::string_view what = "") const {
     try {
@@ -92,13 +92,13 @@ class StrictTable {
     }
   }
 
-  /// Every field of a parameter struct, checked against its bounds.
+  /// Reads every field of a parameter struct, with its bounds.
   template <class Parameters>
   void read_fields(Parameters& parameters) {
     Parameters::fields(parameters,
                        [&](std::string_view key, auto& value, const Field& field) { read(key, value, field); });
   }
-  /// A section that holds them and nothing else, and may be missing.
+  /// Reads an optional section with these fields only.
   template <class Parameters>
   StrictTable read_section(std::string_view key, Parameters& parameters) {
     StrictTable found = section(key, false);
@@ -107,7 +107,7 @@ class StrictTable {
     return found;
   }
 
-  /// Throws for the first key that nothing asked for.
+  /// Throws for the first unread key.
   void finish() const {
     for (const auto& [key, value] : *table_) {
       if (known_.contains(std::string(key.str()))) continue;
@@ -122,7 +122,7 @@ class StrictTable {
     return line > 0 ? fmt::format("{}:{}", file_, line) : file_;
   }
 
-  /// "file:line: key", for errors that others throw.
+  /// "file:line: key", for errors thrown elsewhere.
   std::string where(std::string_view key) const {
     return fmt::format("{}: {}", location(table_->get(key)), key_path(key));
   }

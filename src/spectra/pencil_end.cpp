@@ -4,9 +4,9 @@
 namespace nscdd {
 namespace {
 
-constexpr double share_of_margin = 0.2;  // the error that Lanczos may leave, over the distance of the last shift
-constexpr Index few = 16;                // so many eigenvalues beyond a shift are looked for from it
-constexpr Index most_reaches = 6;        // after so many such attempts the search begins again from further out
+constexpr double share_of_margin = 0.2;  // accepted error of Lanczos over the distance of the last shift
+constexpr Index few = 16;                // eigenvalues beyond a shift that are searched from it
+constexpr Index most_reaches = 6;        // such attempts before the search restarts from further out
 
 class EndSearch {
  public:
@@ -41,7 +41,7 @@ class EndSearch {
         break;
       }
       if (quotient_ && distance_to_proof() > 0.9 * last_distance)
-        break;  // no factorisation nearer to the end can be relied on
+        break;  // no factorisation nearer to the end is reliable
       last_distance = distance_to_proof();
       shift = closer_shift();
     }
@@ -60,7 +60,7 @@ class EndSearch {
   double rounding(double lambda) const { return side_.rounding(lambda); }
   Index beyond(const ShiftedPencil& pencil) const { return side_.beyond(pencil); }
 
-  // No eigenvalue lies beyond this, by a count or by what is known beforehand; infinite as long as nothing is proved.
+  // Proved bound of the spectrum, by a count or known beforehand; infinite if nothing is proved.
   double proved() const {
     const double known = smallest_ ? point_.low : point_.high;
     if (point_.kernel > 0 && smallest_) return outer_.value_or(-infinity);
@@ -117,7 +117,7 @@ class EndSearch {
     return {.maximum_steps = options_.steps, .accuracy = share_of_margin * margin(lambda)};
   }
 
-  // Looks for the end from a shift beyond it; false if nothing was found.
+  // Searches for the end from a shift beyond it; false if nothing was found.
   bool close_in(const ShiftedPencil& pencil, const Vector& start) {
     const ShiftInvertResult run = side_.lanczos(pencil, side_.end, 1, accuracy_at(pencil.shift()), start);
     if (run.values.size() == 0) return false;
@@ -126,7 +126,7 @@ class EndSearch {
     return true;
   }
 
-  // The error of a value is of second order, that of its vector of first: goes on until the vector is as good.
+  // The error of a value is of second order, that of its vector of first: iterates until the vector is as good.
   void sharpen(const ShiftedPencil& pencil) {
     const double relative = 0.5 * tolerance() / std::abs(value() - pencil.shift());
     const Vector start = result_.vectors.col(0);
@@ -135,7 +135,7 @@ class EndSearch {
     if (run.values.size() > 0) take(run, 0, pencil);
   }
 
-  // Looks for the end from a shift with a few eigenvalues beyond it, of which the last one is the end.
+  // Searches for the end from a shift with a few eigenvalues beyond it, the last of which is the end.
   bool reach_out(const ShiftedPencil& pencil) {
     const Index wanted = beyond(pencil);
     const bool kernel = smallest_ && point_.kernel > 0;  // the kernel lies beyond as well
@@ -189,12 +189,12 @@ class EndSearch {
     if (error_ + solution_error_ <= 2 * share_of_margin * beyond_value)
       return std::max(value() - inward(beyond_value), 0.5 * value());
     const double step = std::max(2 * (bound_ + solution_error_), beyond_value);
-    // Never further out than what is proved already.
+    // Never further out than the proved bound.
     return std::max(value() - inward(std::min(step, 0.3 * distance_to_proof())), 0.5 * value());
   }
 
-  // A count just outside the end proves that nothing lies further out, another just inside says how many
-  // eigenvalues the end has. The first is known if the last shift was near enough, but not too near.
+  // A count just outside proves the end, another just inside gives its multiplicity. The first is known if the last
+  // shift was near enough, but not too near.
   void certify() {
     const double keep_away = std::max(tolerance(), 4 * rounding(value()));
     const double distance = outer_ ? std::abs(value() - *outer_) : infinity;
@@ -219,11 +219,11 @@ class EndSearch {
   std::optional<double> outer_;  // innermost shift without an eigenvalue beyond it
   double inner_ = 0;             // last shift with eigenvalues beyond it
   Index reached_out_ = 0;
-  double guess_ = 0, distance_ = 0;             // where the end was expected, and how far beyond it the search began
+  double guess_ = 0, distance_ = 0;             // the expected end, and the first shift's distance beyond it
   double bound_ = infinity, error_ = infinity;  // proved bound and estimate of the error of the value, by Lanczos
   double solution_error_ = 0;
   bool sloped_ = false;    // the slopes are known
-  bool quotient_ = false;  // the value is a Rayleigh quotient of (S, P), which is never beyond the end
+  bool quotient_ = false;  // the value is a Rayleigh quotient of (S, P), never beyond the end
 };
 
 }  // namespace

@@ -62,7 +62,7 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
     return counted - std::count_if(result.values.begin(), result.values.end(),
                                    [&](double lambda) { return inward(lambda - outside->shift()) < 0; });
   };
-  // Copies of the last values, or of those before a gap: from where the others came from, then from next to the last.
+  // Copies of the last values, or of those before a gap: from the shift of the others, then from next to the last.
   bool next_to_last = false;
   while (missing() > 0) {
     if (add_to_list(nearer ? *nearer : pencil, missing()).any || (nearer && add_to_list(pencil, missing()).any))

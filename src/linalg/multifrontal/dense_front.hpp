@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// One front by itself: L D L^T of the first rows of a dense symmetric matrix, with pivots chosen as in
+/// A single front: L D L^T of the first rows of a dense symmetric matrix, with pivots chosen as in
 /// SymmetricFactor, and the Schur complement on the others.
 class DenseFront {
  public:
@@ -16,9 +16,9 @@ class DenseFront {
   Index negative_eigenvalues() const { return negative_.value(); }  ///< among the pivots
   Matrix take_update() { return std::move(update_); }               ///< the Schur complement, lower triangle
 
-  /// On the rows eliminated L^-1 times their values; from the others goes what these take off.
+  /// Forward step: L^-1 times the values of eliminated rows, whose contribution is subtracted from the others.
   void go_forward(Vector& values) const;
-  /// On the rows eliminated the solution, once the others have theirs.
+  /// Backward step: the solution on eliminated rows from that on the others.
   void go_back(Vector& values) const;
 
  private:

@@ -22,7 +22,7 @@ void SymmetricFamily::release() {
 SymmetricInterior SymmetricFamily::interior(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
   const std::lock_guard lock(mutex_);
   if (!interior_ || parameters_ != parameters) {
-    interior_.reset();  // before the next takes as much memory
+    interior_.reset();  // frees its memory before the next one
     interior_.emplace(analysis_, lower);
     parameters_ = parameters;
   }

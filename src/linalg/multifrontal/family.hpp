@@ -8,14 +8,14 @@
 
 namespace nscdd {
 
-/// One analysis, and the interior of the matrix that was factorised last.
+/// Analysis of a family, and the interior of its latest matrix.
 class SymmetricFamily {
  public:
   explicit SymmetricFamily(SymmetricAnalysis analysis) : analysis_(std::move(analysis)) {}
 
   /// With equal parameters the interior is kept, see InertiaFamily.
   SymmetricFactor factorise(const SparseMatrix& lower, const std::array<double, 2>& parameters);
-  bool keeps_interior(const std::array<double, 2>& parameters);  ///< that a matrix with these takes
+  bool keeps_interior(const std::array<double, 2>& parameters);  ///< usable for a matrix with these
   void release();                                                ///< frees the interior
 
   const SymmetricAnalysis& analysis() const { return analysis_; }
@@ -29,7 +29,7 @@ class SymmetricFamily {
   std::array<double, 2> parameters_{};
 };
 
-/// Marks the groups of a pattern that have border rows alone; empty if there are none.
+/// Marks the groups of a pattern with border rows only; empty if there are none.
 std::vector<char> groups_of_border(const InertiaPattern& pattern);
 
 }  // namespace nscdd

@@ -14,7 +14,7 @@ namespace nscdd {
 using Block = Eigen::Map<Matrix, 0, Eigen::OuterStride<>>;
 using ConstBlock = Eigen::Map<const Matrix, 0, Eigen::OuterStride<>>;
 
-/// What stays of a front: columns of L with D on the diagonal, panel by panel.
+/// Factor of a front: columns of L with D on the diagonal, panel by panel.
 struct FrontFactor {
   double* columns = nullptr;      ///< rows x pivots
   std::vector<lapack_int> swaps;  ///< LAPACK's ipiv, panel by panel
@@ -80,7 +80,7 @@ void for_panels(const Front& front, const FrontFactor& factor, const Visit& visi
   for (std::size_t k = 0; k < front.panels.size(); ++k) visit_panel(front, factor, k, visit);
 }
 
-/// What swaps two rows of the values of a panel.
+/// Swaps two rows of the values of a panel.
 auto exchange_rows(auto& head) {
   return [&head](Index i, Index j) {
     if (i != j) head.row(i).swap(head.row(j));
@@ -112,12 +112,12 @@ void go_back(const Front& front, const FrontFactor& factor, Values& local) {
 }
 
 /// Eliminates the pivots of a front whose entries are in `columns` (rows x pivots, which becomes L with D on its
-/// diagonal) and in `update` (the lower triangle of what is left, which becomes the Schur complement). `fresh`: the
-/// update has no values yet, and is zero. Returns the number of negative pivots, nothing if one is zero.
+/// diagonal) and in `update` (the lower triangle of the rest, which becomes the Schur complement). `fresh`: the update
+/// is uninitialised and counts as zero. Returns the number of negative pivots, nothing if one is zero.
 std::optional<Index> eliminate_front(const Front& front, FrontFactor& factor, Matrix& update, bool fresh);
 
-/// An array of numbers without a value yet. A large one lies in huge pages if the system has them: to obtain gigabytes
-/// in pages of 4 KiB takes seconds. Throws std::bad_alloc.
+/// Uninitialised array of numbers. A large one uses huge pages if available: gigabytes in pages of 4 KiB take seconds
+/// to obtain. Throws std::bad_alloc.
 struct Free {
   void operator()(double* data) const { std::free(data); }
 };
@@ -130,7 +130,7 @@ struct EliminatedFronts {
 
   LargeArray columns;  // of all factors
   std::vector<FrontFactor> factors;
-  std::vector<Matrix> updates;  // what a front hands to its parent
+  std::vector<Matrix> updates;  // passed from a front to its parent
   std::atomic<Index> negative = 0;
   std::atomic<bool> singular = false;
 };
@@ -139,9 +139,9 @@ struct InteriorFronts {
   InteriorFronts(std::shared_ptr<const FrontTree> analysis, const SparseMatrix& lower);
 
   std::shared_ptr<const FrontTree> tree;
-  EliminatedFronts fronts;  // in the end the interior roots alone have updates
+  EliminatedFronts fronts;  // finally only the interior roots have updates
 
-  // Memory of the last factor, for the next: new pages take the system its time.
+  // Memory of the last factor, reused: new pages are expensive.
   mutable std::mutex mutex;
   mutable LargeArray left;
 };

@@ -13,7 +13,7 @@ struct Subgraph {
   std::vector<int> node;  // of the whole graph, for each of its own
 };
 
-// The nodes that are not marked, and what ties them.
+// The subgraph of unmarked nodes.
 Subgraph without(const Graph& graph, const std::vector<char>& marked) {
   Subgraph rest;
   std::vector<int> number(marked.size(), -1);
@@ -38,7 +38,7 @@ std::vector<T> picked(const std::vector<T>& values, const std::vector<int>& plac
   return result;
 }
 
-// The groups marked `last` come behind the dissection of the others.
+// Moves the groups marked `last` behind the dissection of the others.
 std::vector<int> dissection_with_last(const Graph& graph, const std::vector<int>& weight,
                                       const std::vector<char>& last) {
   if (last.empty()) return nested_dissection(graph, weight, seed);
@@ -49,7 +49,7 @@ std::vector<int> dissection_with_last(const Graph& graph, const std::vector<int>
   return order;
 }
 
-// The groups marked `kept` come behind all others, by their numbers.
+// Moves the groups marked `kept` behind all others, by their numbers.
 std::vector<int> order_of_elimination(const Graph& graph, const std::vector<int>& weight, const GroupFlags& flags) {
   const auto& [last, kept] = flags;
   if (kept.empty()) return dissection_with_last(graph, weight, last);
@@ -61,9 +61,8 @@ std::vector<int> order_of_elimination(const Graph& graph, const std::vector<int>
   return order;
 }
 
-// Moves the groups marked `kept` behind all others again, by their numbers (CHOLMOD follows one branch of the tree
-// after the other), and out of the supernodes that eliminate them, into one supernode of their own. What comes after a
-// kept one is kept, too.
+// Moves the groups marked `kept` behind all others again, by their numbers (CHOLMOD traverses the tree branch by
+// branch), and out of their supernodes into one of their own. Groups after a kept one are kept, too.
 Supernodes with_kept_apart(const Supernodes& nodes, const std::vector<char>& kept) {
   const auto keeps = [&](int position) { return kept[at(nodes.node[at(position)])] != 0; };
   const int all = static_cast<int>(nodes.node.size());

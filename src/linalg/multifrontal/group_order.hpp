@@ -12,8 +12,8 @@ struct GroupFlags {
 };
 
 /// Orders groups of `weight` rows each, nodes of this graph, by nested dissection (METIS), those that come last behind
-/// the others and those kept behind these, and finds the supernodes of that order. Where groups may be kept the last
-/// supernode has all of them, and no other.
+/// the others and those kept behind these, and finds the supernodes of that order. With kept groups, the last one
+/// contains all of them, and no other.
 Supernodes ordered_supernodes(const Graph& graph, const std::vector<int>& weight, const GroupFlags& flags,
                               const MergedColumns& merged);
 

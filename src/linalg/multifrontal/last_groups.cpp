@@ -16,7 +16,7 @@ void sort_once(std::vector<int>& numbers) {
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
-// For each node that is not marked the number of its connected part.
+// For each unmarked node the number of its connected part.
 std::vector<int> connected_parts(const Graph& graph, const std::vector<char>& last) {
   std::vector<int> part(last.size(), -1);
   int parts = 0;
@@ -41,7 +41,7 @@ std::vector<int> connected_parts(const Graph& graph, const std::vector<char>& la
 
 struct Segment {
   std::vector<int> nodes;
-  std::vector<int> cliques;  // of segments tied to each other: parts, and what eliminated segments leave behind
+  std::vector<int> cliques;  // of segments tied to each other: parts, and fill of eliminated segments
   Index weight = 0, tied = 0;
   int height = 0;  // of the chain of segments below
   bool eliminated = false;
@@ -127,8 +127,8 @@ class Elimination {
   std::vector<std::vector<int>> cliques_;  // the segments of each
 };
 
-// Nodes that are themselves tied to many of the others, as the motions of a large rigid cluster are to all impulses at
-// its interface: before these they would tie them all to each other.
+// Nodes tied to many others, such as the motions of a large rigid cluster to all impulses at its interface: eliminated
+// before these they would tie them all to each other.
 std::vector<char> hubs_of(const Graph& graph, const std::vector<char>& last) {
   constexpr int many = 16;
   std::vector<char> hubs(last.size(), 0);

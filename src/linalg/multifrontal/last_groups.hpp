@@ -9,8 +9,7 @@ namespace nscdd {
 /// connected parts, each of which then ties all nodes marked that it touches. Nodes that touch the same parts are one
 /// segment. Segments are eliminated one after the other, always the one with the fewest rows tied to it (George, Liu,
 /// SIAM Review 31 (1989) 1-19), and among equals the one with the shortest chain of segments below it: a chain of
-/// subdomains is then eliminated from both ends. `weight`: rows of each node. Ties between marked nodes themselves are
-/// left out of account.
+/// subdomains is then eliminated from both ends. `weight`: rows of each node. Ties between marked nodes are ignored.
 std::vector<int> order_of_last(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last);
 
 }  // namespace nscdd

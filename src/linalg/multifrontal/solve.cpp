@@ -17,7 +17,7 @@ void go_forward(const FactorFronts& fronts, Index s, Values& x, std::vector<Valu
   Values local = Values::Zero(front.rows, x.cols());
   for (Index i = 0; i < front.pivots; ++i) local.row(i) = x.row(row[i]);
   for (const Index c : front.children) {
-    if (carried[at(c)].size() == 0) continue;  // a child in the interior, where all is zero
+    if (carried[at(c)].size() == 0) continue;  // a child in the interior, where all values are zero
     const Front& child = fronts.tree.front(c);
     const int* place = fronts.tree.places_of_updates(child);
     for (Index i = 0; i < child.update_rows(); ++i) local.row(place[i]) += carried[at(c)].row(i);
@@ -40,11 +40,11 @@ void go_back(const FactorFronts& fronts, Index s, Values& x) {
   for (Index i = 0; i < front.pivots; ++i) x.row(row[i]) = local.row(i);
 }
 
-// L^-1 over all fronts or over those on the border, which are all where b is not zero.
+// L^-1 over all fronts, or over those on the border if b is zero elsewhere.
 template <class Values>
 Values forward(const FactorFronts& fronts, Values x, Fronts which) {
   const FrontTree& tree = fronts.tree;
-  std::vector<Values> carried(at(tree.size()));  // updates on their way to the parent
+  std::vector<Values> carried(at(tree.size()));  // updates for the parents
   const bool border = which == Fronts::border;
   with_threads([&] {
     tree.for_roots(border,
