@@ -36,7 +36,8 @@ a_int checked_size(Index n, Index basis) {
   return static_cast<a_int>(n);
 }
 
-// One reverse-communication run, alone in the process, with ARPACK's own names. Mode 2 is for symmetric problems.
+// One reverse-communication run, the only one in the process, with ARPACK's own names. Mode 2 is for symmetric
+// problems.
 struct Workspace {
   OneBlasThread serial_blas;
   a_int n, nev, ncv;

@@ -58,8 +58,8 @@ struct Supernodes {
   Index size() const { return count(first_column) - 1; }
 };
 
-/// Up to how many columns a supernode is put together with its parent: whatever zeros that stores, if at most 80 % of
-/// the entries are zeros, and if at most 10 %. These are CHOLMOD's own numbers.
+/// Largest numbers of columns for merging a supernode with its parent: for any zeros this stores, for at most 80 % of
+/// zeros, and for at most 10 %. CHOLMOD's own numbers.
 using MergedColumns = std::array<std::size_t, 3>;
 constexpr MergedColumns usually_merged{4, 16, 48};
 

@@ -165,7 +165,7 @@ double optimal_eta(const Decomposition& parts, const Decomposition& active, cons
   if (imbalance(range.high) >= 0) return range.high;
   const double root = range.decreasing_root(imbalance, 1e-3);
   if (root > 0) return root;
-  // With an exact Stage 1 the radius falls all the way down. Nine tenths of the gain are enough.
+  // With an exact Stage 1 the radius falls to 0. Nine tenths of the gain are enough.
   const double generic = spectra.at(range.high).radius(), best = spectra.at(range.low).radius();
   double eta = range.high;
   while (eta > range.low && spectra.at(eta).radius() > best + 0.1 * (generic - best)) eta /= std::sqrt(10.0);

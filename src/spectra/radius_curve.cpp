@@ -95,7 +95,7 @@ struct Extreme {
   double value = -infinity, x = 1;
 
   void include(double other, double at) {
-    if (std::isnan(other)) other = infinity;  // nothing is proved by what cannot be computed
+    if (std::isnan(other)) other = infinity;  // no bound can be computed
     if (other > value) *this = {other, at};
   }
 };
@@ -119,8 +119,8 @@ Extreme above_line(const std::vector<Moebius>& upper, const Line& line, double f
   return extreme;
 }
 
-// Between two crossings one of the lower bounds is the best one all along. (Any other would do as well: where rounding
-// moves a crossing, the bound is less sharp there but holds.)
+// Between two crossings one lower bound is the best. (Any other holds as well: if rounding moves a crossing, the bound
+// is less sharp there.)
 Extreme below_line(const std::vector<Moebius>& lower, const Line& line, double from, double to) {
   std::vector<double> cuts{from, to};
   for (std::size_t i = 0; i < lower.size(); ++i)

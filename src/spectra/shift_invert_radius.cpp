@@ -9,7 +9,7 @@ namespace {
 // Error of Taylor's first term for a unit step of log epsilon or log eta.
 constexpr double curvature = 0.1;
 
-// In which coordinate an eigenvalue runs smoothly along a sweep: lambda > 0, and < 1 for the generic algorithm.
+// Coordinate in which an eigenvalue is smooth along a sweep: lambda > 0, and < 1 for the generic algorithm.
 struct Coordinate {
   bool generic;
   double of(double lambda) const { return generic ? std::log(lambda / (1 - lambda)) : std::log(lambda); }
@@ -28,7 +28,7 @@ Step step_between(const From& from, const To& to) {
   return {step(from.epsilon, to.epsilon), step(from.eta, to.eta)};
 }
 
-// The coordinate of an end at a point visited, and how it moves with a step.
+// The coordinate of an end at a visited point, and its slope along a step.
 struct Known {
   const PencilMemory::End& end;
   double value, slope;
@@ -48,9 +48,9 @@ std::optional<EndGuess> cubic(const Known& before, const Known& last, const Step
                   0.5 * std::abs(t * t * (t - 1) * cubic)};
 }
 
-// Above this many contacts the rank of the whole packing takes too much memory; of processes each works it out. The
-// eigenvalues of the rigid limit that are zero are then those below the first of these two shifts, provided that none
-// lies between the two.
+// Above this many contacts the rank of the whole packing takes too much memory; every rank of MPI computes it. The zero
+// eigenvalues of the rigid limit are then those below the first of these two shifts, provided that none lies between
+// the two.
 constexpr Index ranks_up_to = 1000000;
 constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
 
@@ -84,7 +84,7 @@ PencilPoint known_bounds(const Contraction& b) {
   return point;
 }
 
-// A point that is met again replaces what was known of it.
+// A revisited point replaces its old record.
 void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) {
   auto& visited = memory.visited;
   std::erase_if(visited,
@@ -133,8 +133,8 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOpt
   return ends;
 }
 
-// With the condensed form. If that has lost the digits that a proof needs, again with the augmented form, which takes
-// longer. A shift is reliable from about a thousand times the rounding away, see ShiftedPencil::reliable.
+// Uses the condensed form or, if that has lost the digits for a proof, the slower augmented form. A shift is reliable
+// beyond about a thousand times the rounding, see ShiftedPencil::reliable.
 Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& options,
                         PencilMemory& memory) {
   const Ends ends = find_ends(b, point, options, memory, {SystemForm::condensed});
@@ -145,7 +145,7 @@ Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const Sp
   return done(again) ? again : ends;
 }
 
-// `tilt`: how far S may be off, in units of X_infinity.
+// `tilt`: error of S, in units of X_infinity.
 SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multiplicity, double tilt,
                       const SpectralOptions& options) {
   SpectralRadius result = ends.found()

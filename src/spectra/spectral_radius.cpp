@@ -13,7 +13,7 @@
 namespace nscdd {
 namespace {
 
-// The map, with a look at the checkpoint before each product.
+// The map, with a call of the checkpoint before each product.
 LinearMap watched(LinearMap map, const std::function<void()>& checkpoint) {
   if (!checkpoint) return map;
   return [map = std::move(map), checkpoint](const Vector& x) {

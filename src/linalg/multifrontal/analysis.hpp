@@ -16,7 +16,7 @@ struct Front {
   std::vector<Index> panels;              ///< ends of the panels of pivot columns, the last one being `pivots`
   std::vector<Index> children;            ///< ascending
   double subtree_flops = 0;               ///< of the front and all below it
-  bool on_border = false;                 ///< lies on the way from a border row to the root
+  bool on_border = false;                 ///< on the path from a border row to the root
   Index update_rows() const { return rows - pivots; }
 };
 

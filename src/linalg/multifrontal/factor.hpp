@@ -36,9 +36,9 @@ class SymmetricFactor {
   Vector solve(const Vector& b) const;   ///< A^-1 b
   Matrix solve_columns(Matrix b) const;  ///< A^-1 B, for many columns faster than one after the other
 
-  /// A^-1 E g, E^T A^-1 b and E^T A^-1 E g, where E puts one value for each border row, in their order, into its place
-  /// among zeros. The bits are those of `solve`, with less work: the way from or to the border leads through few
-  /// fronts. Throws Error if the analysis has no border, or if g has another size.
+  /// A^-1 E g, E^T A^-1 b and E^T A^-1 E g, where E scatters one value per border row. The bits are those of `solve`,
+  /// with less work: paths from or to the border visit few fronts. Throws Error if the analysis has no border, or if g
+  /// has another size.
   Vector solve_from_border(const Vector& g) const;
   Vector solve_to_border(const Vector& b) const;
   Vector solve_on_border(const Vector& g) const;
@@ -51,10 +51,10 @@ class SymmetricFactor {
   Vector go_forward(const Vector& b, Fronts which) const;
   Vector go_back(const Vector& x, Fronts which) const;
 
-  /// (A^-1)_{rows, rows}; only the fronts on the way from these rows to the root take part.
+  /// (A^-1)_{rows, rows}; visits only the fronts on the paths from these rows to the root.
   Matrix inverse_block(const std::vector<Index>& rows) const;
 
-  /// For each row its pivot, 0 where it shares one of 2 x 2 with another row.
+  /// For each row its pivot, 0 for rows of a 2 x 2 pivot.
   Vector pivots() const;
 
  private:
