@@ -3,6 +3,7 @@
 #include "app/memory_limit.hpp"
 #include "files/csv.hpp"
 #include "study/linear/inspection.hpp"
+#include <nscdd/study/sweep.hpp>
 
 namespace nscdd::app {
 namespace {

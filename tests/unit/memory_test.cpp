@@ -7,6 +7,7 @@
 #include "../support/sanitized.hpp"
 #include "linalg/multifrontal/analysis.hpp"
 #include "linalg/multifrontal/factor.hpp"
+#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/lu.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
@@ -80,7 +81,7 @@ TEST_CASE("memory: a symmetric factor takes what its analysis counts, on any num
   for (const Index border : {0, 300}) {
     CAPTURE(border);
     const SymmetricAnalysis analysis(lower, testing::single_rows(lower.rows()), {}, last_rows(lower, border));
-    const FactorMemory memory = analysis.memory();
+    const FactorMemory memory = factor_memory(*analysis.tree(), FactorShape::symmetric);
     CHECK(memory.held > 8 * analysis.entries());
     CHECK(memory.at_once > memory.held);
     CHECK(memory.at_once < 1.6 * memory.held);

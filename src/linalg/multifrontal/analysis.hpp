@@ -29,16 +29,6 @@ struct FrontEntry {
   int row = 0, column = 0;  ///< in the front, row >= column
 };
 
-/// Bytes that factors of one analysis take, from the sizes of its fronts.
-struct FactorMemory {
-  double held = 0;     ///< by a factor, its interior included
-  double border = 0;   ///< by another factor with the same interior
-  double at_once = 0;  ///< during the first factorisation at most, on as many threads as there may be
-};
-
-/// What a factor has of a front: the lower triangle, or both.
-enum class FactorShape { symmetric, full };
-
 /// The elimination tree, and walks over it in parallel over subtrees with enough work for a task.
 struct FrontTree {
   Index rows = 0;                     ///< of the matrix
@@ -52,7 +42,6 @@ struct FrontTree {
   std::vector<Index> interior_roots;  ///< fronts off the border whose parents, if any, are on it
   double factor_entries = 0;
 
-  FactorMemory memory(FactorShape shape) const;
   const Front& front(Index s) const { return fronts[at(s)]; }
   Index size() const { return count(fronts); }
   const int* rows_of(const Front& front) const { return row_of.data() + front.first_row; }
@@ -77,12 +66,13 @@ struct FrontTree {
       if (front(s).parent < 0 && (!border_only || front(s).on_border)) visit(s);
   }
 
- private:
-  static constexpr double parallel_subtree_flops = 2e6;  // below, a task costs more than it brings
-
+  /// Whether the subtrees of its children are tasks of their own.
   bool in_parallel(const Front& front) const {
     return front.subtree_flops >= parallel_subtree_flops && front.children.size() >= 2;
   }
+
+ private:
+  static constexpr double parallel_subtree_flops = 2e6;  // below, a task costs more than it brings
 
   template <class Visit>
   void for_children(Index s, bool border_only, const Visit& visit) const {
@@ -136,7 +126,6 @@ class SymmetricAnalysis {
                     const std::vector<Index>& border = {}, const MergedColumns& merged = usually_merged);
 
   double entries() const;  ///< of the factor
-  FactorMemory memory() const;
   EliminationWork work() const;
   std::vector<Index> kept_rows() const;  ///< in the order of their groups
   const std::shared_ptr<const FrontTree>& tree() const { return tree_; }

@@ -2,6 +2,7 @@
 #include "linalg/multifrontal/factor.hpp"
 
 #include "core/memory.hpp"
+#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/threads.hpp"
 
@@ -176,7 +177,7 @@ Index column_entries(const FrontTree& tree, bool on_border) {
 LargeArray memory_of_factor(const InteriorFronts& interior) {
   const std::lock_guard lock(interior.mutex);
   if (interior.left) return std::move(interior.left);
-  require_memory(interior.tree->memory(FactorShape::symmetric).border, "another factor of one matrix");
+  require_memory(factor_memory(*interior.tree, FactorShape::symmetric).border, "another factor of one matrix");
   return large_array(column_entries(*interior.tree, true));
 }
 
@@ -245,7 +246,8 @@ FactorFronts::~FactorFronts() {
 }
 
 SymmetricInterior::SymmetricInterior(const SymmetricAnalysis& analysis, const SparseMatrix& lower) {
-  require_memory(analysis.memory().at_once, fmt::format("a factor of {} rows", lower.rows()));
+  require_memory(factor_memory(*analysis.tree(), FactorShape::symmetric).at_once,
+                 fmt::format("a factor of {} rows", lower.rows()));
   with_threads([&] { fronts_ = std::make_shared<const InteriorFronts>(analysis.tree_, lower); });
 }
 

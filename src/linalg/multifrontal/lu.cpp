@@ -8,6 +8,7 @@
 #include "core/fail.hpp"
 #include "core/memory.hpp"
 #include "linalg/multifrontal/factor.hpp"
+#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
@@ -139,7 +140,8 @@ LuFactors::LuFactors(const SparseMatrix& pattern) {
     operations_of_factorisation += 2.0 / 3 * (rows * rows * rows - rest * rest * rest);
   }
   operations_of_solve = 2.0 * static_cast<double>(values);
-  bytes_at_once = tree->memory(FactorShape::full).at_once + sizeof(LuEntry) * static_cast<double>(pattern.nonZeros()) +
+  bytes_at_once = factor_memory(*tree, FactorShape::full).at_once +
+                  sizeof(LuEntry) * static_cast<double>(pattern.nonZeros()) +
                   sizeof(LuFront) * static_cast<double>(tree->size());
   require_memory(bytes_at_once, fmt::format("L U of {} rows", tree->rows));
   memory = large_array(values);
