@@ -3,6 +3,7 @@
 #include "../support/run_program.hpp"
 #include "../support/spoilt.hpp"
 #include "files/csv.hpp"
+#include "files/hdf5.hpp"
 #include "files/hdf5_file.hpp"
 #include "files/output_file.hpp"
 #include "linalg/random.hpp"
