@@ -6,8 +6,8 @@
 
 namespace nscdd::app {
 
-/// What is behind a name: a case file, a known case, or a packing file or contact problem with everything
-/// else as by default.
+/// The case of a name: a case file, a known case, or a packing file or contact problem with defaults for everything
+/// else.
 CaseSpec find_spec(const std::string& name);
 
 /// Sets parameters of a case from texts KEY=VALUE.

@@ -15,7 +15,7 @@ struct MemoryLimit {
   void apply(Index processes = 1) const;
 };
 
-/// Gives memory that is free again back to the system: what a whole packing took would stay with the process, see
+/// Returns freed memory to the system. Otherwise the memory of the whole packing would stay with the process, see
 /// keep_freed_memory.
 void give_back_freed_memory();
 

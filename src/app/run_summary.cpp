@@ -11,7 +11,7 @@ Index steps_that(const RunTotals& totals, SolverStatus status) {
   return found == totals.statuses.end() ? 0 : found->second;
 }
 
-// What to do about steps that did not converge. Where there may be no solution, nothing that a solver is given helps.
+// Advice for steps that did not converge. If there may be no solution, no setting of a solver helps.
 std::string advice(const RunTotals& totals, const Dynamics& dynamics) {
   if (totals.no_room > 0) return "check first that the boundaries leave room";
   const bool bounded = !dynamics.boundaries.empty();

@@ -90,7 +90,7 @@ std::optional<Packing> cached(const fs::path& entry) {
   }
 }
 
-// If the entry cannot be written, the packing will be settled again next time, which costs time alone.
+// If the entry cannot be written, the packing is settled again next time, which only costs time.
 void remember(const fs::path& entry, const std::string& text) {
   std::error_code ignored;
   fs::create_directories(entry.parent_path(), ignored);

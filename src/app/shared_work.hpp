@@ -33,7 +33,7 @@ auto in_turn(const Processes& processes, Work&& work) {
 /// chosen. Throws Error in all processes if one throws it, or if they do not have the same.
 Model shared_model(const Case& one, const Machine& machine, ContactSet contacts);
 
-/// Throws Error in all processes unless they have the same numbers, which tell one case from another.
+/// Throws Error in all processes unless they have the same numbers, a fingerprint of the case.
 void require_same(const std::vector<double>& numbers, const std::string& name, const Processes& processes);
 
 /// Throws Error for what needs the whole packing where several processes share it.

@@ -38,8 +38,8 @@ struct RunFiles {
   bool force = false;                      ///< replace what is there
 };
 
-/// What is written of a run while it goes on. Of several processes the first one writes, and all of them make these
-/// calls: what fails there fails everywhere.
+/// Writes the outputs of a run while it goes on. The first process writes. All processes make these calls, and an error
+/// of the first is thrown in all.
 class RunOutput {
  public:
   /// Both must outlive this.

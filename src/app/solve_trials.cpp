@@ -52,7 +52,7 @@ TableWork trial_work(const std::vector<fs::path>& files, const TrialOptions& opt
           }};
 }
 
-// The problem of a file, or none where it cannot be had, of which a note then tells.
+// The problem of a file, or nothing, with a note, if the file cannot be read.
 std::optional<LocalFrictionProblem> problem_of(const fs::path& path) {
   try {
     const FclibFile file = read_contact_problem(path.string());

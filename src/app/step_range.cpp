@@ -21,7 +21,7 @@ StepRange parse_step_range(const std::string& text) {
 std::string step_ranges_text(const std::vector<Index>& steps) {
   std::string text;
   for (std::size_t i = 0; i < steps.size();) {
-    // A range reaches as far as neighbours are equally far apart. Two steps are not a range yet.
+    // A range ends where the distance of neighbours changes. Two steps are no range.
     std::size_t last = i;
     while (last + 1 < steps.size() && steps[last + 1] - steps[last] == steps[i + 1] - steps[i]) ++last;
     if (last < i + 2) last = i;

@@ -31,8 +31,8 @@ bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopenin
 /// The same for all processes, as the first has it.
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine);
 
-/// The bytes that OutputFile keeps of an output that is written in one piece at the end: none, because what
-/// an interrupted run left of it is empty.
+/// The bytes that OutputFile keeps of an output that is written in one piece at the end: none, because an interrupted
+/// run leaves it empty.
 inline std::optional<std::uintmax_t> kept_of_whole(Reopening how) {
   return how.resume ? std::optional<std::uintmax_t>(0) : std::nullopt;
 }

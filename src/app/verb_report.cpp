@@ -28,7 +28,7 @@ struct Options {
   MemoryLimit memory;
 };
 
-// The options that say something of a run; and of whatever CASE is. All others are of packings.
+// The options for runs, and those for any CASE. All others are for packings.
 constexpr std::array<std::string_view, 2> of_runs{"--steps", "--convergence"};
 constexpr std::array<std::string_view, 3> of_both{"CASE", "-o,--output", "--force"};
 

@@ -40,7 +40,7 @@ SweepParameters parameters(const Options& options, const Machine& machine) {
   return result;
 }
 
-// Tells of the first rows without the answer that was asked for, which solvers were tried and why each failed.
+// Notes the first rows without the requested result, the solvers tried, and why each failed.
 class OpenRows {
  public:
   explicit OpenRows(bool certify) : certify_(certify) {}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sweeps, then the curve of a smoothed law from their impulses. The more sweeps, the nearer to a solution it begins.
-// Problems of very many contacts are left to accelerated gradients as long as these get on: no point of the curve is
-// nearer to a solution there than many sweeps are.
+// Problems of very many contacts are left to accelerated gradients while these make progress: many sweeps come nearer
+// to a solution there than any point of the curve.
 #pragma once
 
 #include "contact_solvers/apgd.hpp"

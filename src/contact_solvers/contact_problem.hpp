@@ -26,7 +26,7 @@ struct ContactData {
   void set_sums(const Diagonal& diagonal, const Vector& speeds);
 };
 
-/// A contact problem as contact solvers know it, whatever holds W: a class with the functions below. Where several
+/// A contact problem as contact solvers use it, for any storage of W: a class with the functions below. If several
 /// processes share the problem, all call the same functions together.
 ///
 /// The linear systems are those of W_s, where W = W_s + W_a with a symmetric W_s, as files of six digits need it. One

@@ -26,8 +26,8 @@ class SolverRun {
   /// Evaluates impulses and shows them to the observer, with the step that led to them. Returns whether the run is
   /// over: converged, stopped by the observer, or without finite impulses.
   bool judge(const Vector& impulses, const FrictionStep& step = {});
-  /// Whether impulses are finite and not beyond all measure, as a matrix next to singular makes them, or a problem
-  /// without a solution.
+  /// Whether impulses are finite and bounded. A nearly singular matrix, or a problem without a solution, produces huge
+  /// ones.
   bool plausible(const Vector& impulses) const;
   /// Impulses that obey the law for the velocities that the present ones cause: P(r - rho (u + mu |u_t| n)).
   Vector projected() const;
@@ -65,9 +65,9 @@ class SolverRun {
   std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
 };
 
-/// As solve_friction, whatever holds W. Several processes that share the problem call it together; the solution is that
-/// of the contacts of this process, its counts of contacts and its residuals are those of all, and `worst` is the worst
-/// contact of this process. Only a StoredProblem has apgd. Each maker instantiates it in its source, see
+/// As solve_friction, for any ContactProblem. Processes that share the problem call it together. The solution and its
+/// `worst` contact are those of the contacts of this process; counts of contacts and residuals are those of all
+/// processes. Only a StoredProblem has apgd. Each maker instantiates it in its source, see
 /// solve_contacts.hpp.
 template <ContactProblem P>
 FrictionSolution solve_contacts(P& problem, const FrictionSolverOptions& options, const Vector& guess,

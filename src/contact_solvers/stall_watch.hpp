@@ -6,9 +6,9 @@
 
 namespace nscdd {
 
-/// Tells whether iterations whose impulses are judged one after the other still get on. Where a soft mode drifts the
-/// residual may stand still for long, but the way of the impulses since its last progress is straight. Where statuses
-/// cycle, or nothing but rounding is left, the way comes back.
+/// Decides whether iterations still make progress, from their impulses. If a soft mode drifts, the residual may
+/// stagnate for long, but the path of the impulses since its last progress is straight. If statuses cycle, or only
+/// rounding is left, the path returns.
 template <int D>
 class StallWatch {
  public:

@@ -13,20 +13,20 @@ namespace nscdd {
 ///     S = W_tt - W_nt W_nt^T / W_nn,   b = W_nt free_n / W_nn - free_t,
 /// and |r_t| = friction r_n, a quartic in lambda (O. Bonnefon and G. Daviet, Quartic formulation of Coulomb 3D
 /// frictional contact, INRIA RT-0400, 2011), here in the principal axes of S. It is solved as friction r_n / |r_t| = 1,
-/// whose left side is next to linear, by Newton's steps inside a bracket that each halves where they do not.
+/// whose left side is nearly linear, by Newton's method; bisection replaces steps that leave the bracket.
 ///
-/// There is always a solution: the open one where free_n >= 0; else the one at rest if its impulse lies in the cone;
-/// else lambda = 0 lies on one side of the equation and lambda -> infinity on the other. It is the only one if free_n <
-/// 0 and friction |W_nt| / W_nn < 2 sqrt(k) / (1 + k), k the condition number of S. Otherwise there may be others, and
-/// with free_n >= 0 if friction |W_nt| > W_nn; an open one is taken first, then one at rest, and of three that slide
-/// the one to which the bracket shrinks.
+/// A solution always exists: open if free_n >= 0; else at rest if that impulse lies in the cone; else a root between
+/// lambda = 0 and lambda -> infinity, where the equation changes sign. It is unique if free_n < 0 and
+/// friction |W_nt| / W_nn < 2 sqrt(k) / (1 + k), with the condition number k of S. Otherwise, and for free_n >= 0 if
+/// friction |W_nt| > W_nn, there may be several. Then open is preferred to rest, and rest to sliding; of three sliding
+/// ones the root is taken to which the bracket shrinks.
 class ConeContact {
  public:
   ConeContact() = default;
   explicit ConeContact(const FullDelassus<3>& w);
 
-  /// `free`: v without an impulse of this contact, m/s. Numbers that are not finite give an impulse
-  /// that is not, unless free_n >= 0 opens the contact.
+  /// `free`: v without an impulse of this contact, m/s. If it is not finite, neither is the impulse, unless
+  /// free_n >= 0 opens the contact.
   LocalVector<3> impulse(LocalVector<3> free, double friction) const;
 
  private:

@@ -26,7 +26,7 @@ template <int D>
 Configuration<D> middle(const GranularSystem& system, const GranularState& state,
                         const std::vector<RigidVelocity>& motions, double time);
 
-/// Where a grain meets a wall: the nearest point of the wall, and how far from it the centre is on the side of grains.
+/// Where a grain meets a wall: the nearest point of the wall, and the distance of the centre, > 0 on the grains' side.
 template <int D>
 struct WallPoint {
   Direction<D> foot, normal;  ///< the normal points to the grain

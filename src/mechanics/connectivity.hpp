@@ -5,13 +5,13 @@
 
 namespace nscdd {
 
-/// Where a body stands in H.
+/// Rows of a body in H.
 struct BodyRows {
   Index first = -1;  ///< its first row: translations and, where the problem has them, rotations; -1 for a driven body
   double arm = 1;    ///< lever arm of tangential impulses, m; 1 where the speed of the rim stands for the spin
 };
 
-/// Builds H column by column, where it stays: all that knows how an impulse at a contact acts on two bodies. A column
+/// The one builder of H, column by column: only it knows how an impulse at a contact acts on two bodies. A column
 /// belongs to a contact and a direction of its frame, (n, t) in the plane (D = 2) or (n, t_1, t_2) in space (D = 3):
 /// -impulse on a, +impulse on b, and on the spins of both -arm r_t, or -arm n x r_t in space. Directions without a
 /// tangential part leave the rows of spin out. A body has D rows of translations, then one of rotation or three.

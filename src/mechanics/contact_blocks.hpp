@@ -42,7 +42,7 @@ Index parts_of(Index contacts);
 void for_parts(Index contacts, const std::function<void(const ContactRange&)>& visit);
 
 /// A matrix of contacts, as W is, by rows of D x D blocks (n, t) x (n, t) of pairs of contacts, with zeros where only a
-/// part of a block is stored. A product takes a third of the time that one with single entries does. Contacts may be
+/// part of a block is stored. A product is three times as fast as one with single entries. Contacts may be
 /// in another order than in the matrix: a "place" is a position in it.
 template <int D>
 class ContactBlocks {

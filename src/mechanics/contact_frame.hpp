@@ -58,7 +58,7 @@ struct AxesTangent {
 inline AxesTangent operator-(AxesTangent a, AxesTangent b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline double dot(AxesTangent a, AxesTangent b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// LocalVector<3> as a sweep has it, without tangents: t is orthogonal to n, up to rounding.
+/// LocalVector<3> without tangents, as a sweep stores it: t is a vector of space, orthogonal to n up to rounding.
 struct AxesVector {
   double n = 0;
   AxesTangent t{};

@@ -94,7 +94,7 @@ ContactStatus contact_status(LocalVector<D> impulse, double friction, double tol
     return ContactStatus::slide;
 }
 
-/// What stays of Coulomb's law for small changes of a contact (docs/theory.md, section 10): the status at
+/// What stays of Coulomb's law for small changes of a contact (docs/theory.md, section 9): the status at
 /// z = r - rho u with, where it slides along d = z_t / |z_t|,
 ///     r_t = slope r_n + turning (I - d d^T) (r_t - rho u_t),   slope = friction d.
 /// The last term is of space alone: an impulse turns with the velocity. In the plane I = d d^T.

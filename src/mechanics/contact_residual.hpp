@@ -21,8 +21,8 @@ struct ContactResidual {
 
   /// |natural map| / natural_map_scale: error of the contact law in the form of De Saxce; 0 if the natural map is 0.
   double relative_natural_map() const;
-  /// LMGC90's criteria "Quad /DV" and "mean DV over r", not yet divided by its tolerance. They are relative to W r and
-  /// to r W r; what is rounding of the velocities is relative to `speeds` and `energies` instead.
+  /// LMGC90's criteria "Quad /DV" and "mean DV over r", not divided by its tolerance. They are relative to W r and to
+  /// r W r; rounding of the velocities is judged relative to `speeds` and `energies` instead.
   double quad_dv() const;
   double mean_dv_over_r() const;
 };

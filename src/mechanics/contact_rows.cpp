@@ -95,8 +95,8 @@ template <class Number>
   });
 }
 
-// Contact `first`, or this one and the next, which share no sphere, take their impulses, and their spheres feel them:
-// written number by number along x, y and z, without tangents.
+// Updates the impulse of contact `first`, or of this one and the next, which share no sphere, and the velocities of
+// their spheres: written component by component along x, y and z, without tangents.
 template <class Number, bool relaxed, bool tangential_bias, class Law>
 void take_impulses(const Law& law, ContactRows<3>& contacts, std::size_t first, GrainVelocity<3>* v, double relaxation,
                    LaneSums<Number>& sums) {

@@ -5,9 +5,9 @@
 
 namespace nscdd {
 
-/// The local step of a Gauss-Seidel sweep (that over disks writes it out, for speed). The contact takes the part
-/// `relaxation` of the way to `wanted`, the impulse that its law gives while the others keep theirs. Returns the
-/// change, which its bodies must feel at once. Without `relaxed` the impulse is `wanted` to the last bit.
+/// The local step of a Gauss-Seidel sweep (the sweep over disks repeats it inline, for speed): r <- r + relaxation
+/// (wanted - r), where `wanted` is the impulse that the law gives while the other contacts keep theirs. Returns the
+/// change, which must act on the bodies at once. Without `relaxed` the impulse is `wanted` to the last bit.
 template <bool relaxed, class Impulse>
 Impulse take_impulse(Impulse& impulse, Impulse wanted, double relaxation = 1) {
   const Impulse before = impulse;
@@ -69,7 +69,7 @@ class ProgressWatch {
     return stalled && indicator < infinity ? std::optional(Status::stalled) : std::nullopt;
   }
 
-  /// The step of the last progress, and that there is some for another reason than the indicator.
+  /// The step of the last progress, and a setter for progress that another test than the indicator sees.
   Index last_progress() const { return last_progress_; }
   void take_for_progress(Index step) { last_progress_ = step; }
 

@@ -146,9 +146,8 @@ struct RememberedModel {
   double impulse_distance = 0;   ///< relative to the interface impulses
 };
 
-/// Everything that changes in a run. A run that goes on from it repeats every bit. Where several processes share steps,
-/// each has what is remembered of the contacts of its own subdomains, see
-/// StepShare and subdomains_to_remember; the rest is the same in all.
+/// Everything that changes in a run. A run that restarts from it repeats every bit. If several processes share steps,
+/// each remembers the contacts of its own subdomains (StepShare, subdomains_to_remember); the rest is replicated.
 struct GranularState {
   Index step = 0;                              ///< steps done
   double time = 0;                             ///< s
@@ -164,7 +163,7 @@ struct GranularState {
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
   std::vector<RememberedSubdomain> subdomains;  ///< of the contacts of the last step, ascending by (a, b)
   std::vector<RememberedModel> models;          ///< of the subdomains, in their order; empty unless they are switched
-  /// Where several processes share steps, who has which subdomain; empty at the beginning of a run.
+  /// If several processes share steps, the owner of each subdomain; empty at the beginning of a run.
   std::vector<Index> process_of_subdomain;
   Index decomposed_at = -1;  ///< step whose contacts were partitioned afresh last
   double eta = 0;            ///< best flexibility found at that step, 1/kg; 0 if none was asked for

@@ -19,14 +19,14 @@ struct ImpulseScale {
   double driving() const { return std::sqrt(std::max(alone, momenta)); }
 };
 
-/// Rounding of the velocities of a body, which are sums over its contacts, relative to what is added up.
+/// Rounding of the velocities of a body, which are sums over its contacts, relative to the terms of these sums.
 inline constexpr double rounding_of_sums = 1e-14;
 
 /// The scale of natural maps of the norm `maps`, N s, for impulses of the norm `impulses` (docs/theory.md, section 7):
 ///     max(|r^1|, min(|r|, 10^5 max(|r^1|, p))).
 /// Natural maps up to 10^-14 max(|r|, p) are rounding. They are measured against max(|r|, |r^1|, p).
-/// `alone`: |r^1|; `momenta`: p. With `squared` all four and the result are squares, (N s)^2. `believed`: of larger
-/// impulses no rounding is allowed for, since they may have grown until all is rounding.
+/// `alone`: |r^1|; `momenta`: p. With `squared` all four and the result are squares, (N s)^2. `believed`: above this
+/// norm of the impulses no natural map counts as rounding, since impulses may have grown until everything is rounding.
 double natural_map_scale(double maps, double impulses, double alone, double momenta, bool squared = false,
                          double believed = infinity);
 

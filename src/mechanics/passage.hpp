@@ -7,15 +7,15 @@
 
 namespace nscdd {
 
-/// A step that is called safe keeps overlaps and moves to this part of what is accepted: in the next run speeds are not
-/// quite the same.
+/// Safety factor of proposed time steps: overlaps and moves stay below this part of what is accepted, because speeds
+/// differ a little in the next run.
 inline constexpr double safe_part = 0.9;
 
 /// What happened to two bodies on their way.
 template <int D>
 struct Passage {
-  /// If they overlap too far at the end, or did so on the way. Or if a boundary turned back on the way, and what it hit
-  /// before would not be found.
+  /// If they overlap too far at the end, or did so on the path; also if a boundary reversed on the path, so that what
+  /// it hit before would not be found.
   std::optional<DeepOverlap> deep = {};
   /// From a to b where they met, if the line of centres has turned by more than largest_turn since.
   std::optional<Direction<D>> normal = {};

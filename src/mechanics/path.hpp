@@ -5,8 +5,8 @@
 
 namespace nscdd {
 
-/// Where everything is from one check of the geometry to the next. Grains move straight from each place to the one
-/// after it. The last place is the one that is checked.
+/// Positions of all bodies from one check of the geometry to the next. Grains move straight from each place to the next
+/// one. The last place is the one that is checked.
 template <int D>
 struct Path {
   std::vector<double> times;             ///< s, ascending, relative to the state
@@ -15,8 +15,7 @@ struct Path {
   std::size_t bend = 0;                  ///< place where boundaries take another velocity; 0 where none does
   double reach = 0;                      ///< m: no grain moves by more relative to another or to a wall
 
-  /// Whether pairs have to be followed. Otherwise nothing moves far enough to matter, and the last place is the only
-  /// one.
+  /// Whether pairs must be followed. If not, nothing moves far enough to matter, and the path has one place.
   bool followed() const { return places.size() > 1; }
 
   /// To q_m, where the contacts of the next step are found: from q_m of the step before, in the first step of a run
@@ -26,8 +25,8 @@ struct Path {
   static Path whole(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, bool onwards);
   /// From q_m to the end of a step. `after`: the state there.
   static Path to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme);
-  /// Whether nothing moves far enough from q_m to the end of a step, with the velocities of all grains there, that
-  /// bodies which are apart would overlap too far.
+  /// Whether, with the velocities of all grains at the end of a step, nothing moves far enough from q_m to the end to
+  /// make separate bodies overlap too far.
   static bool is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
                        const std::vector<GrainUnknowns<D>>& velocities);
 };

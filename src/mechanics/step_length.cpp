@@ -14,7 +14,7 @@ bool is_of_step(const DeepOverlap& one, const GranularSystem& system, const Gran
   return -one.before > alert;
 }
 
-// By how much faster than they met one of two bodies may fly at a third: a light one that a heavy one throws.
+// Largest ratio of speeds after and before an impact, for a light body that a heavy one throws.
 double thrown(const DeepOverlap& one, const GranularSystem& system, const Interaction& interaction) {
   const auto inverse_mass = [&](Index body) {
     return body < system.grains() && system.free(body) ? 1 / system.mass[at(body)] : 0;

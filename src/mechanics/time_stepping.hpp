@@ -70,8 +70,8 @@ Direction<D> gravity_of(const TimeStepping& scheme) {
 }
 
 /// Under a law that pulls, bodies touch if their gap at q_m is at most this part of the smaller radius: far more than
-/// rounding, unfinished iterations or a rolling contact leave, and far less than the alert distance, which must not be
-/// felt.
+/// the gaps of rounding, unfinished iterations or a rolling contact, and far less than the alert distance, which must
+/// have no effect.
 inline constexpr double touching_gap = 1e-3;
 
 /// Geometry of a contact considered in a step.
@@ -82,8 +82,8 @@ struct StepContact {
   double gap = 0;                  ///< m, at q_m
 };
 
-/// The contact problem of one step. Bodies are grains, then one per wall contact, which moves as the wall there. The
-/// part of a step that one of several processes has holds the grains of its own contacts alone.
+/// The contact problem of one step. Bodies are grains, then one per wall contact, which moves as the wall there. If
+/// several processes share a step, the part of each has only the grains of its own contacts.
 template <int D>
 struct StepProblem {
   ContactLaw law;                              ///< of all contacts
@@ -135,7 +135,7 @@ struct ConsideredContacts {
   std::vector<DeepOverlap> deep;  ///< in no order
 };
 
-/// The two halves of prepare_step, for a process that keeps some of the contacts. The first calls visit(contact) for
+/// The two halves of prepare_step, for a process that keeps only some contacts. The first calls visit(contact) for
 /// every contact that the step considers, in no order, and throws as prepare_step does.
 template <int D>
 ConsideredContacts for_each_step_contact(const GranularSystem& system, const GranularState& state,
@@ -149,7 +149,7 @@ StepProblem<D> step_of_contacts(const GranularSystem& system, const GranularStat
                                 std::vector<StepContact> geometry, double boundary_speed,
                                 std::vector<std::int32_t> grains, const std::vector<RememberedImpulse>& last);
 
-/// Gives a problem the scale W, 1/kg, and the law that goes with it; by itself it has that of its own contacts.
+/// Sets the scale W, 1/kg, and the law that depends on it; without this call W is that of the contacts of the problem.
 template <int D>
 void set_scale(StepProblem<D>& problem, const Interaction& interaction, double scale);
 
@@ -205,7 +205,7 @@ template <int D>
 double safe_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
                  const TimeStepping& scheme);
 
-/// A grain moves by so many of its radii in a step at the most. What moves further is sought in vain by any grid.
+/// Largest motion of a grain in a step, in radii. No grid finds the contacts of grains that move further.
 inline constexpr double largest_move = 10;
 
 /// V_free + M^-1 H r for the impulses of the contacts.

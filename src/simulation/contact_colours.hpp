@@ -6,9 +6,9 @@
 
 namespace nscdd {
 
-/// Colours of the contacts of `problem`, the next step of a simulation or the share of it that this process has. Every
-/// contact of the step takes the least colour that none before it has that shares a free grain, in the order in which
-/// they are met: all processes look at all of them and find the same colours.
+/// Colours of the contacts of `problem`, the next step of a simulation or the share of this process. Greedy: in the
+/// order in which contacts are found, each takes the least colour that no earlier contact on its free grains has. Every
+/// process colours all contacts of the step, and finds the same colours.
 template <int D>
 ContactColours contact_colours(const Simulation& simulation, const StepProblem<D>& problem);
 

@@ -14,8 +14,8 @@ LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularS
 /// Solves a step that is not decomposed by a contact solver (see solve_friction) on its contact problem u = W r + q.
 /// The tolerance is on the natural map. `maximum_iterations` bounds the matrices factorised, and 100 times as many the
 /// sweeps. The contacts of the law must open; with one that pulls, r + pull obeys Coulomb's law. Sets contacts,
-/// velocities, and of the report what the solver knows. An iteration is a check of the solver: ten sweeps, a step along
-/// a curve, or one of Newton's.
+/// velocities, and the entries of the report that the solver knows. An iteration is a check of the solver: ten sweeps,
+/// a step along a curve, or one of Newton's.
 template <int D>
 void solve_whole_contacts(SolvedStep<D>& step, const Simulation& simulation, const IterationSink& sink);
 

@@ -11,7 +11,7 @@
 
 namespace nscdd {
 
-/// What a boundary of a case is made of.
+/// Shape of a boundary of a case.
 enum class BoundaryShape {
   wall,      ///< in the plane the straight line through `from` and `to`, grains on its left; in space a plane
   disks,     ///< a row of disks in the plane from `from` to `to`, both ends included

@@ -58,7 +58,7 @@ constexpr auto names_of(RunEnd) {
   return std::to_array<std::string_view>({"completed", "at rest", "stopped", "broke down"});
 }
 
-/// So many steps in a row grains must be slow to count as at rest: a turning point of their motion is not rest.
+/// Number of slow steps in a row after which grains count as at rest: a turning point of their motion is not rest.
 inline constexpr Index rest_steps = 10;
 
 struct RunOutcome {
@@ -74,9 +74,9 @@ struct RunSinks {
   Monitor monitor;  ///< after each step, of steps done and asked for
 };
 
-/// Takes steps until TimeStepping::steps are done, the grains rest, the monitor asks to stop or a step breaks down. In
-/// the end the simulation is as the last good step left it. `speeds`: mean_speed after each step of the run that this
-/// one goes on with. Throws Error if the very first step cannot be prepared, because that is bad input.
+/// Takes steps until TimeStepping::steps are done, the grains rest, the monitor asks to stop or a step breaks down. The
+/// simulation is then in the state after the last good step. `speeds`: mean_speed after each step of the run that this
+/// one continues. Throws Error if the very first step cannot be prepared, because that is bad input.
 RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::vector<double> speeds = {});
 
 /// Root mean square velocity of the free grains, m/s: sqrt(2 E / m), their kinetic energy E with spin, their mass m.

@@ -6,8 +6,8 @@
 namespace nscdd {
 namespace {
 
-// What the process says that has the largest merit; of several the one with the lowest pair of bodies (a, b). Nothing
-// if none has any. A process without any has the merit -infinity.
+// The text of the process with the largest merit; of equal ones that with the lowest pair of bodies (a, b). Empty if no
+// process has a text. A process without one has the merit -infinity.
 std::optional<std::string> words_of_first(const Processes& all, double merit, const StepContact& contact,
                                           const std::string& words) {
   struct Claim {

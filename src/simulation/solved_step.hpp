@@ -7,8 +7,8 @@
 
 namespace nscdd {
 
-/// A step that is prepared, decomposed and solved, but not yet taken. Of several processes that share it each has its
-/// share: problem, partition, contacts and velocities.
+/// A step that is prepared and solved, but not yet taken. Each of several processes has its share of problem,
+/// partition, contacts and velocities.
 template <int D>
 struct SolvedStep {
   StepProblem<D> problem;

@@ -20,7 +20,7 @@ template <int D>
 Decomposition linear_decomposition(const Simulation& simulation, const StepProblem<D>& problem,
                                    const Partition& partition, const ShareOfStep& share = {});
 
-/// What factorises for Stage 2 of a step: the simulation's own method, or multifrontal() where it has none.
+/// Factorisation method of Stage 2: that of the simulation, or multifrontal() if it has none.
 InertiaMethod stage_two_inertia(const Simulation& simulation);
 
 /// X_eta of the linear Stage 2 of a step. With `network` active, and always in the semi-implicit scheme, it

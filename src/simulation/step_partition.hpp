@@ -22,9 +22,9 @@ bool decomposes_afresh(const Simulation& simulation, Index step);
 /// Subdomains of a step: 1 where the algorithm does not decompose.
 Index subdomains_of_step(const Simulation& simulation);
 
-/// The subdomain of each contact that a step considers. Between two fresh partitions known contacts stay where they
-/// are, and a process knows only those of its own subdomains: for pairs that lie wholly in others it may name any of
-/// these. All processes take part. The simulation must outlive the result.
+/// The subdomain of each contact of a step. Between two fresh partitions known contacts keep their subdomain. A process
+/// knows only those of its own subdomains: for a pair that lies wholly in others it may return any of these others. All
+/// processes take part. The simulation must outlive the result.
 using SubdomainOfContact = std::function<Index(const StepContact&)>;
 template <int D>
 SubdomainOfContact subdomain_of_contact(const Simulation& simulation);

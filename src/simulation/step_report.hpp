@@ -35,8 +35,8 @@ const ResultColumns<IterationRow>& iteration_columns();  ///< of `nscdd simulate
 /// of equal length on the axis log10(iteration): all iterations at first, ever fewer later.
 bool begins_interval(Index iteration, Index per_decade);
 
-/// Who looks at the iterations of a step; of several processes all ask for the same rows and go on together. The
-/// indicators of one cost several sweeps, which multiplies the time of a run.
+/// Observer of the iterations of a step. All processes ask for the same rows and go on together. The indicators of one
+/// iteration cost several sweeps: observing each multiplies the time of a run.
 struct IterationSink {
   std::function<void(const IterationRow&)> row;  ///< may be empty: nobody looks
   Index every = 1;  ///< looks at one iteration in so many; 0: about ten per decade. The last is always looked at

@@ -60,8 +60,7 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
   return deal_out(Interface(unknowns_of_grain<D>, system.grains(), held), weight, simulation.processes.size);
 }
 
-// The grains that the problem of some contacts has, ascending: those that they touch, and all where one process has all
-// contacts.
+// The grains of the problem of some contacts, ascending: those that they touch, or all if one process has all contacts.
 std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, Index grains, bool all) {
   std::vector<std::int32_t> numbers;
   if (all) {

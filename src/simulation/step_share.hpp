@@ -7,16 +7,16 @@
 
 namespace nscdd {
 
-/// What a process that shares a step with others knows beside the contacts of its own subdomains. Both are empty where
-/// one process has the whole step.
+/// What a process knows of a shared step in addition to the contacts of its own subdomains. Both are empty if one
+/// process has the whole step.
 struct ShareOfStep {
   std::vector<Index> process_of_subdomain = {};  ///< see deal_out
   std::vector<RememberedImpulse> impulses = {};  ///< of the step before at these contacts, among others
 };
 
-/// The next step of a simulation before it is decomposed. Of several processes that share it each has the contacts of
-/// its own subdomains, and their grains. Every process knows where all grains are and how fast; it visits all contacts,
-/// one after the other, and keeps its own.
+/// The next step of a simulation before it is decomposed. Each of several processes has the contacts of its own
+/// subdomains, and their grains. Positions and velocities of all grains are replicated; every process visits all
+/// contacts, one after the other, and keeps its own.
 template <int D>
 struct StepShare {
   StepProblem<D> problem;
@@ -25,10 +25,10 @@ struct StepShare {
   StepReport report;  ///< what is known by now: number and scale of the contacts of all processes
 };
 
-/// All processes take part, one too. Subdomains are dealt out afresh with every fresh partition, by weight of their
-/// contacts, and impulses to start from go to the processes that need them now. Throws Error as checked_problem does,
-/// for more processes than subdomains, for an algorithm that several processes cannot share, and if they do not find
-/// the same contacts.
+/// All processes take part; a single one, too. With every fresh partition subdomains are assigned to processes anew, by
+/// their numbers of contacts, and impulses to start from are sent to the processes that need them. Throws Error as
+/// checked_problem does, for more processes than subdomains, for an algorithm that processes cannot share, and if they
+/// do not find the same contacts.
 template <int D>
 StepShare<D> share_step(const Simulation& simulation);
 
@@ -53,8 +53,8 @@ ContactResidual residual_of_subdomains(const ContactLaw& law, const Partition& p
 /// The grains that several subdomains share, in whatever process, ascending.
 std::vector<Index> shared_grains(const Interface& interface);
 
-/// What is to be remembered of the contacts of a step, ascending by (a, b). Of several processes each has those of its
-/// own subdomains, and of the others those of grains that are shared, so that it knows all contacts of its own grains.
+/// The contacts of a step to be remembered, ascending by (a, b). Each of several processes has those of its own
+/// subdomains and all contacts of shared grains, so that it knows every contact of its own grains.
 /// `shared`: grains that are shared, ascending.
 template <int D>
 std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<D>& problem, const Partition& partition,

@@ -14,9 +14,9 @@ struct PlacedBody {
 
 /// Columns that span M^1/2 times the velocities of a homogenised subdomain, in the rows of its network. Bodies that are
 /// kept have three columns each. The others move with the bilinear functions of a mesh of cells[0] x cells[1] equal
-/// cells over the box of their centres: x, y and spin (rim / radius) are interpolated between its nodes. Of nodes that
-/// too few bodies depend on only what is independent is taken, so that a mesh as fine as the bodies leaves all of them
-/// free. `bodies`: in the order of the subdomain; those without rows are left out.
+/// cells over the box of their centres: x, y and spin (rim / radius) are interpolated between its nodes. Of dependent
+/// columns, at nodes near too few bodies, only independent ones are taken: a mesh as fine as the bodies leaves all of
+/// them free. `bodies`: in the order of the subdomain; those without rows are left out.
 SparseMatrix coarse_velocities(const FrozenNetwork& network, const std::vector<PlacedBody>& bodies,
                                const std::array<Index, 2>& cells);
 

@@ -6,9 +6,8 @@
 
 namespace nscdd {
 
-/// Permutation of the contacts: the order in which they are to lie in memory. `bodies`: velocities of the
-/// disks (driven ones may be shared within a colour). `points`: where the contacts are, m, all of them for
-/// `interleaved`.
+/// Permutation of the contacts: their order in memory. `bodies`: velocities of the grains (driven ones may be shared
+/// within a colour). `points`: places of the contacts, m; needed for `interleaved` only.
 template <int D>
 std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
                                  const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,

@@ -30,8 +30,8 @@ struct CutOptions {
 template <int D>
 class CutContacts {
  public:
-  /// `parts`: a decomposition of a problem with D columns per contact, normal and tangential, side by side. Of several
-  /// processes each has its own, see decompose_own, and its relations and vectors are those of its own contacts.
+  /// `parts`: a decomposition of a problem with D columns per contact, normal and tangential, side by side. Each of
+  /// several processes has its own subdomains (see PackingShare), and relations and vectors of its own contacts.
   CutContacts(Decomposition parts, const CutOptions& options);
 
   /// As ContactMatrix::factorise.
@@ -40,7 +40,7 @@ class CutContacts {
   Vector solve(const Vector& b);
 
   /// As ContactMatrix::determinant_sign, once something has been solved: that of Stage 1 times that of P^-1 S on the
-  /// largest Krylov space of Stage 2. An eigenvalue that no right-hand side has a part in is not seen.
+  /// largest Krylov space of Stage 2. An eigenvalue is missed if no right-hand side has a component along its vector.
   int determinant_sign() const;
   /// As ContactMatrix::take_operations, of Stage 1.
   double take_operations();

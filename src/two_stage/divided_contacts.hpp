@@ -14,18 +14,18 @@ struct ContactColours {
   Index number = 0;               ///< of colours, in all processes
 };
 
-/// Whether solutions get a step of iterative refinement: where P is small impulses are velocities over it, and so are
-/// their errors.
+/// Whether solutions get a step of iterative refinement. Impulses are velocities divided by P, so a small P amplifies
+/// errors.
 enum class Refinement { none, one_step };
 
-/// The ContactProblem of a step cut into subdomains, with the linear systems of a CutContacts. W is never formed:  W r
-/// = H^T M^-1 H r  goes by the velocities of grains, of which every subdomain that a grain is in has a copy with its
-/// whole mass. A sweep visits the contacts of one colour after those of another; within a colour they do not feel each
-/// other, so that a sweep is the same for any cut.
+/// The ContactProblem of a step cut into subdomains, with the linear systems of a CutContacts. W is never formed:
+/// W r = H^T M^-1 H r  is computed from the velocities of grains. Each subdomain keeps a copy, with full mass, of every
+/// grain it touches. A sweep visits the contacts colour by colour. Contacts of one colour are independent, so a sweep
+/// is the same for any cut.
 ///
-/// With a law that pulls, r + pull obeys Coulomb's law: impulses here are these, and q makes up for it. Several
-/// processes each have the contacts of their own subdomains; no bit of a product, a sweep or a sum depends on their
-/// number, nor on that of threads.
+/// With a law that pulls, r + pull obeys Coulomb's law: impulses here are r + pull, and q is shifted accordingly. Each
+/// process has the contacts of its own subdomains; no bit of a product, a sweep or a sum depends on the number of
+/// processes or threads.
 template <int D>
 class DividedContacts {
  public:

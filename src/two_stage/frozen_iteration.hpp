@@ -15,9 +15,9 @@ namespace nscdd {
 /// iteration of the algorithm itself, without loads. So its spectral radius is the rate of convergence of a run, in the
 /// plane as long as the statuses stay, in space in the limit of small errors.
 ///
-/// Errors are y = M^1/2 V of all subdomains (an entry for each unknown of a free body). In space an impulse that turns
-/// is not made anew by a sweep: a part of its error across d remains. So y goes on with W_tt^1/2 times that component
-/// of every contact that slides.
+/// Errors are y = M^1/2 V of all subdomains (an entry for each unknown of a free body). In space a sweep does not renew
+/// a turning impulse completely: a part of its error across d remains. So y is followed by W_tt^1/2 times that
+/// component of every contact that slides.
 ///
 /// Errors lie in the range of M^-1/2 [G, A^T], which impulses can cause. Velocities that no impulse causes
 /// (mechanisms) would be eigenvalues 1 that no run meets, so every image is projected on that range. As n_GS
@@ -33,8 +33,7 @@ class FrozenIteration {
   /// So many iterations. The image is projected once: that costs as much as dozens of sweeps.
   Vector apply(const Vector& y, Index iterations = 1) const;
   Vector project(const Vector& y) const { return range_->apply(y); }
-  /// What y is of the velocities and impulses of the same decomposition: linear in both, so that an error is a
-  /// difference of two.
+  /// y of the velocities and impulses of the same decomposition. It is linear in both: an error is a difference of two.
   Vector coordinates(const GranularDecomposition<D>& parts) const;
 
  private:

@@ -17,7 +17,7 @@ template <int D>
 std::vector<FrozenContact<D>> frozen_contacts(const GranularDecomposition<D>& parts,
                                               const std::vector<ContactStatus>& statuses);
 
-/// Tangent across the direction in which a contact slides that turns.
+/// Tangent of a contact with a turning impulse, across its direction of sliding.
 TangentVector side_of(const FrozenContact<3>& contact);
 
 /// The network of one subdomain at frozen statuses in y = M^1/2 V, which has the unknowns of every free body. A contact

@@ -46,9 +46,9 @@ struct GranularDecomposition {
   void apply_interface_impulses(const Vector& change);
 };
 
-/// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
-/// them. `order`, `seed`: see contact_order. Where several processes share the step, each has the problem of the
-/// contacts of its own subdomains, and gets these and the gluing of all; the subdomains of others are empty.
+/// Splits a step along a partition of its contacts; velocities start at V_free, impulses at those of the step.
+/// `order`, `seed`: see contact_order. If several processes share the step, each passes the contacts of its own
+/// subdomains and gets these subdomains and the whole gluing; the subdomains of others are empty.
 /// `process_of_subdomain`: as `deal_out` has them. Throws Error if the partition does not fit.
 template <int D>
 GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,

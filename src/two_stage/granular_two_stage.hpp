@@ -11,7 +11,7 @@ struct IterationRecord {
   Index iteration = 0, sweeps = 0;  ///< from 1; Gauss-Seidel sweeps per subdomain so far
   double zeta = 0;                  ///< |r_i - r_{i-1}| / |r_i| over all contacts
   double interface_change = 0;      ///< Z = |F_i - F_{i-1}| / |F_i|; 0 without an interface
-  /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|. Impulses may drift within what networks carry: Z then stays, this falls.
+  /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|. If self-stresses drift at a constant rate, Z stagnates, but this falls.
   double interface_second_change = 0;
   double gluing = 0;    ///< |sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1
   double impulses = 0;  ///< |r_i|^2, (N s)^2
@@ -43,8 +43,8 @@ class GranularTwoStage {
   void start(const std::vector<RememberedGluing>& gluing);
 
   /// What the algorithm goes on from, z = (r, F_Gamma): D impulses of each contact in the numbers of the step problem,
-  /// then n_Gamma numbers. The velocities follow from it as in `start`. Conjugate gradients begin anew. Of one process
-  /// alone.
+  /// then n_Gamma numbers. The velocities follow from it as in `start`. Conjugate gradients restart. Requires a single
+  /// process.
   Vector state() const;
   void restart(const Vector& z);
 
@@ -60,8 +60,8 @@ class GranularTwoStage {
 
   void iterate();
 
-  /// Of the last iteration, summed over all subdomains: iterations themselves need no such sum, which all processes
-  /// form together, so that whoever asks less often waits less often.
+  /// Record of the last iteration, summed over all subdomains. Iterations need no such global sum: if it is formed less
+  /// often, processes wait less often.
   IterationRecord record() const;
 
   /// Sums over all subdomains at the present velocities.
@@ -79,8 +79,8 @@ class GranularTwoStage {
     std::vector<GrainContact<D>> contacts;
     std::vector<GrainVelocity<D>> velocities;
   };
-  /// What the subdomains have found; processes that share the step tell each other the copies of shared grains. Gluing
-  /// and interface impulses, too, are those of all from then on, until the next iteration.
+  /// Gathers the results of the subdomains; processes exchange the copies of shared grains. Until the next iteration,
+  /// gluing and interface impulses are then those of all processes.
   Solution gather(const StepProblem<D>& problem);
 
   std::vector<RememberedGluing> gluing() const;

@@ -6,7 +6,7 @@
 
 namespace nscdd {
 
-/// What a linear subdomain answers to the impulses of its interface.
+/// Response of a linear subdomain to the impulses of its interface.
 template <int D>
 struct LinearAnswer {
   std::vector<SweptVector<D>> impulses;      ///< of its contacts, N s

@@ -26,9 +26,9 @@ struct Surroundings {
 /// if the law, at the impulses and velocities of the answer, gives every contact the status at which it was frozen. At
 /// the first answer that fails, that very iteration is done by sweeps instead, and the statuses must stand still anew.
 ///
-/// How far off the linear model is, is measured when it is given up and at the end of a step, by the sweeps from the
-/// same state: the root mean square of dV over the copies of shared grains, m/s, and |M dV| / |A_E^T F|, the impulses
-/// which that difference is worth there.
+/// The error of the linear model is measured when it is given up and at the end of a step, against sweeps from the same
+/// state: the root mean square of dV over the copies of shared grains, m/s, and |M dV| / |A_E^T F|, the same in
+/// impulses.
 ///
 /// In space a subdomain in which a contact slides with friction is not linear, as the impulse turns with the velocity:
 /// it is switched only while none does. Without friction all that keep their statuses are.

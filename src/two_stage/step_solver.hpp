@@ -16,10 +16,10 @@ constexpr auto names_of(Criterion) {
 
 /// Orders in which a sweep may visit contacts.
 enum class ContactOrder {
-  natural,   ///< ascending by the disks
+  natural,   ///< ascending by the grains
   reverse,   ///< descending
   random,    ///< a new permutation each step
-  coloured,  ///< contacts of one colour share no free disk
+  coloured,  ///< contacts of one colour share no free grain
   /// Along a space-filling curve, in blocks of 256 contacts that are coloured each. Neighbours in space are
   /// neighbours in memory, yet no contact waits for the one before it: the fastest.
   interleaved,

@@ -14,9 +14,9 @@ CaseSpec parse_case(std::string_view text, const std::string& file, bool of_traj
 /// What a case file says, named by its stem.
 CaseSpec read_case(const std::string& path);
 
-/// What any file or folder says that stands for a case on the command line: a case file (.toml), a packing or a contact
-/// problem alone, or a folder DATBOX of LMGC90, of which `moving` takes what moves as well. Throws Error for a name
-/// that ends in none of their ways, and as their readers.
+/// The case of any file or folder of the command line: a case file (.toml), a packing, a contact problem, or a folder
+/// DATBOX of LMGC90, whose laws and boundaries are read only if `moving`. Throws Error for a name with another ending,
+/// and as the readers of these files.
 CaseSpec spec_of_file(const std::string& path, bool moving = false);
 
 /// The case with the packing or contact problem of the file that it names, which lies beside the case file. Throws

@@ -6,9 +6,9 @@
 
 namespace nscdd {
 
-/// The file with what a solver found, and with the velocities of the bodies that belong to it. Impulses that converged
-/// are its solution. Others take the place of none: they become the last of its guesses, to go on from, and `file` has
-/// no solution then. Impulses that are not finite are left out.
+/// The file with the impulses that a solver found and the velocities of the bodies that belong to them. Impulses that
+/// converged become its solution. Others become the last of its guesses, to restart from, and the file has no solution.
+/// Impulses that are not finite are left out.
 FclibFile with_result(FclibFile file, const FrictionSolution& found);
 
 }  // namespace nscdd

@@ -119,7 +119,7 @@ SparseMatrix read_blocks(Words& words, const std::string& name, Shape shape) {
   const std::vector<Index> row_ends = block_ends(words, "ends of block rows of " + name, block_rows, shape.rows);
   const std::vector<Index> column_ends =
       block_ends(words, "ends of block columns of " + name, block_columns, shape.columns);
-  // The first places of the block rows, the last of which need not be there if they are empty, and one more.
+  // Block-row pointers; trailing empty rows may be omitted.
   const Index places = words.integer("places of block rows of " + name, 1, block_rows + 1);
   words.integer("blocks of " + name, blocks, blocks);
   std::vector<Index> first;

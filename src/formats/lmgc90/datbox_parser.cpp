@@ -7,8 +7,7 @@
 namespace nscdd {
 namespace {
 
-// The body that a record of DRV_DOF.DAT or DOF.INI is about, by its number from 1. `met`: the numbers of the file so
-// far.
+// The body of a record of DRV_DOF.DAT or DOF.INI, by its number from 1. `met`: the numbers of the file so far.
 DatboxBody& numbered_body(FixedColumns& lines, Datbox& datbox, std::set<Index>& met) {
   std::vector<DatboxBody>& bodies = datbox.bodies;
   const char* kind = datbox_body_kind(datbox.dimension);

@@ -29,9 +29,9 @@ class DatboxWriter {
   /// Velocities of the contact are those at the end of the step.
   std::string vloc_rloc(const TrajectoryStep& step) const;
 
-  /// Why a DATBOX would be that of another case; empty where it is not: a law that LMGC90 does not have by the names
-  /// read here, disks that do not turn with their boundary, spheres of a boundary that turns, a wall that turns about a
-  /// point in front of it, or in space about an axis that turns.
+  /// Why no DATBOX can describe this case; empty if one can. Reasons: a law without a name in LMGC90 that is read here,
+  /// disks that do not turn with their boundary, spheres of a turning boundary, and a wall that turns about a point in
+  /// front of it or, in space, about an axis that turns.
   std::string without_datbox() const;
   std::string tact() const;  ///< TACT_BEHAV.DAT: one law between grains, one at boundaries, and who sees whom
   /// DRV_DOF.DAT: velocities of the driven bodies by formula where they are constant, else by a table (evolution).

@@ -11,7 +11,7 @@
 namespace nscdd {
 namespace {
 
-// What the page has room to show of a step. The units and descriptions are those of the tables.
+// The columns of a step that the page shows, with the units and descriptions of the tables.
 const std::vector<std::string> shown_of_summary{"step",
                                                 "time",
                                                 "iterations",

@@ -97,9 +97,9 @@ void VtkhdfFile::put_steps(const Group& root, const StepPicture& picture) {
 }
 
 // Each step has one entry more in Offsets than it has cells, so that step k begins at CellOffsets + k, as the readers
-// of VTK 9.3 have it. Later ones do not add k but the number of steps before k that begin below CellOffsets, and read a
-// step behind one without cells one entry too early: the very first lines, as no contact has led to time 0. One entry
-// that no step reads, counted in CellOffsets from the first step without cells on, makes both add k.
+// of VTK 9.3 have it. Later readers add, instead of k, the number of steps before k that begin below CellOffsets. After
+// a step without cells they read one entry too early; time 0 is such a step, as it has no contacts. One unused entry,
+// counted in CellOffsets from the first step without cells on, makes both add k.
 void VtkhdfFile::put_cells(const Group& root, const StepPicture& picture) {
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     const Group group = root.make_group(kinds[k]);

@@ -15,9 +15,9 @@ struct Coulomb {
   double pull() const { return 0; }
 
   /// Solves v = W (r - stop) together with the law, exactly. `stop` = r - W^-1 v of the present state is the
-  /// impulse that would bring the contact to rest, N s. There is always a solution. If W is coupled and
-  /// friction > W_nn / |W_nt|, there may be several, the open one among them, which is then taken. In space see
-  /// ConeContact for a coupled W.
+  /// impulse that would bring the contact to rest, N s. A solution always exists. If W is coupled and
+  /// friction > W_nn / |W_nt|, there may be several, one of them open, which is then returned. For a coupled W in
+  /// space see ConeContact.
   template <int D, class Delassus>
   LocalVector<D> impulse(LocalVector<D> stop, const Delassus& w, double friction) const {
     if constexpr (Delassus::coupled && D == 3) {

@@ -155,7 +155,7 @@ class Curve {
   double excess(Index row) const { return (below(row) + above(row)) / allowed(row); }
   double width(Index k) const { return deviations_[at(k)].below + deviations_[at(k)].above; }
 
-  // Whether a row says no more however near its neighbours are: digits are lost there, next to epsilon or eta = 0.
+  // Whether nearer neighbours cannot improve a row: digits are lost there, next to epsilon or eta = 0.
   bool uncertain(Index row) const { return uncertainty(law_, points_[at(row)].point) > 0.5 * allowed(row); }
 
   bool proved() const {

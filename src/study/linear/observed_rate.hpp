@@ -9,7 +9,7 @@ namespace nscdd {
 /// Convergence rate of a run of the algorithm itself.
 struct ObservedRate {
   double value = 0;  ///< factor by which the correction of F_Gamma shrinks per iteration
-  double error = 0;  ///< of the fit: standard error plus what the fit still drifts by
+  double error = 0;  ///< of the fit: standard error plus remaining drift
   Index iterations = 0;
   bool converged = true;  ///< the error fell below the tolerance within the iterations allowed
 };

@@ -11,7 +11,7 @@ double relative_gap(double observed, double predicted);
 /// Whether that gap is at most 1 %, or the rates differ by at most three times `error`.
 bool rates_agree(double observed, double predicted, double error);
 
-/// A run of a step beside the local theory of its convergence.
+/// Observed convergence of a step, compared with the local theory.
 struct PredictedObserved {
   StepReport report;                       ///< of the run, without what its end adds
   Index active = 0, stick = 0, slide = 0;  ///< at the statuses compared

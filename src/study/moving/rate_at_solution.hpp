@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// Algorithm 1 next to the solution of a step, beside the local theory of its convergence.
+/// Observed convergence of Algorithm 1 next to the solution of a step, compared with the local theory.
 struct RateAtSolution {
   StepReport report;                       ///< of the contact solver that found the solution
   double drift = not_a_number;             ///< |V_1 - V| / |V|: how far one iteration leads from the solution
@@ -32,7 +32,7 @@ struct RateAtSolution {
 ///    same iterations make of z itself is taken off.) As long as no status changes this is one long run, with no
 ///    end in rounding.
 /// 4. The rate is that of the sizes over the last tenth; or that of two modes, which may be a pair, if the errors of
-///    three tenths follow e_2 = a e_1 + b e_0. That is taken which has changed less since the tenth before.
+///    three tenths follow e_2 = a e_1 + b e_0. The one is taken that has changed less since the tenth before.
 /// In the plane the iteration is linear as long as no status changes (`changed`). In space it is so in the limit of
 /// small errors alone, because directions of sliding turn, which changes no status. Errors of 1e-7 of the velocities
 /// left 1e-5 of 1 - rho between prediction and observation on beds of spheres.

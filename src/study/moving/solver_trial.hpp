@@ -6,7 +6,7 @@
 
 namespace nscdd {
 
-/// The residuals at which contact solvers are compared. One run to the last of them tells of all.
+/// The residuals at which contact solvers are compared. One run to the smallest gives all of them.
 inline constexpr std::array compared_residuals{1e-4, 1e-6, 1e-8};
 
 /// What a solver took until something was reached; NaN where it never was.
@@ -36,8 +36,8 @@ const ResultColumns<SolverTrial>& trial_columns();
 SolverTrial try_solver(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
                        double time_limit = infinity, const std::function<bool()>& go_on = {});
 
-/// The solvers of a list of names; "all" stands for every one. Throws Error, beginning with `what`, for a name that
-/// there is not and one that comes twice.
+/// The solvers of a list of names; "all" stands for every one. Throws Error, beginning with `what`, for an unknown or
+/// repeated name.
 std::vector<FrictionAlgorithm> contact_solvers_named(const std::vector<std::string>& names, const std::string& what);
 
 }  // namespace nscdd

@@ -18,7 +18,7 @@ using KnownCells = std::vector<std::pair<std::string, Cell>>;
 /// among the `observables`.
 struct Observable {
   std::string_view name, summary;  ///< in study files and of `nscdd list`
-  /// Those keys of a study file that it looks at, of those that not every observable does.
+  /// The keys of a study file that it uses, apart from those that every observable uses.
   std::array<std::string_view, 8> keys = {};
   std::vector<Column> (*columns)(const StudyTable&) = nullptr;  ///< of its results, `case` the first
   /// Computes the rows of one case from `first` on; returns how many did not converge.
@@ -30,7 +30,7 @@ struct Observable {
   bool moving = false;      ///< of cases that move
   Index first_step = 1;     ///< smallest of `steps`: 1 where a step is examined, 0 where steps are done
   bool own_solver = false;  ///< cases get there with their own solver only
-  /// Throws Error for a case that it cannot be had of, as far as that is known before it is built.
+  /// Throws Error for a case to which it does not apply, as far as that is known before the case is built.
   void (*check)(const CaseSpec&) = nullptr;
 
   bool uses(std::string_view key) const { return std::find(keys.begin(), keys.end(), key) != keys.end(); }
@@ -110,8 +110,8 @@ struct Study {
 /// `vary_together` first) after `case`.
 std::vector<Column> study_columns(const StudyTable& table);
 
-/// 2 in the plane, 3 in space. Throws Error where a table of grains or contacts has cases of both. Where no case is
-/// resolved that knows, as while a study file is read, it is 3: in space a table has all columns that there may be.
+/// 2 in the plane, 3 in space. Throws Error if a table of grains or contacts has cases of both. It is 3 if no resolved
+/// case determines it, as while a study file is read: in space a table has every possible column.
 Index dimension_of(const StudyTable& table);
 
 /// Rows of a study table, where they are known before its cases are built: not so for links and grains.
