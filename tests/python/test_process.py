@@ -182,8 +182,8 @@ def test_progress_counts_up_to_the_end(capsys):
     nscdd.optimum(parts, [0.1, 1], contacts="all", progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (2, 2)
     seen.clear()
-    nscdd.generate("deposit", grains=100_000, progress=lambda done, total: seen.append((done, total)))
-    assert 0 < seen[-1][0] < seen[-1][1] == 100_000 and seen == sorted(seen)  # it looks at one grain in a thousand
+    nscdd.generate("deposit", grains=400_000, progress=lambda done, total: seen.append((done, total)))
+    assert 0 < seen[-1][0] < seen[-1][1] == 400_000 and seen == sorted(seen)  # calls are 50 ms apart
     nscdd.sweep(parts, [0.1, 1, 10], progress=True)
     captured = capsys.readouterr()
     assert captured.out == "" and captured.err.endswith("3 of 3, 0 s\n") and "#" * 30 in captured.err
