@@ -68,9 +68,10 @@ class AlternatingDirections {
       multiplier_ *= weight_ / weight;
       weight_ = weight;
       ++run_.now.factorisations;
-      if (problem_.factorise_shifted(weight_ * data_.normal)) return true;
+      const bool regular = problem_.factorise_shifted(weight_ * data_.normal);
+      run_.now.operations += problem_.take_operations();
+      if (regular) return true;
     }
-    run_.now.operations += problem_.take_operations();
     return false;
   }
 
