@@ -16,8 +16,7 @@ void MemoryLimit::declare(Command& command) {
 }
 
 void MemoryLimit::apply(Index processes) const {
-  if (gibibytes || processes > 1)
-    limit_memory((gibibytes ? *gibibytes * gibibyte : memory_limit()) / static_cast<double>(processes));
+  if (gibibytes) limit_memory(*gibibytes * gibibyte / static_cast<double>(processes));
   require_memory(smallest_checked_need, "the work itself");
 }
 

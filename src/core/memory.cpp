@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/memory.hpp"
 
-#include "core/fail.hpp"
-
+#include <fmt/format.h>
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -32,12 +31,33 @@ double number_in(const fs::path& file) {
   return stream >> value ? value : infinity;
 }
 
+// The files of a control group. Its usage counts pages of files, which the system takes back where memory is short.
+struct GroupFiles {
+  const char* limit;
+  const char* usage;
+  std::array<std::string_view, 2> pages_of_files;  // keys of memory.stat
+};
+constexpr GroupFiles version_1{
+    "memory.limit_in_bytes", "memory.usage_in_bytes", {"total_inactive_file", "total_active_file"}};
+constexpr GroupFiles version_2{"memory.max", "memory.current", {"inactive_file", "active_file"}};
+
+// Bytes of pages of files in a group.
+double pages_of_files(const fs::path& folder, const GroupFiles& files) {
+  std::ifstream stream(folder / "memory.stat");
+  std::string key;
+  double sum = 0;
+  for (double bytes = 0; stream >> key >> bytes;)
+    if (std::ranges::find(files.pages_of_files, key) != files.pages_of_files.end()) sum += bytes;
+  return sum;
+}
+
 // What a group, and every group that it lies in, leave of their limits.
-double left_in(const fs::path& root, fs::path group, const char* limit_name, const char* usage_name) {
+double left_in(const fs::path& root, fs::path group, const GroupFiles& files) {
   for (double left = infinity;; group = group.parent_path()) {
     const fs::path folder = root / group;
-    const double limit = number_in(folder / limit_name), usage = number_in(folder / usage_name);
-    if (limit < infinity && usage < infinity) left = std::min(left, std::max(limit - usage, 0.0));
+    const double limit = number_in(folder / files.limit), usage = number_in(folder / files.usage);
+    if (limit < infinity && usage < infinity)
+      left = std::min(left, std::max(limit - usage + pages_of_files(folder, files), 0.0));
     if (group.empty()) return left;
   }
 }
@@ -50,9 +70,8 @@ double control_groups_available() {
     if (first == std::string::npos || second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1);
     const fs::path group = fs::path(line.substr(second + 1)).relative_path();
-    if (controllers.empty()) left = std::min(left, left_in("/sys/fs/cgroup", group, "memory.max", "memory.current"));
-    if (controllers == "memory")
-      left = std::min(left, left_in("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes"));
+    if (controllers.empty()) left = std::min(left, left_in("/sys/fs/cgroup", group, version_2));
+    if (controllers == "memory") left = std::min(left, left_in("/sys/fs/cgroup/memory", group, version_1));
   }
   return left;
 }
@@ -80,7 +99,7 @@ rlimit own_limit() {
 
 void limit_memory(double bytes) {
   rlimit limit = own_limit();
-  if (bytes < static_cast<double>(limit.rlim_max)) limit.rlim_cur = static_cast<rlim_t>(std::ceil(bytes));
+  limit.rlim_cur = bytes < static_cast<double>(limit.rlim_max) ? static_cast<rlim_t>(std::ceil(bytes)) : limit.rlim_max;
   if (setrlimit(RLIMIT_RSS, &limit) != 0) throw Error("memory: expected a limit that can be set, met another");
 }
 
@@ -103,12 +122,12 @@ void require_memory(double bytes, std::string_view what, std::string_view advice
   if (bytes < smallest_checked_need) return;
   const double limit = memory_limit(), in_use = memory_in_use();
   if (in_use + bytes <= limit) return;
-  fail(
+  throw OutOfMemory(fmt::format(
       "expected to fit into {:.3g} GiB of memory ({}), met {:.3g} GiB in use and {:.3g} GiB for {}; {}, or a larger "
-      "limit (--memory-limit, ulimit -m) may help",
+      "limit (--memory-limit where the command has it, ulimit -m) may help",
       limit / gibibyte,
       own_limit().rlim_cur != RLIM_INFINITY ? "the limit of this process" : "90 % of what is available",
-      in_use / gibibyte, bytes / gibibyte, what, advice);
+      in_use / gibibyte, bytes / gibibyte, what, advice));
 }
 
 }  // namespace nscdd

@@ -28,7 +28,13 @@ inline double bytes_of_matrix(Index rows, Index columns) {
 /// Needs below this many bytes are not compared with the limit.
 inline constexpr double smallest_checked_need = 1 << 20;
 
-/// Throws Error with all amounts unless `bytes` more fit within the limit. `what` takes them: "a factor of 12 rows".
+/// Work does not fit into memory. One rank of several may refuse alone, and the others cannot know.
+struct OutOfMemory : Error {
+  using Error::Error;
+};
+
+/// Throws OutOfMemory with all amounts unless `bytes` more fit within the limit. `what` takes them: "a factor of 12
+/// rows".
 void require_memory(double bytes, std::string_view what, std::string_view advice = "fewer grains or subdomains");
 
 }  // namespace nscdd

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/simulation.hpp"
 
+#include "core/memory.hpp"
 #include "simulation/contact_solver_step.hpp"
 #include "simulation/room.hpp"
 #include "simulation/step_decomposition.hpp"
@@ -28,7 +29,9 @@ std::optional<AnySolvedStep> solve_or_explain(const Simulation& simulation, cons
     reason = fmt::format("step {}: {} after {} iterations, {}", step.report.step, ended, step.report.last.iteration,
                          describe_breakdown(simulation, step));
   } catch (const Error& error) {
-    if (simulation.state.step == 0) throw;
+    // A rank that has no memory ends the run: the others may wait for it inside the solver.
+    const bool refused_alone = dynamic_cast<const OutOfMemory*>(&error) != nullptr && !simulation.processes.alone();
+    if (simulation.state.step == 0 || refused_alone) throw;
     reason = fmt::format("step {}: {}", simulation.state.step + 1, error.what());
   }
   return std::nullopt;

@@ -11,7 +11,7 @@ namespace {
 
 // P, S, their scaled copy and difference, and the Cholesky factor and reduced matrix of LAPACK. In the rigid limit
 // there may also be a kernel with its complement, a basis, and the restricted pencil.
-constexpr double matrices_at_once = 6, rigid_matrices_at_once = 13;
+constexpr double matrices_at_once = 6, rigid_matrices_at_once = 10;
 
 // The pencil (A, P) on the P-orthogonal complement of the span of `kernel`: with P = L L^T and Q an orthonormal basis
 // of the complement of L^T kernel, the columns of L^-T Q are P-orthonormal and P-orthogonal to the kernel.
