@@ -119,7 +119,8 @@ def subdomains(given: Subdomains) -> str | np.ndarray:
 
 
 def prescribed(given: Prescribed | None) -> list[tuple[int, tuple[float, ...]]]:
-    """Velocities by grains. Raises TypeError for what is no number of a grain, or neither two numbers nor three."""
+    """Velocities by grains. Raises TypeError for a key that is no grain number, or a value that is not two or three
+    numbers."""
     found = []
     for grain, velocity in (given or {}).items():
         if len(velocity) not in (2, 3):

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from . import _arguments, _core
 from ._core import FrictionSolution
 
-#: What is shown the solution at every check; where it returns False, the solver stops.
+#: A function that receives the solution at every check; if it returns False, the solver stops.
 Observer = Optional[Callable[[FrictionSolution], object]]
 
 
@@ -78,7 +78,7 @@ class ContactProblem:
 
     @property
     def has_bodies(self) -> bool:
-        """Whether M, H, f and w are known; W and q are None then, and else these are."""
+        """Whether M, H, f and w are known. If so, W and q are None; else M, H, f and w are None."""
         return self._core.is_global
 
     @property
@@ -139,7 +139,7 @@ class ContactProblem:
     @_arguments.takes(_core.friction_options)
     def solve(self, *, guess: ArrayLike | None = None, callback: Observer = None, threads: int = 0,
               **options: _arguments.Option) -> FrictionSolution:
-        """Solves it, with the arguments of `nscdd solve`. How it ended, `status` of the result says.
+        """Solves it, with the arguments of `nscdd solve`. `status` of the result says how it ended.
 
         OPTIONS
         guess        impulses to start from, 2c or 3c numbers
@@ -163,7 +163,7 @@ def write_contact_problem(path: str | os.PathLike[str], problem: ContactProblem,
                           solution: FrictionSolution | None = None, *, title: str | None = None,
                           description: str | None = None, math_info: str | None = None, force: bool = False) -> None:
     """Writes a contact problem, with its texts and guesses, as HDF5 of FCLIB (.h5, .hdf5), or the problem alone as a text
-    of Siconos (.dat). A `solution` that converged takes the place of the one there was; another one is added to the
+    of Siconos (.dat). A `solution` that converged replaces that of the problem; one that did not is added to the
     guesses. Raises Error for a file that is there already, unless `force`, and for a solution of another problem."""
     info = [(name, text) for name, text in (("title", title), ("description", description), ("math_info", math_info))
             if text is not None]
@@ -173,8 +173,8 @@ def write_contact_problem(path: str | os.PathLike[str], problem: ContactProblem,
 @_arguments.takes(_core.friction_options)
 def solve(W: Any, q: ArrayLike, mu: ArrayLike, *, guess: ArrayLike | None = None, callback: Observer = None,
           threads: int = 0, **options: _arguments.Option) -> FrictionSolution:
-    """Solves `ContactProblem(W, q, mu)`, with the arguments of its method `solve`. How it ended, `status` of the result
-    says. Raises Error as ContactProblem does."""
+    """Solves `ContactProblem(W, q, mu)`, with the arguments of its method `solve`. `status` of the result says how it
+    ended. Raises Error as ContactProblem does."""
     return ContactProblem(W, q, mu).solve(guess=guess, callback=callback, threads=threads, **options)
 
 

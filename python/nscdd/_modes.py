@@ -11,9 +11,9 @@ from ._tables import Table
 
 
 class Mode:
-    """An eigenvector F of a contraction, B F = mu F, and what the grains do in it: the error that the iteration is left
-    with in the end. F is scaled to F^T P F = 1 J. Where there is none, `found` is False, and arrays are empty: of an
-    empty interface, where every eigenvalue is the same, or where the solver failed."""
+    """An eigenvector F of a contraction, B F = mu F, and what the grains do in it: the error that remains in the end. F
+    is scaled to F^T P F = 1 J. There is no mode if the interface is empty, if all eigenvalues are equal, or if the
+    solver failed: then `found` is False, and arrays are empty."""
 
     def __init__(self, core: _core.Mode) -> None:
         self._core = core
@@ -35,7 +35,8 @@ class Mode:
 
     @property
     def next(self) -> float:
-        """The eigenvalue next to it, inwards; nan where it is not known. The same again: the mode is one of several."""
+        """The next eigenvalue inwards; nan if it is not known. If it equals `eigenvalue`, the mode is one of
+        several."""
         return self._core.next
 
     @property
@@ -45,7 +46,7 @@ class Mode:
 
     @property
     def converged(self) -> bool:
-        """Whether the residual is within the tolerance. That no mode lies further out, `spectrum` says."""
+        """Whether the residual is within the tolerance. `spectrum` says whether a mode lies further out."""
         return self._core.converged
 
     @property

@@ -72,8 +72,8 @@ class InterfaceOperator(LinearOperator):
 
 
 class Contraction(LinearOperator):
-    """B = I - omega P^-1 S, which an error of the interface impulses is multiplied by in each iteration. Its
-    eigenvalues are real: 1 - omega lambda for the eigenvalues lambda of the symmetric pencil (S, P)."""
+    """B = I - omega P^-1 S: each iteration multiplies the error of the interface impulses by B. Its eigenvalues are
+    real: 1 - omega lambda for the eigenvalues lambda of the symmetric pencil (S, P)."""
 
     def __init__(self, core: _core.Contraction, parts: Decomposition) -> None:
         super().__init__(np.dtype(float), (core.rows, core.rows))
@@ -129,7 +129,7 @@ def spectral_radius(b: Contraction, *, threads: int = 0, **options: _arguments.O
     The residual counts relative to max(1, rho). Eigenvalues are `low` and `high` of the result. "arpack" neither
     certifies nor finds more than one at each end.
 
-    What was not reached is told by `converged` of the result. Ctrl-C ends the work between two products or solves; the
-    eigenvalues of a dense matrix are one call of LAPACK, which is left alone until it is done.
+    `converged` of the result is False if the tolerance was not reached. Ctrl-C ends the work between two products or
+    solves; the eigenvalues of a dense matrix are one call of LAPACK, which is not interrupted.
     """
     return _core.spectral_radius(_of(b)._core, dict(options), threads)

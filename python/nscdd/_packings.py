@@ -21,8 +21,8 @@ def read_packing(path: str | os.PathLike[str]) -> Packing:
 
 def generate(generator: str, *, progress: _arguments.Progress = None, threads: int = 0,
              **parameters: object) -> Packing:
-    """The packing of a generator. Equal parameters give equal bits. `progress` counts grains. Raises Error for a
-    generator or parameter that there is not, or a value out of bounds.
+    """The packing of a generator. Equal parameters give equal bits. `progress` counts grains. Raises Error for an
+    unknown generator or parameter, or a value out of bounds.
 
     The generators, and their parameters with what they are by default:
     """
@@ -58,7 +58,7 @@ def decompose(packing: Packing, subdomains: _arguments.Subdomains = (1, 1), *, t
     compression, shear   rates, 1/s, of a homogeneous deformation that all other grains arrive with: along x and y, in
                  space along z too; shear of x and y
 
-    Velocities matter for the active contacts alone. Raises Error for what cannot be used.
+    Velocities matter only for the choice of active contacts. Raises Error for what cannot be used.
     """
     given = {"contacts.tolerance": tolerance, "contacts.overlap_tolerance": overlap_tolerance,
              "loads.compression": compression, "loads.shear": shear}

@@ -9,7 +9,7 @@ from . import _arguments, _core
 from ._core import Packing, Step
 from ._tables import Table
 
-#: What is shown each step once it is taken; where it returns False, the run ends.
+#: A function that receives each step once it is taken; if it returns False, the run ends.
 StepObserver = Optional[Callable[[Step], object]]
 
 
@@ -40,9 +40,9 @@ def simulate(case: str | os.PathLike[str], *, packing: Packing | None = None,
     callback    is shown each step once it is taken; where it returns False, the run ends
     progress    counts steps
 
-    Ctrl-C ends it within a step, between two iterations. Breaking down is data: see `end` and `reason`. Raises Error
-    for what cannot be used, for a setting without effect, and for a case whose packing is to be settled by another one
-    unless `packing` gives it.
+    Ctrl-C ends it within a step, between two iterations. A breakdown raises no error: see `end` and `reason`. Raises
+    Error for what cannot be used, for a setting without effect, and for a case whose packing is to be settled by
+    another one unless `packing` gives it.
     """
     cut = None if subdomains is None else _arguments.subdomains(subdomains)
     if cut is not None and not isinstance(cut, str):

@@ -76,7 +76,7 @@ def curve(parts: Decomposition, epsilon: _arguments.Values | tuple[float, float]
           eta: _arguments.Values | tuple[float, float] | None = math.inf, *, tolerance: float = 1e-3,
           relaxation: _arguments.Values = 1.0, contacts: str = "all", progress: _arguments.Progress = None,
           threads: int = 0, **options: _arguments.Option) -> CurveTable:
-    """Curves of the spectral radius that are proved between their points, which are placed by themselves.
+    """Curves of the spectral radius that are proved between their points, which are placed automatically.
 
     epsilon, eta   one of them is a range, (1e-3, 1e3) or a text "1e-3:1e3" or "0.1:10W"; there is a curve for every value
                    of the other and every relaxation
@@ -84,8 +84,8 @@ def curve(parts: Decomposition, epsilon: _arguments.Values | tuple[float, float]
 
     Over log epsilon (or eta), straight lines from `curve_low` to `curve_low` and from `curve_high` to `curve_high` of
     neighbouring rows lie below and above the subdominant radius all along the curve. Both are nan for a curve with a
-    point that did not converge. `progress` counts points, as many as are known to be wanted. The other arguments are
-    those of `sweep`. Columns:
+    point that did not converge. `progress` counts the points known to be needed so far. The other arguments are those
+    of `sweep`. Columns:
 
     """
     how = _core.TableOptions(dict(options), _arguments.progress(progress), threads)
@@ -97,7 +97,7 @@ def curve(parts: Decomposition, epsilon: _arguments.Values | tuple[float, float]
 def optimum(parts: Decomposition, epsilon: _arguments.Values = 0.0, *, contacts: str = "active",
             progress: _arguments.Progress = None, threads: int = 0, **options: _arguments.Option) -> Table:
     """The best flexibility eta of Stage 2, with and without relaxation: a row for each epsilon. `progress` counts rows.
-    How a row came about, its columns `status` and `relaxed_status` say. Columns:
+    The columns `status` and `relaxed_status` say how a row was found. Columns:
     """
     how = _core.TableOptions(dict(options), _arguments.progress(progress), threads)
     return Table(_core.optimum(parts, _arguments.spec(epsilon), contacts, how))

@@ -99,7 +99,7 @@ struct Command {
     option.required = true;
     return option;
   }
-  /// One whose help shows the value that it has if it is not given.
+  /// An option whose help shows its default.
   template <class Value>
   Option& preset(const std::string& form, Value& value, std::string help, const Field& bounds = {}) {
     Option& option = add(form, value, std::move(help), bounds);

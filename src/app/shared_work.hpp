@@ -6,7 +6,7 @@
 
 namespace nscdd::app {
 
-/// The option --threads, and the threads at the most: as asked for, or where nothing is said as the machine has it.
+/// The option --threads, and the largest number of threads: as asked for, else the default of the machine.
 void declare_threads(Command& command, Index& threads);
 inline Index threads_of(Index asked, const Machine& machine) { return asked > 0 ? asked : machine.threads; }
 

@@ -6,7 +6,7 @@
 
 namespace nscdd::app {
 
-/// A table that several processes work on. The first of them has it; what the others write is lost.
+/// A table that several processes work on. Rank 0 holds it; rows of other ranks are dropped.
 class SharedTable {
  public:
   /// Throws Error in all processes if the first cannot open it.

@@ -17,7 +17,7 @@ struct Machine {
   Index processes_here = 1;  ///< those that share this computer's memory
   InertiaMethod inertia = multifrontal(processes.counts);
   SpectrumSolver slepc = {};
-  Index threads = 0;  ///< of a process where nothing is said, 0 for all
+  Index threads = 0;  ///< default of a process, 0 for all
 
   bool serves(std::string_view verb) const { return verbs.empty() || std::ranges::find(verbs, verb) != verbs.end(); }
 };
@@ -46,7 +46,7 @@ struct Verb {
 Declaration declare_sweep, declare_run, declare_network, declare_inspect, declare_optimum, declare_generate,
     declare_modes, declare_report, declare_solve, declare_simulate, declare_export, declare_list, declare_manual;
 
-/// What the program prints alone: what the program is for, where to begin, and its verbs.
+/// What the program prints without a verb: what it is for, where to begin, and its verbs.
 std::string short_guide(const std::vector<Verb>& verbs, const Machine& machine);
 
 /// What `nscdd VERB --help` prints, at most 100 columns wide: a line per option, then remarks and examples.

@@ -34,7 +34,7 @@ class AlternatingDirections {
 
   void iterate() {
     constexpr double relaxation = 1.6;
-    constexpr double renewed_part = 0.1;  // of the shift: the whole of it goes round where rho is small
+    constexpr double renewed_part = 0.1;  // of the shift: renewing all of it cycles where rho is small
     const Vector scaled = weight_ * data_.normal, velocities = -scaled.cwiseProduct(multiplier_);
     Vector right = scaled.cwiseProduct(impulses_ - multiplier_) - data_.q - rest_;
     for (Index c = 0; c < data_.contacts(); ++c) {
@@ -108,7 +108,7 @@ void admm(P& problem, SolverRun<P::dimension>& run) {
     directions.renew_rest();
     smallest = std::min(smallest, run.now.state.residual);
     if (run.now.sweeps < next || run.spent()) continue;
-    // Where the residual does not fall the shift goes round: a larger rho lets it change more slowly.
+    // If the residual does not fall, the shift cycles: with a larger rho it changes more slowly.
     const bool falls = std::exchange(smallest_before, smallest) * fall_wanted >= smallest;
     const double weight = falls ? directions.balanced_weight() : 3 * directions.weight();
     if (weight != directions.weight()) regular = directions.change_weight(weight);

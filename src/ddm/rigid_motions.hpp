@@ -27,13 +27,12 @@ struct RigidNetwork {
   const SparseMatrix& h;     ///< H, d n x c
 };
 
-/// Clusters are looked for in space alone: in the plane contacts that depend on others are told and left out without
-/// them.
+/// Clusters are sought in space only: in the plane dependent contacts are found and left out without them.
 RigidMotions rigid_motions(const RigidNetwork& network);
 
-/// Of the range of Z^T H as it stands in `motions.h`, or of what the bodies that are `grounded`, a flag for each, leave
-/// of it when they do not move. A body whose few columns are clearly independent is set aside with them, again and
-/// again: the rest has nothing to do with them. A sparse factorisation chooses among the columns of the bodies that are
+/// A basis of the range of Z^T H as in `motions.h`. With `grounded`, a flag for each body that does not move: of what
+/// these bodies leave of the range. A body whose few columns are clearly independent is set aside with them, again and
+/// again: the rest does not depend on them. A sparse factorisation chooses among the columns of the bodies that are
 /// left.
 RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded = {}, Tilt tilt = Tilt::measured);
 

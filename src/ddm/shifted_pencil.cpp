@@ -8,7 +8,7 @@
 namespace nscdd {
 namespace {
 
-// Of a whole decomposition. `entries`: no fewer than it adds, for a contact of k velocities ties them in pairs.
+// Sizes of a whole decomposition. `entries`: at least as many as it adds, as a contact couples its velocities in pairs.
 struct Sizes {
   Index dofs = 0, contacts = 0, entries = 0;
 

@@ -71,7 +71,7 @@ class Pair {
   double radius_, touch_ = 0;
 };
 
-// The part of the path from `from` by `move` until the length is `end`, or none. It is longer at first.
+// The part of `move` after which the vector `from`, longer than `end` at first, has the length `end`; or none.
 template <int D>
 std::optional<double> part_until(const Direction<D>& from, const Direction<D>& move, double end) {
   const double a = dot<D>(move, move), b = dot<D>(from, move), c = dot<D>(from, from) - end * end;
@@ -86,8 +86,8 @@ struct Followed {
   double at_bend = -infinity, at_end = 0;  // overlaps, m
 };
 
-// Whether bodies were deepest in each other when a boundary turned back, and are less so now: what it did to the other
-// before is over when contacts are found, and velocities do not show it. `small`: the smaller radius, m.
+// Whether the overlap was largest when a boundary turned back, and is smaller now. What the boundary did to the other
+// body is then over when contacts are found, and velocities do not show it. `small`: the smaller radius, m.
 bool turned_back(const Followed& found, double small) {
   constexpr double notable = 0.02;      // of the radius, more than chords of arcs are off by
   const bool apart = found.before < 0;  // bodies that touched when contacts were found last are a contact since then

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double patience = 5;  // s, until a process that failed alone ends the others
 
-// Which process tells the user why the run has failed: the first one that knows, or none (as many as there are). Empty
-// if some process has not come to its end yet, and this one has failed: it waits for the others in vain.
+// The rank that reports the error of a run: the first one that failed, or the number of processes if none did. Empty if
+// this process failed, and another one has not ended within `patience`.
 std::optional<int> speaker(const app::Outcome& outcome) {
   int rank = 0, size = 1, first = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
@@ -44,7 +44,7 @@ Index processes_here() {
   return size;
 }
 
-// The first process speaks; what the others would say is the same.
+// Silences a rank other than 0: it would print the same.
 void keep_silent() {
   if (std::freopen("/dev/null", "w", stdout) == nullptr || std::freopen("/dev/null", "w", stderr) == nullptr)
     throw Error("/dev/null: cannot be opened");
@@ -52,7 +52,7 @@ void keep_silent() {
 
 int run(int argc, char** argv) {
   const int standard_error = dup(STDERR_FILENO);
-  // It goes after the last word: what it holds is given back by all processes together.
+  // Destroyed after the last output, because all processes free it together.
   const Processes processes = processes_of(MPI_COMM_WORLD);
   const app::Machine machine{.program = "nscdd-mpi",
                              .verbs = {"sweep", "optimum", "simulate", "inspect"},

@@ -17,14 +17,14 @@ class SlepcSession {
   SlepcSession(const SlepcSession&) = delete;
   SlepcSession& operator=(const SlepcSession&) = delete;
 
-  /// The one that there is, or a new one.
+  /// Returns the running session, or starts one.
   static std::shared_ptr<const SlepcSession> present();
 
  private:
   bool begun_here_ = false;
 };
 
-/// For its life PETSc says nothing of what fails: codes are looked at.
+/// Silences PETSc's error handler while it lives; callers check return codes.
 class QuietPetsc {
  public:
   QuietPetsc() { PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr); }

@@ -6,8 +6,7 @@
 
 namespace nscdd::testing {
 
-/// What a function of vectors asks for where there is one of matrices, too: Eigen turns either into the
-/// other.
+/// Restricts an overload to vectors where there is one for matrices, too: Eigen converts either into the other.
 template <class Expression>
 concept VectorExpression = (Expression::ColsAtCompileTime == 1);
 

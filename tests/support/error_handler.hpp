@@ -5,7 +5,7 @@
 
 namespace nscdd::testing {
 
-/// Whether HDF5 has the error handler that was set before `work` afterwards, too.
+/// Whether HDF5 has the same error handler after `work` as before.
 bool keeps_error_handler(const std::function<void()>& work);
 
 }  // namespace nscdd::testing

@@ -51,8 +51,8 @@ struct Processes {
       gather_bytes = [](std::span<const std::byte> own, std::size_t, bool, const Room& room) {
         std::ranges::copy(own, room(own.size()));
       };
-  /// What adds up the entries that neighbours share, of one array after the other. Nobody else takes part, and only
-  /// these entries are then the same in both.
+  /// A function that adds up the entries shared with neighbours, for one array after the other. Only neighbours take
+  /// part, and only these entries are then the same in both.
   std::function<std::function<void(std::span<double>)>(const std::vector<SharedEntries>&)> between_neighbours =
       [](const auto&) { return [](std::span<double>) {}; };
 

@@ -12,7 +12,7 @@ struct Partition {
   std::vector<Index> subdomain_of_contact;  ///< one per column of H
 };
 
-/// Throws Error unless every one of `contacts` contacts has a subdomain that there is.
+/// Throws Error unless each of `contacts` contacts has an existing subdomain.
 void check(const Partition& partition, Index contacts);
 
 /// One subdomain E: the grains its contacts touch, with their share of mass.
@@ -37,8 +37,8 @@ struct Decomposition {
   Index interface_size() const { return interface.size(); }            ///< n_Gamma
 };
 
-/// What processes that share a packing know of each other, where none of them has all of it. Each has the problem and
-/// the partition of the contacts of its own subdomains.
+/// What a process knows of the others if no process holds the whole packing. Each holds the problem and the partition
+/// of the contacts of its own subdomains.
 struct PackingShare {
   std::vector<Index> numbers = {};  ///< of the grains of the problem in the packing, ascending; empty where it has all
   std::vector<Index> process_of_subdomain = {};  ///< see `deal_out`; empty where one process has all subdomains
@@ -51,9 +51,9 @@ struct PackingShare {
 Decomposition decompose(const ReferenceProblem& problem, const Partition& partition,
                         GluingShape shape = GluingShape::chain, const PackingShare& share = {});
 
-/// The two halves of `decompose` of a packing that every process has. A process that keeps only some of the subdomains
-/// (`of_process`) drops the others in between, so that it never holds their matrices. `cut`: all but H_E and A_E.
-/// `with_matrices`: these of the subdomains that have their grains.
+/// The two halves of `decompose`, for a packing that every process has. `cut` makes all but H_E and A_E;
+/// `with_matrices` adds these to the subdomains that have their grains. A process that keeps only some of the
+/// subdomains drops the others in between (`of_process`), so that it never holds their matrices.
 Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape = GluingShape::chain);
 Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem);
 

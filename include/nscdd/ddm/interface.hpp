@@ -39,8 +39,8 @@ enum class GluingShape {
 ///
 /// Where several processes share the subdomains, each has the same rows and holds the ties of its own subdomains only:
 /// `exchange` adds up over the processes, and vectors of the interface that come of it are the same in all of them.
-/// `exchange_with_neighbours` asks the neighbours alone: these vectors are right in the rows of grains of which this
-/// process has a copy, and nowhere else.
+/// `exchange_with_neighbours` exchanges with neighbours only: its vectors are right only in the rows of grains of which
+/// this process has a copy.
 class Interface {
  public:
   Interface() = default;
@@ -82,8 +82,8 @@ class Interface {
     processes_.add_up({jumps.data(), at(jumps.size())});
     return jumps;
   }
-  /// The same where this process has a copy of the grain; other rows are 0. `meet_neighbours` comes before. No bit
-  /// depends on the processes: an entry has two parts at most.
+  /// The same where this process has a copy of the grain; other rows are 0. Requires `meet_neighbours`. No bit depends
+  /// on the processes: an entry has two terms at most.
   template <class Velocity>
   Vector exchange_with_neighbours(const Velocity& velocity) const {
     Vector jumps = own_jumps(velocity);
@@ -155,10 +155,10 @@ class Interface {
   std::function<void(std::span<double>)> between_neighbours_;
 };
 
-/// The interface of subdomains of which each process knows only its own: `held` of others is empty, and `tied` tells
-/// of own grains. All processes take part, and tell each other which grains they share; each knows the copies of these,
-/// and of grains of its own; other grains have none here, and local numbers of copies in other processes mean nothing.
-/// No process needs more than that and a number for each grain. `process_of_subdomain`: as deal_out has them; empty
+/// The interface if each process knows only its own subdomains: `held` is empty for the others, and `tied` is right for
+/// own grains only. All processes take part and exchange which grains they share. Each then knows the copies of these
+/// and of its own grains; other grains have no copies here, and local numbers of copies in other processes mean
+/// nothing. Besides, a process needs only a number for each grain. `process_of_subdomain`: as deal_out has them; empty
 /// where one process has all subdomains.
 Interface shared_interface(Index dofs_per_grain, Index grains, std::vector<std::vector<Index>> held,
                            const std::vector<char>& tied, const std::vector<Index>& process_of_subdomain,

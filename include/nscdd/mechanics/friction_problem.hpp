@@ -14,12 +14,11 @@ struct LocalFrictionProblem {
   SparseMatrix w;   ///< W, D c x D c, symmetric, 1/kg
   Vector q;         ///< relative velocities without contact impulses, D c entries
   Vector friction;  ///< coefficient of friction >= 0, c entries
-  /// M and H where W = H^T M^-1 H is known to come from them, as `reduce` knows; else 0 x 0. Solvers that factorise
-  /// are faster with them.
+  /// M and H if `reduce` computed W = H^T M^-1 H from them; else 0 x 0. Solvers that factorise are faster with them.
   SparseMatrix mass{}, h{};
   Index dimension = 2;  ///< D: 2 or 3
-  /// Of each contact the speeds |H|^T |M^-1 f| + |w| that cancel in q, as `reduce` knows them, m/s; else none. Rounding
-  /// of them is rounding of q.
+  /// For each contact the speeds |H|^T |M^-1 f| + |w| that cancel in q, m/s, if `reduce` computed q; else empty. Their
+  /// rounding is that of q.
   Vector speeds{};
 
   Index contacts() const { return friction.size(); }

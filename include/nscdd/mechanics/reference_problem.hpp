@@ -27,7 +27,8 @@ struct Loads {
   }
 };
 
-/// Throws Error naming loads.compression unless it has a rate for each direction. No compression fits any packing.
+/// Throws Error naming loads.compression unless it has a rate for each direction. An empty compression fits every
+/// packing.
 void require_fit(const Loads& loads, Index dimension);
 
 /// Velocity with which a grain arrives, imposed on it as an impact (V^-, m/s); its mass stays free.
@@ -38,8 +39,7 @@ struct PrescribedVelocity {
 
 /// The dynamics of one step in velocities V and contact impulses r ([ADI12] eqs. (1), (3)):
 ///     M V = M V^- + H r,   v = H^T V.
-/// This is the last place that knows the geometry: everything above knows M and H, and the centres to find grains that
-/// move as one.
+/// No layer above knows the geometry, only M and H, and the centres to find grains that move as one.
 struct ReferenceProblem {
   Index dimension = 2;            ///< of the bodies: 2 in the plane, 3 in space
   Index dofs_per_grain = 2;       ///< d: translations of a frictionless grain, 2 or 3; with its rotations 3 or 6

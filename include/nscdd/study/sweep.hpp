@@ -43,7 +43,7 @@ SweepPoint sweep_point(const SweepParameters& parameters, Index number);
 /// Columns of the coordinates of a point, which are known before anything is computed.
 const ResultColumns<SweepPoint>& point_columns();
 
-/// What tables of spectra tell of a case beside its results.
+/// Data of a case that tables of spectra list besides its results.
 struct CaseSummary {
   std::string name;
   Index grains = 0, contacts = 0;
@@ -78,9 +78,8 @@ struct SweepResult {
   double scale = 1;               ///< flexibility_scale of the case, 1/kg
 };
 
-/// Columns of the case and the point alone, of relative flexibilities where they are asked for, and of
-/// everything. They are described in docs/formats.md; certificates, further eigenvalues and relative
-/// flexibilities add theirs at the end.
+/// Columns of the case and the point only; of relative flexibilities, if these are asked for; and of a whole row. They
+/// are described in docs/formats.md. Columns of certificates, further eigenvalues and relative flexibilities come last.
 const ResultColumns<SweepResult>& place_columns();
 ResultColumns<SweepResult> relative_columns(const SweepParameters& parameters);
 ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters = {});

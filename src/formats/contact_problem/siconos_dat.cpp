@@ -34,7 +34,7 @@ class Words {
     rest_.remove_prefix(found.size());
     return found;
   }
-  // Most numbers are right. Only for the others a text is made that says where they stand.
+  // The place of a number is formatted only for errors, because most numbers are right.
   double number(std::string_view what) {
     const std::string_view text = word(what);
     const std::optional<double> value = number_of(text);
@@ -55,7 +55,7 @@ class Words {
     if (const std::string_view met = word(what); met != expected)
       fail("{}: expected '{}', met '{}'", named(what), expected, met.substr(0, 40));
   }
-  // A size that no more than so many words of the file can have.
+  // A size, at most the number of words left in the file.
   Index size(std::string_view what) {
     const Index value = integer(what, 0);
     if (value > left())

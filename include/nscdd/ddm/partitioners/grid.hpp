@@ -41,7 +41,7 @@ Index subdomains(const GridPartitioner& partitioner);
 /// grid has a number of cells for each direction of the packing; a grid of a single cell fits any.
 Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network);
 
-/// The subdomain of a contact by its midpoint, m, for who does not have all contacts. Throws Error as `partition` does.
+/// The subdomain of a contact by its midpoint, m, for a process without all contacts. Throws Error as `partition` does.
 std::function<Index(const std::array<double, 3>&)> cell_of_midpoint(const GridPartitioner& partitioner,
                                                                     const Packing& packing);
 
