@@ -33,7 +33,7 @@ struct Option {
   std::vector<std::string> spellings() const;  ///< "-o" and "--output"
 };
 
-/// Sets an option's target. An optional stays empty, and a list stays as it is, where the option is not given.
+/// Converts the text of an option and stores it in `value`. If an option is not given, its value is not changed.
 template <class Value>
 void take(std::string_view text, Value& value, std::string_view name, const Field& field) {
   if constexpr (std::is_enum_v<Value>) {

@@ -21,7 +21,7 @@ double seconds();
 /// bar is wiped when the last copy of the monitor goes.
 Monitor progress(std::string label, Index before = 0, std::string unit = "point");
 
-/// Exit code of work that was stopped before its end, whatever the signal.
+/// Exit code of interrupted work, the same for SIGINT and SIGTERM.
 inline constexpr int interrupted_exit_code = 130;
 
 /// For the life of the object a first Ctrl-C (SIGINT) or SIGTERM asks the work to stop after the row it is at; a second

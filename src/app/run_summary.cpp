@@ -91,7 +91,7 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
       fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end), totals.steps,
                   simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
   const StepAlgorithm algorithm = simulation.dynamics.solver.algorithm;
-  const bool undivided = is_contact_solver(algorithm) && !decomposes(algorithm);  // whatever the partition
+  const bool undivided = is_contact_solver(algorithm) && !decomposes(algorithm);  // the partition is unused
   text += fmt::format("{}s: {} free, {} driven; {} contacts, {}\n", shape_of_grains(simulation.system.dimension), free,
                       simulation.system.grains() - free, totals.last.contacts,
                       undivided ? fmt::format("solved undivided by {}", to_string(algorithm))

@@ -22,15 +22,15 @@ std::string find_study(const std::string& name);
 /// is settled from, at any depth.
 std::vector<std::filesystem::path> files_behind(const CaseSpec& spec);
 
-/// Throws Error if an output (an empty name is none) is one of these files, under whatever name. The input
-/// would be lost, and --force does not ask for that.
+/// Throws Error if an output (an empty name is none) is one of these files, also through a link. --force does not
+/// permit it either: the input would be lost.
 void require_no_input(const std::vector<std::string>& outputs, const std::vector<std::filesystem::path>& inputs);
 
 /// The case with the packing or contact problem that it names, for a verb that writes `outputs` (empty names: not
-/// asked for). Where the packing is settled from another case, that one is looked for beside the case file, then among
-/// the known cases, and simulated unless the cache has its end. The cache is $NSCDD_CACHE, else $XDG_CACHE_HOME/nscdd,
-/// else ~/.cache/nscdd; there is none without a home. Throws Error for whatever cannot be used, for a case that is
-/// settled from itself, for one that breaks down, and if an output is a file that the case comes from.
+/// asked for). If the packing is settled from another case, this case is searched for in the folder of the case file,
+/// then among the known cases, and simulated unless the cache has its end. The cache is $NSCDD_CACHE, else
+/// $XDG_CACHE_HOME/nscdd, else ~/.cache/nscdd; without a home there is none. Throws Error for input that cannot be
+/// used, for a case that is settled from itself, for one that breaks down, and if an output is an input of the case.
 Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs = {});
 
 }  // namespace nscdd::app

@@ -25,10 +25,10 @@ class SharedTable {
 /// The option --resume, described alike for every verb that has it.
 void declare_resume(Command& command, bool& resume);
 
-/// Whether --resume meets a table that is complete, of which a note then tells the user. Throws Error if an
-/// HDF5 file is still asked for, because nothing tells what work the table came from.
+/// Whether --resume finds a complete table; if so, prints a note. Throws Error if an HDF5 file is still missing,
+/// because nothing records the work that the table came from.
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how);
-/// The same for all processes, as the first has it.
+/// The same for all ranks, as found by rank 0.
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine);
 
 /// The bytes that OutputFile keeps of an output that is written in one piece at the end: none, because an interrupted

@@ -49,7 +49,7 @@ class ProjectedGradients {
   }
   const Vector& impulses() const { return impulses_; }
   Index products() { return std::exchange(products_, 0); }  ///< with W, since the last call
-  /// || r - P(r - (W r + q + s n) / W_nn) ||, N s, with the shift as it is.
+  /// || r - P(r - (W r + q + s n) / W_nn) ||, N s, with the present shift s.
   double natural_maps() const {
     double squares = 0;
     for (Index c = 0; c < data_.contacts(); ++c)

@@ -12,7 +12,7 @@ template <int D>
 struct SmoothedLaw {
   using Block = Eigen::Matrix<double, D, D>;
   LocalVector<D> impulse;
-  Block by_z, rest;  ///< rest: 1 - P', regular whatever the rounding
+  Block by_z, rest;  ///< rest: 1 - P', regular in spite of rounding
   Eigen::Matrix<double, D, 1> by_t;
 };
 

@@ -8,7 +8,7 @@
 
 namespace nscdd {
 
-/// Colours of the contacts of a step. No two contacts of one colour share a free grain, whatever process has them.
+/// Colours of the contacts of a step. No two contacts of one colour share a free grain, also across ranks.
 struct ContactColours {
   std::vector<Index> of_contact;  ///< of the contacts of this process
   Index number = 0;               ///< of colours, in all processes

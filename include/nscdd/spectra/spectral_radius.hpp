@@ -117,7 +117,7 @@ struct SpectralRadius {
   Vector mode_min, mode_max;  ///< interface impulses of the two ends (empty where unknown)
 };
 
-struct SpectrumMemory;  // what one point of a sweep leaves to the next; beside its source
+struct SpectrumMemory;  // warm start of the next point of a sweep: spectra/spectrum_memory.hpp
 
 /// In the rigid limit shift-invert works on the contacts that are independent within their subdomain; the unit
 /// eigenvalues are counted from ranks (by shifts near 0 above 10^6 contacts); the matrix-free solver finds the unit

@@ -17,7 +17,7 @@ double positive_number(const FixedColumns& lines, std::size_t first, std::string
 /// Three numbers of a line, called such as coo1, coo2, coo3.
 Eigen::Vector3d three_numbers(const FixedColumns& lines, const char* name, bool blank = false);
 
-/// Half of the seventh digit of a number as it is written: 0.1234567D+01.
+/// Half a unit of the seventh digit of a number in the notation of LMGC90, 0.1234567D+01.
 double half_digit(double value);
 
 /// Throws Error unless the axes of a body are askew by their seven digits at most.

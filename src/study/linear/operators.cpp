@@ -124,8 +124,8 @@ std::array<Index, 2> CaseOperator::shape() const {
 bool case_operators(const Model& model, const Selection& selection, const OperatorParameters& parameters,
                     const Sink<CaseOperator>& sink, const Monitor& monitor) {
   const Index n = model.parts.interface_size();
-  // S, P and B, each as it is made and in the file that HDF5 holds in memory, the bytes of that file, and the condensed
-  // matrix of a subdomain or the columns at hand.
+  // Each of S, P and B twice, as computed and in the file that HDF5 keeps in memory; the bytes of that file; and the
+  // condensed matrix of a subdomain, or the present columns.
   if (parameters.dense)
     require_memory(12 * bytes_of_matrix(n, n), fmt::format("S, P and B of {} interface unknowns", n),
                    "--sparse-only, which leaves these out, or fewer subdomains");
