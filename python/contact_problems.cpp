@@ -2,8 +2,8 @@
 #include "arrays.hpp"
 #include "core/fail.hpp"
 #include "files/output_file.hpp"
-#include "formats/contact_problem/contact_solution.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
+#include "formats/contact_problem/step_fclib.hpp"
 #include "friction.hpp"
 #include "long_work.hpp"
 

@@ -3,8 +3,8 @@
 #include "app/solve_trials.hpp"
 #include "core/text.hpp"
 #include "files/csv.hpp"
-#include "formats/contact_problem/contact_solution.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
+#include "formats/contact_problem/step_fclib.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 

@@ -93,14 +93,20 @@ struct Shape {
   Index rows = 0, columns = 0;
 };
 
+// The entries of a dense block, column by column, of rows and columns up to those behind its last ones.
+void read_block(Words& words, const std::string& name, SparseEntries& entries, std::pair<Index, Index> rows,
+                std::pair<Index, Index> columns) {
+  const std::string entry = "an entry of " + name;
+  for (Index j = columns.first; j < columns.second; ++j)
+    for (Index i = rows.first; i < rows.second; ++i)
+      if (const double value = words.number(entry); value != 0) entries.add(i, j, value);
+}
+
 SparseMatrix read_dense(Words& words, const std::string& name, Shape shape) {
   words.integer("rows of " + name, shape.rows, shape.rows);
   words.integer("columns of " + name, shape.columns, shape.columns);
-  const std::string entry = "an entry of " + name;
   SparseEntries entries;
-  for (Index j = 0; j < shape.columns; ++j)
-    for (Index i = 0; i < shape.rows; ++i)
-      if (const double value = words.number(entry); value != 0) entries.add(i, j, value);
+  read_block(words, name, entries, {0, shape.rows}, {0, shape.columns});
   return entries.matrix(shape.rows, shape.columns);
 }
 
@@ -129,30 +135,23 @@ SparseMatrix read_blocks(Words& words, const std::string& name, Shape shape) {
   for (Index k = 0; k < blocks; ++k) column.push_back(words.integer("block columns of " + name, 0, block_columns - 1));
   if (first.back() != blocks)
     fail("{}: expected {} blocks in the block rows, met {}", words.named(name), blocks, first.back());
-  const std::string entry = "an entry of " + name;
   SparseEntries entries;
   for (std::size_t row = 0; row + 1 < first.size(); ++row)
     for (Index k = first[row]; k < first[row + 1]; ++k) {
       words.integer("number of a block of " + name, k, k);
       const std::size_t c = at(column[at(k)]);
-      for (Index j = column_ends[c]; j < column_ends[c + 1]; ++j)
-        for (Index i = row_ends[row]; i < row_ends[row + 1]; ++i)
-          if (const double value = words.number(entry); value != 0) entries.add(i, j, value);
+      read_block(words, name, entries, {row_ends[row], row_ends[row + 1]}, {column_ends[c], column_ends[c + 1]});
     }
   return entries.matrix(shape.rows, shape.columns);
-}
-
-// "900-by-138," of a matrix of that shape.
-void expect_shape(Words& words, const std::string& name, Shape shape) {
-  words.expect(fmt::format("{}-by-{},", shape.rows, shape.columns), "sizes of " + name);
 }
 
 // An integer that a comma may follow.
 Index counted(Words& words, std::string_view key, const std::string& name) {
   words.expect(key, fmt::format("{} of {}", key, name));
-  std::string_view text = words.word(fmt::format("number behind {} of {}", key, name));
+  const std::string what = fmt::format("number behind {} of {}", key, name);
+  std::string_view text = words.word(what);
   if (text.ends_with(',')) text.remove_suffix(1);
-  return words.bounded(text, fmt::format("number behind {} of {}", key, name), 0, words.left());
+  return words.bounded(text, what, 0, words.left());
 }
 
 SparseMatrix read_lines(Words& words, const std::string& name, Shape shape, bool by_columns, Index nonzeros) {
@@ -198,7 +197,7 @@ SparseMatrix read_sparse(Words& words, const std::string& name, Shape shape) {
   words.skip_line();
   words.skip_line();  // the version of CSparse
   if (origin != 2) words.expect(origin == 1 ? "triplet:" : "csr:", "kind of " + name);
-  expect_shape(words, name, shape);
+  words.expect(fmt::format("{}-by-{},", shape.rows, shape.columns), "sizes of " + name);
   counted(words, "nzmax:", name);
   const Index nonzeros = counted(words, "nnz:", name);
   words.skip_line();
@@ -208,9 +207,8 @@ SparseMatrix read_sparse(Words& words, const std::string& name, Shape shape) {
 
 SparseMatrix read_matrix(Words& words, const std::string& name) {
   const Index storage = words.integer("storage of " + name, 0, 2);
-  Shape shape;
-  shape.rows = words.size("rows of " + name);
-  shape.columns = words.size("columns of " + name);
+  const Index rows = words.size("rows of " + name), columns = words.size("columns of " + name);
+  const Shape shape{rows, columns};
   if (storage == 0) return read_dense(words, name, shape);
   if (storage == 1) return read_blocks(words, name, shape);
   return read_sparse(words, name, shape);
@@ -222,12 +220,6 @@ Vector read_numbers(Words& words, const std::string& name, Index size) {
   return values;
 }
 
-void read_end(Words& words) {
-  // Old versions end their files with a flag.
-  if (words.left() == 1) words.integer("the end of the file, or 0 or 1", 0, 1);
-  if (words.left() > 0) fail("{}: expected the end of the file, met {} further words", words.where(), words.left());
-}
-
 std::variant<LocalFrictionProblem, GlobalFrictionProblem> read_problem(Words& words) {
   const Index dimension = words.integer("dimension", 1, 6), contacts = words.size("contacts");
   if (dimension == 5)
@@ -237,21 +229,38 @@ std::variant<LocalFrictionProblem, GlobalFrictionProblem> read_problem(Words& wo
   SparseMatrix matrix = read_matrix(words, "the first matrix");
   const Index numbers = (dimension + 1) * contacts;  // of q and mu
   if (matrix.rows() == dimension * contacts && words.left() <= numbers + 1) {
-    LocalFrictionProblem local;
-    local.dimension = dimension;
-    local.w = std::move(matrix);
+    LocalFrictionProblem local{.w = std::move(matrix), .q = {}, .friction = {}, .dimension = dimension};
     local.q = read_numbers(words, "q", dimension * contacts);
     local.friction = read_numbers(words, "mu", contacts);
     return local;
   }
-  GlobalFrictionProblem global;
-  global.dimension = dimension;
-  global.mass = std::move(matrix);
-  global.h = read_matrix(words, "H");
+  GlobalFrictionProblem global{std::move(matrix), read_matrix(words, "H"), {}, {}, {}, dimension};
   global.f = read_numbers(words, "f", global.mass.rows());
   global.w = read_numbers(words, "w", dimension * contacts);
   global.friction = read_numbers(words, "mu", contacts);
   return global;
+}
+
+void write_matrix(std::string& text, const SparseMatrix& matrix, const std::string& program) {
+  Index first = 0;
+  double norm = 0;
+  for (Index j = 0; j < matrix.cols(); ++j) norm = std::max(norm, matrix.col(j).cwiseAbs().sum());
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out,
+                 "2\n{0}\n{1}\n2\n{2} (in the layout of CSparse)\n{0}-by-{1}, nzmax: {3} nnz: {3}, 1-norm: {4:g}\n",
+                 matrix.rows(), matrix.cols(), program, matrix.nonZeros(), norm);
+  for (Index j = 0; j < matrix.cols(); ++j) {
+    const Index entries = matrix.col(j).nonZeros();
+    fmt::format_to(out, "    col {} : locations {} to {}\n", j, first, first + entries - 1);
+    for (SparseMatrix::InnerIterator e(matrix, j); e; ++e)
+      fmt::format_to(out, "      {} : {:.17g}\n", e.row(), e.value());
+    first += entries;
+  }
+}
+
+void write_numbers(std::string& text, const Vector& values) {
+  for (const double value : values) fmt::format_to(std::back_inserter(text), "{:32.24e} ", value);
+  text += '\n';
 }
 
 }  // namespace
@@ -260,9 +269,26 @@ FclibFile siconos_from_text(std::string_view text, const std::string& name) {
   Words words(text, name);
   FclibFile file;
   file.problem = read_problem(words);
-  read_end(words);
+  // Old versions end their files with a flag.
+  if (words.left() == 1) words.integer("the end of the file, or 0 or 1", 0, 1);
+  if (words.left() > 0) fail("{}: expected the end of the file, met {} further words", words.where(), words.left());
   std::visit([&](const auto& problem) { check(problem, name); }, file.problem);
   return file;
+}
+
+std::string siconos_text(const FclibFile& file, const std::string& program) {
+  std::string text = fmt::format("{}\n{}\n", file.dimension(), file.contacts());
+  if (const auto* local = std::get_if<LocalFrictionProblem>(&file.problem)) {
+    write_matrix(text, local->w, program);
+    write_numbers(text, local->q);
+    write_numbers(text, local->friction);
+  } else {
+    const auto& global = std::get<GlobalFrictionProblem>(file.problem);
+    write_matrix(text, global.mass, program);
+    write_matrix(text, global.h, program);
+    for (const Vector* values : {&global.f, &global.w, &global.friction}) write_numbers(text, *values);
+  }
+  return text;
 }
 
 bool has_siconos_name(const std::string& path) { return std::filesystem::path(path).extension() == ".dat"; }

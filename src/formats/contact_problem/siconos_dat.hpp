@@ -8,18 +8,10 @@
 /// ends.
 namespace nscdd {
 
-/// Reads a problem in the plane or in space, D = 2 or 3,
-///     local:   D, contacts, W, q, mu                u = W r + q
-///     global:  D, contacts, M, H, f, w, mu          M v = H r + f,  u = H^T v + w      (f and w are q and b there)
-/// It is local where as many numbers follow the first matrix as q and mu have, and global otherwise: nothing in the
-/// file says so. A matrix is its storage (0 dense, 1 sparse blocks, 2 sparse), rows, columns, and then
-///     dense          rows and columns once more, all entries column by column
-///     sparse blocks  as SparseBlockStructuredMatrix: numbers of blocks, where block rows and columns end, the blocks
-///     of
-///                    each block row, and of each block its number and its entries column by column
-///     sparse         1 triplets, 2 columns, 3 rows, and what CSparse prints of the matrix
-/// `check` has been passed. Throws Error "name:line: expected ..., met ..." for another text, for one that ends too
-/// early or late, and for what is not supported: rolling friction, half of a symmetric matrix.
+/// Reads a problem in the plane or in space, with the layouts that docs/formats.md describes. It is local where as many
+/// numbers follow the first matrix as q and mu have, and global otherwise: nothing in the file says so. `check` has
+/// been passed. Throws Error "name:line: expected ..., met ..." for another text, for one that ends too early or late,
+/// and for what is not supported: rolling friction, half of a symmetric matrix.
 FclibFile siconos_from_text(std::string_view text, const std::string& name);
 
 /// A text that reads back to the problem bit for bit, and that Siconos reads: matrices sparse by columns. It has no

@@ -2,9 +2,10 @@
 #pragma once
 
 #include "simulation/trajectory_step.hpp"
+#include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/formats/fclib.hpp>
 
-/// Steps of a trajectory as contact problems for other solvers.
+/// Steps of a trajectory as contact problems for other solvers, and what solvers found.
 namespace nscdd {
 
 /// The contact problem that a simulation solves next, as a global problem of FCLIB (see friction_problem):
@@ -22,5 +23,10 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
 
 /// The same problem in the unknowns of the contacts alone: W = H^T M^-1 H, q = H^T M^-1 f + w.
 FclibFile local_form(FclibFile file);
+
+/// The file with the impulses that a solver found and the velocities of the bodies that belong to them. Impulses that
+/// converged become its solution. Others become the last of its guesses, to restart from, and the file has no solution.
+/// Impulses that are not finite are left out.
+FclibFile with_result(FclibFile file, const FrictionSolution& found);
 
 }  // namespace nscdd
