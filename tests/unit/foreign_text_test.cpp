@@ -5,7 +5,6 @@
 #include "formats/case/case_file.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/lmgc90/datbox.hpp"
-#include "formats/packing/text_packing.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
 #include <doctest/doctest.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Packings of YADE and ESyS-Particle: lines "x y r" and "x y z r".
-#include "formats/packing/text_packing.hpp"
 
 #include "../support/run_program.hpp"
 #include "../support/spoilt.hpp"

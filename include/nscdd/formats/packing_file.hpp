@@ -12,6 +12,11 @@ enum class PackingFormat { csv, hdf5 };
 /// The format by the ending of a file name: .csv, .h5 or .hdf5; empty for any other.
 std::optional<PackingFormat> packing_format(const std::string& path);
 
+/// Whether a text is a packing as YADE and ESyS-Particle exchange it: the first line that is neither blank nor a remark
+/// ('#') has two words or more without a comma, and one of them at least is a number. So it is never CSV, whose first
+/// line has names; and a first number that is none is named as such.
+bool is_text_packing(std::string_view text);
+
 /// Packing from CSV text with columns x, y, radius (m) and optionally z (m) and mass (kg), in any order; or from text
 /// whose first line that is neither blank nor a remark has numbers alone: lines "x y radius" or "x y z radius", as YADE
 /// and ESyS-Particle exchange them. A column z makes a packing in space; so does z in text, unless it is the same for

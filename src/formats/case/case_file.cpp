@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/case/case_file.hpp"
 
+#include "core/fail.hpp"
 #include "files/csv.hpp"
 #include "formats/case/case_boundary.hpp"
+#include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/lmgc90/datbox.hpp"
-#include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/formats/read_model.hpp>
 
@@ -169,6 +170,34 @@ CaseSpec parse_case(std::string_view text, const std::string& file, bool of_traj
 }
 
 CaseSpec read_case(const std::string& path) { return parse_case(read_text(path), path); }
+
+CaseSpec spec_of_file(const std::string& path, bool moving) {
+  if (holds_datbox(path)) return case_of_datbox(path, moving);
+  const std::filesystem::path extension = std::filesystem::path(path).extension();
+  if (extension == ".toml") return read_case(path);
+  CaseSpec spec;
+  spec.name = std::filesystem::path(path).stem().string();
+  const auto format = packing_format(path);
+  bool problem = format == PackingFormat::hdf5 && holds_fclib(read_text(path), path);
+  if (!format) {
+    // What other programs write as text: a packing, whatever its ending, or a contact problem.
+    const bool siconos = has_siconos_name(path);
+    const std::string text = siconos || extension == ".txt" ? read_text(path) : "";
+    require_utf8(text, path);
+    const bool packing = is_text_packing(text);
+    if (!packing && !siconos)
+      fail(
+          "{}: expected a case file (.toml), a packing file (.csv, .h5 or .hdf5, or .txt with lines 'x y radius'), a "
+          "folder with BODIES.DAT or a contact problem (.hdf5 or .dat)",
+          path);
+    problem = !packing;
+  }
+  if (problem)
+    spec.packing = ContactProblemFile{path};
+  else
+    spec.packing = PackingFile{path};
+  return spec;
+}
 
 Case resolve(CaseSpec spec) {
   Case one{std::move(spec)};

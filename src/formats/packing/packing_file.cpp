@@ -4,14 +4,33 @@
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
 #include "formats/lmgc90/datbox.hpp"
-#include "formats/packing/packing_columns.hpp"
-#include "formats/packing/text_packing.hpp"
+#include <nscdd/core/fields.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
 #include <filesystem>
 
 namespace nscdd {
 namespace {
+
+// A column of a packing file, whatever its format.
+struct PackingColumn {
+  std::vector<double> Packing::*values;
+  bool required;
+  std::string_view name;
+  Field field;
+};
+
+// The centre of a grain, in any direction.
+constexpr Field packing_place{.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100};
+constexpr Field packing_positive(std::string_view name, std::string_view unit) {
+  return {.description = name, .unit = unit, .minimum = 0, .minimum_excluded = true, .maximum = 1e100};
+}
+
+constexpr PackingColumn packing_columns[] = {{&Packing::x, true, "x", packing_place},
+                                             {&Packing::y, true, "y", packing_place},
+                                             {&Packing::z, false, "z", packing_place},  // what has it is in space
+                                             {&Packing::radius, true, "radius", packing_positive("radius", "m")},
+                                             {&Packing::mass, false, "mass", packing_positive("mass", "kg")}};
 
 const PackingColumn* find_column(std::string_view name) {
   const auto found = std::ranges::find(packing_columns, name, &PackingColumn::name);
@@ -32,10 +51,10 @@ std::vector<const PackingColumn*> columns_of(const Packing& packing) {
   return columns;
 }
 
-std::vector<Column> headings_of(const std::vector<const PackingColumn*>& columns) {
-  std::vector<Column> headings;
-  for (const PackingColumn* column : columns) headings.push_back({std::string(column->name), "", ""});
-  return headings;
+std::string header_of(const std::vector<const PackingColumn*>& columns) {
+  Row names;
+  for (const PackingColumn* column : columns) names.emplace_back(std::string(column->name));
+  return csv_line(names);
 }
 
 // Remarks, each on lines that begin with '#', even if a command line holds line feeds.
@@ -50,6 +69,87 @@ std::string remarks(const Provenance& provenance) {
   return text;
 }
 
+// Most numbers are valid. Only for the others a text is made that says where they stand.
+double packing_value(std::string_view text, const PackingColumn& column, const std::string& name, std::size_t line) {
+  const std::optional<double> found = number_of(text);
+  if (found && in_bounds(*found, column.field)) return *found;
+  const std::string where = fmt::format("{}:{}: {}", name, line, column.name);
+  const double value = found ? *found : parse_number(text, where);
+  check_bounds(value, column.field, where);
+  return value;
+}
+
+// The lines of a text that say something, one at a time.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : lines_(text) {}
+  bool next() {
+    while (lines_.next()) {
+      line_ = trimmed(lines_.line());
+      if (!line_.empty() && line_.front() != '#') return true;
+      if (line_.starts_with(format_mark)) format_ = trimmed(line_.substr(format_mark.size()));
+    }
+    return false;
+  }
+  std::size_t number() const { return lines_.number(); }
+  bool has_commas() const { return line_.find_first_of(",;") != line_.npos; }
+  std::string_view format() const { return format_; }  // that YADE names in a remark; empty for none
+  std::vector<std::string_view> words() const {
+    std::vector<std::string_view> all;
+    for (std::string_view rest = line_; !rest.empty();) {
+      const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+      all.push_back(rest.substr(0, end));
+      rest = trimmed(rest.substr(end));
+    }
+    return all;
+  }
+
+ private:
+  static constexpr std::string_view format_mark = "#format";
+  TextLines lines_;
+  std::string_view line_, format_;
+};
+
+// Of the first line of a packing, which has other columns than "x y radius" and "x y z radius".
+[[noreturn]] void refuse_columns(const std::string& name, const Lines& lines, std::size_t numbers) {
+  const std::string where = fmt::format("{}:{}: expected lines 'x y radius' or 'x y z radius'", name, lines.number());
+  const bool clumps = lines.format().empty() ? numbers == 5 : lines.format().find("clumpId") != std::string_view::npos;
+  if (clumps)
+    fail(
+        "{}, met {} numbers{}: clumps of YADE (x_y_z_r_clumpId) are not supported yet: they come with bodies of "
+        "several "
+        "contactors; without the fifth column their members are read as free grains",
+        where, numbers, lines.format().empty() ? ", the fifth one as of a clump" : "");
+  if (!lines.format().empty()) fail("{}, met {} numbers, the format '{}' of YADE", where, numbers, lines.format());
+  fail("{}, met {} numbers", where, numbers);
+}
+
+// Lines "x y radius" or "x y z radius".
+Packing parse_text_packing(std::string_view text, const std::string& name) {
+  Packing packing;
+  Lines lines(text);
+  std::vector<const PackingColumn*> columns;
+  std::size_t first_line = 0;
+  while (lines.next()) {
+    const std::vector<std::string_view> words = lines.words();
+    if (columns.empty()) {
+      first_line = lines.number();
+      if (words.size() != 3 && words.size() != 4) refuse_columns(name, lines, words.size());
+      columns = {find_column("x"), find_column("y"), find_column("z"), find_column("radius")};
+      if (words.size() == 3) columns.erase(columns.begin() + 2);
+    }
+    if (words.size() != columns.size())
+      fail("{}:{}: expected {} numbers as in line {}, met {}", name, lines.number(), columns.size(), first_line,
+           words.size());
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      (packing.*(columns[k]->values)).push_back(packing_value(words[k], *columns[k], name, lines.number()));
+  }
+  if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
+  // One z for all is how plane packings are exchanged.
+  if (std::ranges::all_of(packing.z, [&](double z) { return z == packing.z.front(); })) packing.z.clear();
+  return packing;
+}
+
 }  // namespace
 
 std::optional<PackingFormat> packing_format(const std::string& path) {
@@ -59,14 +159,12 @@ std::optional<PackingFormat> packing_format(const std::string& path) {
   return std::nullopt;
 }
 
-// Most numbers are valid. Only for the others a text is made that says where they stand.
-double packing_value(std::string_view text, const PackingColumn& column, const std::string& name, std::size_t line) {
-  const std::optional<double> found = number_of(text);
-  if (found && in_bounds(*found, column.field)) return *found;
-  const std::string where = fmt::format("{}:{}: {}", name, line, column.name);
-  const double value = found ? *found : parse_number(text, where);
-  check_bounds(value, column.field, where);
-  return value;
+bool is_text_packing(std::string_view text) {
+  Lines lines(text);
+  if (!lines.next()) return false;
+  const std::vector<std::string_view> words = lines.words();
+  return words.size() > 1 && !lines.has_commas() &&
+         std::ranges::any_of(words, [](std::string_view word) { return number_of(word).has_value(); });
 }
 
 Packing parse_packing(std::string_view text, const std::string& name) {
@@ -133,7 +231,7 @@ Packing read_packing(const std::string& path) {
 
 std::string packing_csv(const Packing& packing) {
   const auto columns = columns_of(packing);
-  std::string text = csv_header(headings_of(columns)) + '\n';
+  std::string text = header_of(columns) + '\n';
   Row row(columns.size());
   for (std::size_t i = 0; i < packing.x.size(); ++i) {
     for (std::size_t j = 0; j < columns.size(); ++j) row[j] = (packing.*(columns[j]->values))[i];
@@ -148,7 +246,7 @@ std::string packing_bytes(PackingFormat format, const Packing& packing, const Pr
     hdf5::put_provenance(root, provenance);
     const hdf5::Group group = root.make_group("packing");
     const auto columns = columns_of(packing);
-    group.put_attribute("columns", csv_header(headings_of(columns)));
+    group.put_attribute("columns", header_of(columns));
     for (const PackingColumn* column : columns)
       group.put<double>(std::string(column->name), packing.*(column->values),
                         {.attributes = {{"unit", column->field.unit}, {"description", column->field.description}}});
