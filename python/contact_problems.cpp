@@ -58,7 +58,7 @@ void write(const ContactProblem& problem, const std::string& path, const Frictio
       fail("{}: expected .h5 or .hdf5 for a solution: .dat of Siconos has no place for it", path);
     return write_file(path, siconos_text(file, "nscdd " + version()), force);
   }
-  require_hdf5_name(path);
+  require_ending(path, hdf5_endings);
   if (solution != nullptr) file = with_result(std::move(file), *solution);
   std::string libraries;
   for (const auto& [name, number] : dependency_versions()) libraries += fmt::format("{} {}\n", name, number);

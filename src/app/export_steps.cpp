@@ -3,7 +3,6 @@
 
 #include "app/step_range.hpp"
 #include "files/output_file.hpp"
-#include "files/output_folder.hpp"
 #include "formats/lmgc90/datbox_writer.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "formats/vtk/vtk.hpp"
@@ -135,7 +134,7 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
 int export_steps(const StepsOptions& options, const std::string& trajectory, bool force) {
   if (!options.vtkhdf.empty()) {
     require_no_input({options.vtkhdf}, {trajectory});
-    require_vtkhdf_name(options.vtkhdf);
+    require_ending(options.vtkhdf, vtkhdf_endings);
   }
   const Chosen steps = chosen(trajectory, parse_step_range(options.range), force);
   if (!options.lmgc90.empty()) return export_lmgc90(steps, options.lmgc90);

@@ -107,7 +107,7 @@ FclibFile subdomain_file(const Options& options, const Simulation& before, const
 
 int export_fclib(const Options& options, const Context& context) {
   require_no_input({options.output}, {options.trajectory});
-  if (!has_siconos_name(options.output)) require_hdf5_name(options.output);
+  if (!has_siconos_name(options.output)) require_ending(options.output, hdf5_endings);
   const TrajectoryHeader header = read_trajectory_header(options.trajectory);
   const Simulation before = rebuilt_simulation(options.trajectory, header, state_before(options).state);
   const std::optional<TrajectoryStep> after = find_trajectory_step(options.trajectory, *options.step);

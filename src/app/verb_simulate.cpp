@@ -114,7 +114,7 @@ void require_not_beside(const std::string& output, const std::string& table) {
 
 void check_names(const Options& options) {
   const RunFiles& files = options.files;
-  require_hdf5_name(files.output);
+  require_ending(files.output, hdf5_endings);
   for (const std::string& table : {files.convergence, options.counts})
     if (!table.empty()) {
       require_distinct(files.output, table);

@@ -159,7 +159,7 @@ void check_options(const Options& options) {
   if (options.algorithms.size() > 1 || options.algorithms == std::vector<std::string>{"all"})
     fail("--solver: expected one, or several with --csv, met {}", fmt::join(options.algorithms, ", "));
   if (options.convergence == "-") fail("--convergence: expected a file name, met -; standard output is for the report");
-  if (!options.output.empty() && !has_siconos_name(options.output)) require_hdf5_name(options.output);
+  if (!options.output.empty() && !has_siconos_name(options.output)) require_ending(options.output, hdf5_endings);
   require_no_input({options.convergence, options.output}, {options.file});
   if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);
 }

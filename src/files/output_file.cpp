@@ -111,10 +111,23 @@ void require_distinct(const std::string& first, const std::string& second) {
   fail("{}: expected another name for each output, met the same twice", first);
 }
 
-void require_hdf5_name(const std::string& path) {
+void require_ending(const std::string& path, const std::array<std::string_view, 2>& endings) {
   const fs::path extension = fs::path(path).extension();
-  if ((extension != ".h5" && extension != ".hdf5") || is_stream(path))
-    fail("{}: expected the name of a file that ends in .h5 or .hdf5", path);
+  if ((extension != endings[0] && extension != endings[1]) || is_stream(path))
+    fail("{}: expected the name of a file that ends in {} or {}", path, endings[0], endings[1]);
+}
+
+bool make_folder(const std::string& path, bool force) {
+  std::error_code status;
+  if (fs::exists(path, status)) {
+    if (!fs::is_directory(path, status)) fail("{}: expected a folder, met a file", path);
+    if (!force && !fs::is_empty(path, status))
+      fail("{}: expected an empty folder or none, met one that holds files; --force writes into it", path);
+    return false;
+  }
+  fs::create_directories(path, status);
+  if (status) fail("{}: cannot be made: {}", path, status.message());
+  return true;
 }
 
 OutputFile::OutputFile(const std::string& path, bool force, std::optional<std::uintmax_t> kept_bytes)

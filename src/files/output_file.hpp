@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -21,8 +22,13 @@ void require_writable(const std::filesystem::path& path, bool force, bool partia
 /// Throws Error if two outputs are the same file, unless it is a device or a pipe.
 void require_distinct(const std::string& first, const std::string& second);
 
-/// Throws Error unless the name ends in .h5 or .hdf5, by which readers recognise an HDF5 file.
-void require_hdf5_name(const std::string& path);
+/// Throws Error for a device or a pipe, and unless the name ends in one of these, by which readers tell its format.
+void require_ending(const std::string& path, const std::array<std::string_view, 2>& endings);
+inline constexpr std::array<std::string_view, 2> hdf5_endings{".h5", ".hdf5"};
+
+/// Creates a folder with its parents; returns whether it is new. Throws Error if `path` is a file, if the system fails,
+/// and for a folder with files unless `force`.
+bool make_folder(const std::string& path, bool force);
 
 /// Name of an output until it is complete.
 std::filesystem::path partial_path(const std::filesystem::path& path);

@@ -3,13 +3,14 @@
 
 #include "files/hdf5_file.hpp"
 #include "files/output_file.hpp"
-#include "formats/matrices/matrix_market.hpp"
+#include "linalg/sparse_entries.hpp"
 
 #include <filesystem>
 
 namespace nscdd {
 namespace {
 
+namespace fs = std::filesystem;
 using hdf5::Group;
 
 std::string_view kind_of(const CaseOperator& one) {
@@ -90,42 +91,112 @@ std::string manifest_head(const OperatorsHead& head, const Provenance& provenanc
   return text;
 }
 
-}  // namespace
+// Text of a matrix in the Matrix Market exchange formats (https://math.nist.gov/MatrixMarket/formats.html), handed on
+// in pieces of some size. Numbers have 17 significant digits, with which they read back bit for bit. Rows and columns
+// count from 1. Of a matrix that is symmetric to the last bit the lower triangle alone is written, and readers mirror
+// it.
+class MatrixMarket {
+ public:
+  MatrixMarket(OutputFile& file, bool symmetric, std::vector<std::string> remarks)
+      : file_(file), symmetric_(symmetric), remarks_(std::move(remarks)) {}
 
-struct OperatorsFolder::Contents {
-  hdf5::File hdf5;
-  std::string manifest;  // its tables
+  // The stored entries, zeros among them, column by column.
+  void write(const SparseMatrix& matrix) {
+    const auto written = [&](Index i, Index j) { return !symmetric_ || i >= j; };
+    Index entries = 0;
+    for_entries(matrix, [&](Index i, Index j, double) { entries += written(i, j); });
+    head("coordinate", "real");
+    add("{} {} {}\n", matrix.rows(), matrix.cols(), entries);
+    for_entries(matrix, [&](Index i, Index j, double value) {
+      if (written(i, j)) add("{} {} {:.17g}\n", i + 1, j + 1, value);
+    });
+    hand_on();
+  }
+  // Every entry, column by column.
+  void write(const Matrix& matrix) {
+    head("array", "real");
+    add("{} {}\n", matrix.rows(), matrix.cols());
+    for (Index j = 0; j < matrix.cols(); ++j)
+      for (Index i = symmetric_ ? j : 0; i < matrix.rows(); ++i) add("{:.17g}\n", matrix(i, j));
+    hand_on();
+  }
+  // One column.
+  void write(const std::vector<Index>& numbers) {
+    head("array", "integer");
+    add("{} 1\n", numbers.size());
+    for (const Index number : numbers) add("{}\n", number);
+    hand_on();
+  }
+
+ private:
+  void head(std::string_view form, std::string_view field) {
+    add("%%MatrixMarket matrix {} {} {}\n", form, field, symmetric_ ? "symmetric" : "general");
+    for (std::string& remark : remarks_) {
+      // Nothing in a remark may end its line.
+      std::ranges::replace_if(
+          remark, [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
+      add("% {}\n", remark);
+    }
+  }
+  template <class... Values>
+  void add(fmt::format_string<Values...> format, Values&&... values) {
+    constexpr std::size_t piece = 1 << 18;
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
+    if (text_.size() >= piece) hand_on();
+  }
+  void hand_on() {
+    file_.bytes({text_.data(), text_.size()});
+    text_.clear();
+  }
+
+  OutputFile& file_;
+  bool symmetric_;
+  std::vector<std::string> remarks_;
+  fmt::memory_buffer text_;
 };
 
-OperatorsFolder::OperatorsFolder(const std::string& path, bool force, const std::string& program)
-    : folder_(path, force), program_(program), contents_(std::make_unique<Contents>()) {}
+}  // namespace
 
-OperatorsFolder::~OperatorsFolder() = default;
+OperatorsFolder::OperatorsFolder(std::string path, bool force, const std::string& program)
+    : path_(std::move(path)),
+      force_(force),
+      made_(make_folder(path_, force)),
+      program_(program),
+      hdf5_(std::make_unique<hdf5::File>()) {}
+
+OperatorsFolder::~OperatorsFolder() {
+  if (finished_) return;
+  std::error_code ignored;
+  for (const std::string& file : written_) fs::remove(file, ignored);
+  if (made_ && fs::is_empty(path_, ignored)) fs::remove(path_, ignored);
+}
+
+std::string OperatorsFolder::next(const std::string& name) { return written_.emplace_back(fs::path(path_) / name); }
 
 void OperatorsFolder::add(const CaseOperator& one) {
   std::error_code ignored;
-  if (contents_->manifest.empty())
-    std::filesystem::remove(std::filesystem::path(folder_.path()) / manifest_name, ignored);
-  MatrixMarketHead head{{fmt::format("{}: {}", one.name, one.meaning)}, one.symmetric};
-  if (!one.formula.empty()) head.remarks.push_back("formula: " + one.formula);
-  if (!one.unit.empty()) head.remarks.push_back("unit: " + one.unit);
-  head.remarks.push_back(fmt::format("written by {}; {} says what belongs to it", program_, manifest_name));
-  OutputFile file(folder_.next(file_of(one)), folder_.force());
+  if (tables_.empty()) fs::remove(fs::path(path_) / manifest_name, ignored);
+  std::vector<std::string> remarks{fmt::format("{}: {}", one.name, one.meaning)};
+  if (!one.formula.empty()) remarks.push_back("formula: " + one.formula);
+  if (!one.unit.empty()) remarks.push_back("unit: " + one.unit);
+  remarks.push_back(fmt::format("written by {}; {} says what belongs to it", program_, manifest_name));
+  OutputFile file(next(file_of(one)), force_);
+  MatrixMarket text(file, one.symmetric, std::move(remarks));
   std::visit(
       [&](const auto& values) {
-        write_matrix_market(values, head, [&](std::string_view text) { file.bytes(text); });
-        put(contents_->hdf5.root(), one, values);
+        text.write(values);
+        put(hdf5_->root(), one, values);
       },
       one.values);
   file.finish();
-  contents_->manifest += manifest_table(one);
+  tables_ += manifest_table(one);
 }
 
 void OperatorsFolder::finish(const OperatorsHead& head, const Provenance& provenance) {
-  hdf5::put_provenance(contents_->hdf5.root(), provenance);
-  write_file(folder_.next(hdf5_name), contents_->hdf5.bytes(), folder_.force());
-  write_file(folder_.next(manifest_name), manifest_head(head, provenance) + contents_->manifest, folder_.force());
-  folder_.finish();
+  hdf5::put_provenance(hdf5_->root(), provenance);
+  write_file(next(hdf5_name), hdf5_->bytes(), force_);
+  write_file(next(manifest_name), manifest_head(head, provenance) + tables_, force_);
+  finished_ = true;
 }
 
 }  // namespace nscdd

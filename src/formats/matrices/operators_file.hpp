@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "files/output_folder.hpp"
 #include "study/linear/operators.hpp"
 
 #include <memory>
 
 namespace nscdd {
+
+namespace hdf5 {
+class File;
+}
 
 /// What the manifest says of the whole export.
 struct OperatorsHead {
@@ -15,32 +18,33 @@ struct OperatorsHead {
   std::optional<OperatorParameters> dense;  ///< behind S, P and B; empty where these are left out
 };
 
-/// The operators of a case as files of a folder:
-///     NAME.mtx        each of them, Matrix Market, with its formula, meaning and unit as remarks
-///     operators.h5    all of them. A sparse one is a group with the arrays of SciPy's csc_matrix (`data`, `indices`,
-///                     `indptr`, `shape`), a dense one a dataset of two dimensions, numbers a dataset of one.
-///                     Attributes `formula`, `meaning`, `unit`, `symmetric`; group `provenance`
-///     manifest.toml   the case, its flexibilities, the version of the program, and a table [[operator]] for each
-/// The manifest is written last: a folder with a manifest is whole.
+/// The operators of a case as files of a folder, see docs/formats.md: NAME.mtx for each of them (Matrix Market),
+/// operators.h5 with all of them, and manifest.toml. The manifest is written last: a folder with a manifest is whole.
 class OperatorsFolder {
  public:
   static constexpr const char* manifest_name = "manifest.toml";
   static constexpr const char* hdf5_name = "operators.h5";
 
-  /// Throws Error for a folder that holds files unless `force`.
-  OperatorsFolder(const std::string& path, bool force, const std::string& program);
+  /// Throws Error as `make_folder`. With `force`, files of an earlier run stay unless written again.
+  OperatorsFolder(std::string path, bool force, const std::string& program);
+  /// Without `finish`, removes the files that were written, and the folder if it is new.
   ~OperatorsFolder();
+  OperatorsFolder(const OperatorsFolder&) = delete;
+  OperatorsFolder& operator=(const OperatorsFolder&) = delete;
 
   /// Writes its file. The first one removes the manifest of an earlier export, which is no longer true.
   void add(const CaseOperator& one);
-  /// Writes what is about all of them. Without it the folder takes back what was added.
+  /// Writes what is about all of them, and keeps the files.
   void finish(const OperatorsHead& head, const Provenance& provenance);
 
  private:
-  struct Contents;
-  OutputFolder folder_;
+  std::string next(const std::string& name);  // the path of a file of that name, about to be written
+  std::string path_;
+  bool force_, made_, finished_ = false;
+  std::vector<std::string> written_;
   std::string program_;  // its name and version, for remarks
-  std::unique_ptr<Contents> contents_;
+  std::unique_ptr<hdf5::File> hdf5_;
+  std::string tables_;  // of the manifest
 };
 
 }  // namespace nscdd

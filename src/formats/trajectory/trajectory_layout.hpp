@@ -7,33 +7,32 @@
 /// Names and units of a trajectory, the same for writing and for reading.
 namespace nscdd::layout {
 
+/// An array with a number for each grain.
 struct StateArray {
   const char* name;
   const char* unit;
   std::vector<double> GranularState::*values;
+  Index only = 0;  ///< the dimension that has it; 0: both
 };
-inline constexpr std::array state_arrays_in_plane{StateArray{"x", "m", &GranularState::x},
-                                                  StateArray{"y", "m", &GranularState::y},
-                                                  StateArray{"angle", "rad", &GranularState::angle},
-                                                  StateArray{"velocity_x", "m/s", &GranularState::velocity_x},
-                                                  StateArray{"velocity_y", "m/s", &GranularState::velocity_y},
-                                                  StateArray{"spin", "rad/s", &GranularState::spin}};
-inline constexpr std::array state_arrays_in_space{StateArray{"x", "m", &GranularState::x},
-                                                  StateArray{"y", "m", &GranularState::y},
-                                                  StateArray{"z", "m", &GranularState::z},
-                                                  StateArray{"turn_w", "1", &GranularState::turn_w},
-                                                  StateArray{"turn_x", "1", &GranularState::turn_x},
-                                                  StateArray{"turn_y", "1", &GranularState::turn_y},
-                                                  StateArray{"turn_z", "1", &GranularState::turn_z},
-                                                  StateArray{"velocity_x", "m/s", &GranularState::velocity_x},
-                                                  StateArray{"velocity_y", "m/s", &GranularState::velocity_y},
-                                                  StateArray{"velocity_z", "m/s", &GranularState::velocity_z},
-                                                  StateArray{"spin_x", "rad/s", &GranularState::spin_x},
-                                                  StateArray{"spin_y", "rad/s", &GranularState::spin_y},
-                                                  StateArray{"spin_z", "rad/s", &GranularState::spin}};
-inline std::span<const StateArray> state_arrays(Index dimension) {
-  if (dimension == 3) return state_arrays_in_space;
-  return state_arrays_in_plane;
+
+inline std::vector<StateArray> state_arrays(Index dimension) {
+  using State = GranularState;
+  std::vector<StateArray> arrays{{"x", "m", &State::x},
+                                 {"y", "m", &State::y},
+                                 {"z", "m", &State::z, 3},
+                                 {"angle", "rad", &State::angle, 2},
+                                 {"turn_w", "1", &State::turn_w, 3},
+                                 {"turn_x", "1", &State::turn_x, 3},
+                                 {"turn_y", "1", &State::turn_y, 3},
+                                 {"turn_z", "1", &State::turn_z, 3},
+                                 {"velocity_x", "m/s", &State::velocity_x},
+                                 {"velocity_y", "m/s", &State::velocity_y},
+                                 {"velocity_z", "m/s", &State::velocity_z, 3},
+                                 {"spin_x", "rad/s", &State::spin_x, 3},
+                                 {"spin_y", "rad/s", &State::spin_y, 3},
+                                 {dimension == 3 ? "spin_z" : "spin", "rad/s", &State::spin}};
+  std::erase_if(arrays, [&](const StateArray& one) { return one.only != 0 && one.only != dimension; });
+  return arrays;
 }
 
 /// Columns of a list of structs: visit(name, unit, get); get(element) points to a double, Index or ContactStatus.

@@ -5,8 +5,6 @@
 #include "core/fail.hpp"
 #include "files/hdf5_file.hpp"
 
-#include <filesystem>
-
 namespace nscdd {
 namespace {
 
@@ -54,12 +52,6 @@ void put_arrays(const Group& group, const std::vector<PictureArray>& arrays, std
 
 }  // namespace
 
-void require_vtkhdf_name(const std::string& path) {
-  const std::filesystem::path extension = std::filesystem::path(path).extension();
-  if ((extension != ".vtkhdf" && extension != ".hdf") || is_stream(path))
-    fail("{}: expected the name of a file that ends in .vtkhdf or .hdf", path);
-}
-
 VtkhdfFile::VtkhdfFile(const std::string& path, bool force) : output_(path, force) {
   const std::string growing = partial_path(path).string();
   file_ = std::make_unique<hdf5::File>(growing, hdf5::Access::fill, fmt::format("{}: cannot be written", growing));
@@ -96,10 +88,8 @@ void VtkhdfFile::put_steps(const Group& root, const StepPicture& picture) {
   append_one(steps.make_group("FieldDataOffsets"), "TimeValue", steps_);
 }
 
-// Each step has one entry more in Offsets than it has cells, so that step k begins at CellOffsets + k, as the readers
-// of VTK 9.3 have it. Later readers add, instead of k, the number of steps before k that begin below CellOffsets. After
-// a step without cells they read one entry too early; time 0 is such a step, as it has no contacts. One unused entry,
-// counted in CellOffsets from the first step without cells on, makes both add k.
+// One unused entry in Offsets, counted in CellOffsets from the first step without cells on, makes all readers of VTK
+// agree where a step begins (docs/formats.md).
 void VtkhdfFile::put_cells(const Group& root, const StepPicture& picture) {
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     const Group group = root.make_group(kinds[k]);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "files/output_file.hpp"
-#include "formats/vtk/step_picture.hpp"
+#include "formats/vtk/vtk.hpp"
 
 namespace nscdd {
 
@@ -11,15 +11,13 @@ class File;
 class Group;
 }  // namespace hdf5
 
-/// Throws Error unless the name ends in .vtkhdf or .hdf, by which ParaView tells such a file, and is no device.
-void require_vtkhdf_name(const std::string& path);
+/// By which ParaView tells such a file.
+inline constexpr std::array<std::string_view, 2> vtkhdf_endings{".vtkhdf", ".hdf"};
 
-/// Steps of a run in one VTKHDF file for ParaView: PolyData, version 2.0, temporal, one part per step, with the points,
-/// cells and arrays of each StepPicture and the time as field data TimeValue too. Arrays of all steps lie one behind
-/// the other, in compressed chunks, and `Steps` says where each begins. A step is written when it is appended, so that
-/// memory holds one. The file grows as `path.partial` and takes its name with `finish`; without that it is removed.
-/// Every function throws Error if the system refuses, if another run writes the same file, or for a step that has no
-/// grains or other arrays than the first one.
+/// The pictures of steps in one VTKHDF file (docs/formats.md). A step is written when it is appended, so that memory
+/// holds one. The file grows as `path.partial` and takes its name with `finish`; without that it is removed. Every
+/// function throws Error if the system refuses, if another run writes the same file, or for a step that has no grains
+/// or other arrays than the first one.
 class VtkhdfFile {
  public:
   VtkhdfFile(const std::string& path, bool force);
