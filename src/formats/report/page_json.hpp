@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <bit>
+
 /// The data of a page as JSON, keys in the order in which they are written.
 namespace nscdd::page {
 
@@ -13,17 +15,19 @@ using Json = nlohmann::ordered_json;
 
 /// A long array as {"type": "float32", "data": "..."}: little-endian numbers in base 64. As text they would take two to
 /// three times the room. Types are those that a browser has arrays of.
-Json packed(const std::vector<float>& values);          ///< float32
-Json packed(const std::vector<std::int16_t>& values);   ///< int16
-Json packed(const std::vector<std::uint8_t>& values);   ///< uint8
-Json packed(const std::vector<std::uint32_t>& values);  ///< uint32
+Json packed_bytes(const char* type, std::span<const std::byte> bytes);
 
-/// Numbers of any type as those of a packed array.
-template <class To, class Values>
-std::vector<To> converted(const Values& values) {
-  std::vector<To> result;
-  for (const auto& value : values) result.push_back(static_cast<To>(value));
-  return result;
+/// What `get` finds in each of the values, as an array of `To`.
+template <class To, class Values, class Get = std::identity>
+Json packed(const Values& values, Get get = {}) {
+  static_assert(std::endian::native == std::endian::little, "bytes are written as they lie in memory");
+  constexpr const char* type = std::is_same_v<To, float>          ? "float32"
+                               : std::is_same_v<To, std::int16_t> ? "int16"
+                               : std::is_same_v<To, std::uint8_t> ? "uint8"
+                                                                  : "uint32";
+  std::vector<To> numbers;
+  for (const auto& value : values) numbers.push_back(static_cast<To>(std::invoke(get, value)));
+  return packed_bytes(type, std::as_bytes(std::span(numbers)));
 }
 
 /// A number with seven digits, for what is only drawn.

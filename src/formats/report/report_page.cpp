@@ -4,29 +4,9 @@
 #include "formats/report/page_json.hpp"
 #include "formats/report/page_parts.hpp"
 
-#include <bit>
-#include <cstring>
-
 namespace nscdd {
 namespace page {
 namespace {
-
-template <class Value>
-Json packed_as(const char* type, const std::vector<Value>& values) {
-  static_assert(std::endian::native == std::endian::little, "bytes are written as they lie in memory");
-  static constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::vector<unsigned char> bytes(values.size() * sizeof(Value));
-  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
-  std::string text;
-  text.reserve(4 * (bytes.size() / 3 + 1));
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t there = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k) three = three << 8 | (k < there ? bytes[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= there ? letters[three >> (18 - 6 * k) & 63U] : '=';
-  }
-  return {{"type", type}, {"data", std::move(text)}};
-}
 
 // Text between tags.
 std::string escaped(std::string_view text) {
@@ -80,16 +60,6 @@ Json with_origin(const PageOrigin& origin, Json data) {
 }
 
 }  // namespace
-
-Json packed(const std::vector<float>& values) { return packed_as("float32", values); }
-Json packed(const std::vector<std::int16_t>& values) { return packed_as("int16", values); }
-Json packed(const std::vector<std::uint8_t>& values) { return packed_as("uint8", values); }
-Json packed(const std::vector<std::uint32_t>& values) { return packed_as("uint32", values); }
-
-Json drawn(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  return std::stod(fmt::format("{:.7g}", value));
-}
 
 }  // namespace page
 

@@ -6,41 +6,28 @@
 #include "files/csv.hpp"
 
 #include <filesystem>
+#include <iterator>
 #include <map>
+#include <sstream>
 
 namespace nscdd {
 namespace {
 
 // The columns of a step that the page shows, with the units and descriptions of the tables.
-const std::vector<std::string> shown_of_summary{"step",
-                                                "time",
-                                                "iterations",
-                                                "zeta",
-                                                "interface_change",
-                                                "gluing",
-                                                "natural_map",
-                                                "driven_residual",
-                                                "no_room",
-                                                "quad_dv",
-                                                "mean_dv_over_r",
-                                                "active",
-                                                "stick",
-                                                "slide",
-                                                "contacts",
-                                                "overlap_maximum",
-                                                "kinetic",
-                                                "potential",
-                                                "boundary_work",
-                                                "dissipation",
-                                                "numerical"};
-const std::vector<std::string> shown_of_iterations{"step",   "iteration",   "zeta",    "interface_change",
-                                                   "gluing", "natural_map", "quad_dv", "mean_dv_over_r"};
+constexpr const char* shown_of_summary =
+    "step time iterations zeta interface_change gluing natural_map driven_residual no_room quad_dv mean_dv_over_r "
+    "active stick slide contacts overlap_maximum kinetic potential boundary_work dissipation numerical";
+constexpr const char* shown_of_iterations =
+    "step iteration zeta interface_change gluing natural_map quad_dv mean_dv_over_r";
+
+std::vector<std::string> words(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
 
 template <class Result>
 Column heading_of(const std::string& name, const ResultColumns<Result>& columns) {
-  const auto found =
-      std::ranges::find_if(columns, [&](const ResultColumn<Result>& column) { return column.heading.name == name; });
-  return found->heading;
+  return std::ranges::find(columns, name, [](const auto& column) { return column.heading.name; })->heading;
 }
 
 DrawnStep drawn(const Simulation& run, const TrajectoryStep& step) {
@@ -52,11 +39,7 @@ DrawnStep drawn(const Simulation& run, const TrajectoryStep& step) {
       return moved<decltype(dimension)::value>(wall, run.system.boundaries[b].motion, state.poses[b]);
     }));
   }
-  const bool flat = run.system.dimension == 2;
-  for (const TrajectoryContact& c : step.contacts)
-    if (c.carries())
-      result.contacts.push_back({c.geometry.a, c.geometry.b, c.geometry.point, c.impulse.n,
-                                 flat ? c.impulse.t : c.tangential(), c.status, c.subdomain});
+  std::ranges::copy_if(step.contacts, std::back_inserter(result.contacts), &TrajectoryContact::carries);
   return result;
 }
 
@@ -101,7 +84,7 @@ std::vector<Series> read_iterations(const std::string& path, const std::string& 
   const Index steps = count(read_statuses(run));
   const CsvText csv = parse_csv(read_text(path), path);
   std::vector<Series> all;
-  for (const std::string& name : shown_of_iterations) {
+  for (const std::string& name : words(shown_of_iterations)) {
     const auto found = std::ranges::find(csv.columns, name);
     if (found == csv.columns.end())
       fail("{}: expected a table of nscdd simulate --convergence with a column {}, met none", path, name);
@@ -138,7 +121,7 @@ std::optional<RunReport> report_run(const std::string& path, const std::vector<I
   if (report.status.empty()) fail("{}: expected a run that has taken a step, met none", path);
   report.name = name_of_case(path, report.header);
   report.kept = count(trajectory_steps(path));
-  for (const std::string& name : shown_of_summary)
+  for (const std::string& name : words(shown_of_summary))
     if (has_summary(path, name)) report.summary.push_back({heading_of(name, step_columns()), read_summary(path, name)});
   std::optional<Simulation> run;
   for (const Index number : steps) {

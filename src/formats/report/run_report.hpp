@@ -8,21 +8,12 @@ namespace nscdd {
 /// Everything that the page of a run shows (`nscdd report RUN.h5`): of every step its row of the summary, of the steps
 /// drawn where disks and contacts were.
 
-/// A contact with an impulse, from one centre to the other, or to the foot on a wall.
-struct DrawnContact {
-  Index a = 0, b = 0;  ///< a wall has the number disks + its own
-  std::array<double, 3> point{};
-  double normal = 0, tangential = 0;  ///< impulse, N s; tangential with its sign in the plane, its size in space
-  ContactStatus status = ContactStatus::open;
-  Index subdomain = 0;
-};
-
 struct DrawnStep {
   Index step = 0;
-  double time = 0;              ///< s
-  std::vector<double> x, y, z;  ///< of all grains, m; z in space only
-  std::vector<Wall> walls;      ///< where they are now
-  std::vector<DrawnContact> contacts;
+  double time = 0;                          ///< s
+  std::vector<double> x, y, z;              ///< of all grains, m; z in space only
+  std::vector<Wall> walls;                  ///< where they are now
+  std::vector<TrajectoryContact> contacts;  ///< those with an impulse
 };
 
 /// One column of the summary or of the table of iterations.

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/report/page_json.hpp"
+
+namespace nscdd::page {
+namespace {
+
+Json grains_of(const Model& model) {
+  const Packing& packing = model.packing;
+  Json json{{"x", packed<float>(packing.x)},
+            {"y", packed<float>(packing.y)},
+            {"radius", packed<float>(packing.radius)},
+            {"mass", packed<float>(packing.mass)}};
+  if (packing.dimension() == 3) json["z"] = packed<float>(packing.z);
+  return json;
+}
+
+// The copies of grain i are those from start[i] up to start[i + 1].
+Json copies_of(const Model& model) {
+  const Interface& interface = model.parts.interface;
+  std::vector<Index> start{0}, subdomain;
+  for (Index i = 0; i < interface.grains(); ++i) {
+    for (const GrainCopy& copy : interface.copies(i)) subdomain.push_back(copy.subdomain);
+    start.push_back(count(subdomain));
+  }
+  return {{"start", packed<std::uint32_t>(start)}, {"subdomain", packed<std::uint32_t>(subdomain)}};
+}
+
+Json contacts_of(const Model& model, const Vector& impulses) {
+  const std::vector<Contact>& contacts = model.network.contacts;
+  return {{"a", packed<std::uint32_t>(contacts, &Contact::a)},
+          {"b", packed<std::uint32_t>(contacts, &Contact::b)},
+          {"subdomain", packed<std::uint32_t>(model.partition.subdomain_of_contact)},
+          {"impulse", impulses.size() > 0 ? packed<float>(impulses) : Json(nullptr)}};
+}
+
+Json point_of(const SweepResult& point) {
+  const SpectralRadius& r = point.radius;
+  Json json{{"radius", r.value},           {"subdominant", r.subdominant},
+            {"unit", r.unit_multiplicity}, {"low", r.subdominant_min},
+            {"high", r.subdominant_max},   {"residual", r.residual},
+            {"converged", r.converged},    {"solver", r.solver}};
+  if (!r.converged) json["failure"] = r.failure;
+  if (r.certified) json["certified"] = {{"low", r.interval_min}, {"high", r.interval_max}};
+  return json;
+}
+
+Json best_of(const OptimumResult& result) {
+  const Optimum& best = result.best;
+  return {{"status", std::string(to_string(best.status))},
+          {"eta", best.eta},
+          {"radius", best.radius},
+          {"generic_radius", best.generic_radius},
+          {"convergent_from", best.convergent_from},
+          {"better_from", best.better_from},
+          {"residual", best.residual}};
+}
+
+// Velocities are within 1; the largest whole number stands for it.
+Json mode_of(const KeptMode& mode) {
+  constexpr float full = 32767;
+  return {{"epsilon", mode.epsilon},
+          {"eta", mode.eta},
+          {"side", std::string(to_string(mode.side))},
+          {"eigenvalue", mode.eigenvalue},
+          {"velocities", packed<std::int16_t>(mode.velocities, [](float v) { return std::lround(full * v); })}};
+}
+
+Json grid_of(const RadiusGrid& grid) {
+  Json points = Json::array(), best = Json::array(), modes = Json::array();
+  for (const SweepResult& point : grid.points) points.push_back(point_of(point));
+  for (const OptimumResult& one : grid.best) best.push_back(best_of(one));
+  for (const KeptMode& mode : grid.modes) modes.push_back(mode_of(mode));
+  return {{"contacts", std::string(to_string(grid.contacts))},
+          {"rule", grid.choice.rule},
+          {"certain", grid.choice.certain},
+          {"active", packed<std::uint8_t>(grid.choice.active)},
+          {"points", std::move(points)},
+          {"best", std::move(best)},
+          {"modes_asked", grid.modes_asked},
+          {"modes", std::move(modes)}};
+}
+
+Json table_of(const std::vector<Series>& columns) {
+  Json all = Json::array();
+  for (const Series& column : columns) {
+    Json values = Json::array();
+    for (const double value : column.values) values.push_back(drawn(value));
+    all.push_back({{"name", column.heading.name},
+                   {"unit", column.heading.unit},
+                   {"description", column.heading.description},
+                   {"values", std::move(values)}});
+  }
+  return all;
+}
+
+// Tangential impulses have their sign in the plane, and their size in space.
+Json contacts_of(const std::vector<TrajectoryContact>& contacts, Index dimension) {
+  std::vector<double> point;
+  for (const TrajectoryContact& c : contacts)
+    point.insert(point.end(), c.geometry.point.begin(), c.geometry.point.begin() + dimension);
+  return {{"a", packed<std::uint32_t>(contacts, [](const auto& c) { return c.geometry.a; })},
+          {"b", packed<std::uint32_t>(contacts, [](const auto& c) { return c.geometry.b; })},
+          {"subdomain", packed<std::uint32_t>(contacts, &TrajectoryContact::subdomain)},
+          {"normal", packed<float>(contacts, [](const auto& c) { return c.impulse.n; })},
+          {"tangential",
+           packed<float>(contacts, [&](const auto& c) { return dimension == 2 ? c.impulse.t : c.tangential(); })},
+          {"point", packed<float>(point)},
+          {"status", packed<std::uint8_t>(contacts, &TrajectoryContact::status)}};
+}
+
+// A straight line by a point and its normal; a plane likewise, or a cylinder by its axis, with the radius behind.
+Json wall_of(const Wall& wall, Index dimension) {
+  Json json = Json::array();
+  for (const auto& vector : {wall.point, wall.normal})
+    for (Index k = 0; k < dimension; ++k) json.push_back(drawn(vector[at(k)]));
+  if (dimension == 3) json.push_back(drawn(wall.radius));
+  return json;
+}
+
+Json step_of(const DrawnStep& step, Index dimension) {
+  Json walls = Json::array();
+  for (const Wall& wall : step.walls) walls.push_back(wall_of(wall, dimension));
+  Json json{{"step", step.step},          {"time", drawn(step.time)},
+            {"x", packed<float>(step.x)}, {"y", packed<float>(step.y)},
+            {"walls", std::move(walls)},  {"contacts", contacts_of(step.contacts, dimension)}};
+  if (dimension == 3) json["z"] = packed<float>(step.z);
+  return json;
+}
+
+}  // namespace
+
+Json packed_bytes(const char* type, std::span<const std::byte> bytes) {
+  static constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve(4 * (bytes.size() / 3 + 1));
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t there = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      three = three << 8 | (k < there ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= there ? letters[three >> (18 - 6 * k) & 63U] : '=';
+  }
+  return {{"type", type}, {"data", std::move(text)}};
+}
+
+Json drawn(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::stod(fmt::format("{:.7g}", value));
+}
+
+Json json_of(const Model& model, const PackingReport& report) {
+  const Inspection& found = report.inspection;
+  Json shared = Json::array();
+  for (const auto& [multiplicity, grains] : found.interface_grains)
+    shared.push_back({{"multiplicity", multiplicity}, {"grains", grains}});
+  Json eta = Json::array();  // JSON has no infinity
+  for (const double value : report.eta) eta.push_back(std::isinf(value) ? Json("inf") : Json(value));
+  Json grids = Json::array();
+  for (const RadiusGrid& grid : report.grids) grids.push_back(grid_of(grid));
+  return {{"kind", "packing"},
+          {"dimension", model.packing.dimension()},
+          {"subdomains", model.partition.subdomains},
+          {"counts",
+           {{"grains", model.grains()},
+            {"contacts", model.contacts()},
+            {"interface", found.interface_dofs},
+            {"why_empty", why_empty(model)},
+            {"shared", std::move(shared)},
+            {"isolated", found.isolated_grains},
+            {"rattlers", found.rattlers},
+            {"coordination", found.coordination_number},
+            {"solid_fraction", found.solid_fraction.box}}},
+          {"scale", report.scale},
+          {"grains", grains_of(model)},
+          {"copies", copies_of(model)},
+          {"contacts", contacts_of(model, report.impulses)},
+          {"epsilon", report.epsilon},
+          {"eta", std::move(eta)},
+          {"grids", std::move(grids)}};
+}
+
+Json json_of(const RunReport& report) {
+  const GranularSystem& system = report.header.system;
+  Json steps = Json::array(), boundaries = Json::array(), provenance = Json::array();
+  for (const DrawnStep& step : report.steps) steps.push_back(step_of(step, system.dimension));
+  for (const Boundary& boundary : system.boundaries) boundaries.push_back(boundary.name);
+  for (const auto& [key, text] : report.header.provenance)
+    if (key != "cases") provenance.push_back(Json::array({key, text}));
+  return {{"kind", "run"},
+          {"dimension", system.dimension},
+          {"ended", report.ended},
+          {"provenance_of_run", std::move(provenance)},
+          {"solver",
+           {{"algorithm", std::string(to_string(report.solver.algorithm))},
+            {"criterion", std::string(to_string(report.solver.criterion))},
+            {"tolerance", report.solver.tolerance},
+            {"gluing_tolerance", report.solver.gluing_tolerance},
+            {"decomposes", decomposes(report.solver.algorithm)}}},
+          {"subdomains", report.subdomains},
+          {"disks",
+           {{"radius", packed<float>(system.radius)},
+            {"mass", packed<float>(system.mass)},
+            {"driven_by", system.driven_by}}},
+          {"boundaries", std::move(boundaries)},
+          {"summary", table_of(report.summary)},
+          {"status", report.status},
+          {"iterations", table_of(report.iterations)},
+          {"kept", report.kept},
+          {"steps", std::move(steps)}};
+}
+
+}  // namespace nscdd::page
