@@ -11,18 +11,10 @@
 namespace nscdd {
 namespace {
 
-std::optional<double> number_in(const std::string& text) {
-  try {
-    return parse_number(text, "");
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
-
 bool same_value(const Cell& cell, const std::string& expected, double tolerance, bool relative) {
   if (to_text(cell) == expected) return true;
   const double* a = std::get_if<double>(&cell);
-  const std::optional<double> b = number_in(expected);
+  const std::optional<double> b = number_of(trimmed(expected));
   if (a == nullptr || !b) return false;
   const double scale = relative ? std::abs(*b) : std::max(1.0, std::abs(*b));
   return std::isfinite(*a) && std::isfinite(*b) && std::abs(*a - *b) <= tolerance * scale;
@@ -171,7 +163,7 @@ Table untyped_table(const CsvText& csv) {
   for (const auto& values : csv.rows) {
     Row& row = table.rows.emplace_back();
     for (const std::string& value : values) {
-      const std::optional<double> number = number_in(value);
+      const std::optional<double> number = number_of(trimmed(value));
       row.push_back(number ? Cell(*number) : Cell(value));
     }
   }

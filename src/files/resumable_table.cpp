@@ -73,15 +73,6 @@ Row parse_row(std::string_view line, const std::vector<std::string>& types, cons
   return row;
 }
 
-void check_known_cells(const TableWork& work, const Table& layout, const Row& row, Index number,
-                       const std::string& where) {
-  for (const auto& [column, expected] : work.known_cells(number)) {
-    const Cell& met = row[layout.column(column)];
-    if (to_text(met) != to_text(expected))
-      fail("{}: {}: expected {}, met {}", where, column, to_text(expected), to_text(met));
-  }
-}
-
 // The rows of `text` to keep, without a truncated last line: no line feed, or too few values.
 KeptRows usable_rows(const std::string& text, const TableRecord& record, const TableWork& work,
                      const std::string& name) {
@@ -97,8 +88,10 @@ KeptRows usable_rows(const std::string& text, const TableRecord& record, const T
     }
     if (number == lines && csv_values(line, where).size() < layout.columns.size()) return false;
     if (work.rows && kept.rows >= *work.rows) fail("{}: expected {} rows at the most, met another", where, *work.rows);
-    check_known_cells(work, layout, parse_row(line, record.types, where), kept.rows, where);
-    ++kept.rows;
+    const Row row = parse_row(line, record.types, where);
+    for (const auto& [column, expected] : work.known_cells(kept.rows++))
+      if (const std::string met = to_text(row[layout.column(column)]); met != to_text(expected))
+        fail("{}: {}: expected {}, met {}", where, column, to_text(expected), met);
     return true;
   });
   kept.text = text.substr(0, bytes);
