@@ -201,7 +201,7 @@ Datbox read(const DatboxTexts& texts) { return parse_datbox(texts, "box"); }
 TEST_CASE("DATBOX: bodies, masses and places") {
   const Datbox datbox = read(small());
   REQUIRE(datbox.bodies.size() == 3);
-  CHECK(datbox.bodies[0].velocity == std::array<double, 3>{7, -8, 0});
+  CHECK(datbox.bodies[0].velocity == Eigen::Vector3d(7, -8, 0));
   CHECK(datbox_packing(datbox, DatboxGrains::free).radius == std::vector<double>{0.25});
   const Packing packing = datbox_packing(datbox, DatboxGrains::all);
   REQUIRE(packing.size() == 3);
@@ -257,7 +257,7 @@ TEST_CASE("DATBOX: spheres, their masses, a plank as a plane, and spins along th
   CHECK(packing.mass[0] == doctest::Approx(1000 * 4.0 / 3 * std::numbers::pi * 0.008));  // by avrd, not by byrd
   CHECK(packing.mass[1] == doctest::Approx(5000 * 4.0 / 3 * std::numbers::pi * 8));
   CHECK(datbox_packing(datbox, DatboxGrains::free).size() == 1);
-  CHECK(datbox.bodies[0].velocity == std::array<double, 3>{7, -8, 9});
+  CHECK(datbox.bodies[0].velocity == Eigen::Vector3d(7, -8, 9));
   CHECK(datbox.bodies[0].frame.col(0) == Eigen::Vector3d(0, 1, 0));
   const Dynamics dynamics = datbox_dynamics(datbox);
   CHECK(dynamics.time.gravity == std::array<double, 3>{1.25, -9.81, 0.5});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "core/fail.hpp"
 #include "study/case/case.hpp"
 
 #include <optional>
@@ -16,6 +17,12 @@ struct DatboxPlace {
   Index line = 0;
 };
 
+/// Throws Error that begins with file and line.
+template <class... Arguments>
+[[noreturn]] void refuse(const DatboxPlace& place, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  fail("{}:{}: {}", place.file, place.line, fmt::format(format, std::forward<Arguments>(arguments)...));
+}
+
 /// What a body touches others with.
 struct DatboxContactor {
   /// JONCx, a plank with round ends, or PLANx in space; else a disk: DISKx, or DISKb of a cluster, or a sphere SPHER.
@@ -23,7 +30,7 @@ struct DatboxContactor {
   double radius = 0;                 ///< m, of a disk or sphere
   double length = 0, thickness = 0;  ///< m, of a plank: half its length without the ends, half its thickness
   double width = 0;                  ///< m, of a plank in space, half of it
-  std::array<double, 2> shift{};     ///< m, from the centre of the body, in its own axes; none in space
+  Eigen::Vector2d shift{0, 0};       ///< m, from the centre of the body, in its own axes; none in space
   std::string colour;
   DatboxPlace place;
 };
@@ -37,15 +44,15 @@ struct DatboxDrive {
 };
 
 struct DatboxBody {
-  std::array<double, 3> position{};  ///< at the beginning, m: x, y, and the angle (rad) or in space z
-  std::array<double, 3> velocity{};  ///< m/s, and in the plane rad/s
+  Eigen::Vector3d position{0, 0, 0};  ///< at the beginning, m: x, y, and the angle (rad) or in space z
+  Eigen::Vector3d velocity{0, 0, 0};  ///< m/s, and in the plane rad/s
   /// m; the mass is density x pi x average_radius^2, in space density x 4/3 pi x average_radius^3.
   double average_radius = 0, gyration_radius = 0;
-  std::array<double, 3> inertia{};  ///< in space, times the density, m^5
+  Eigen::Vector3d inertia{0, 0, 0};  ///< in space, times the density, m^5
   /// In space: the axes of the body at the beginning, as columns, and its spin along them, rad/s. A plank is normal to
   /// the third one.
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
-  std::array<double, 3> spin{};
+  Eigen::Vector3d spin{0, 0, 0};
   double written_digit = 0;                          ///< m, half of the last digit in which its place is written
   std::string bulk;                                  ///< name of its bulk law
   std::vector<DatboxContactor> contactors;           ///< at least one
@@ -125,5 +132,15 @@ CaseSpec case_of_datbox(const std::string& path, bool moving);
 
 /// The moving part of it.
 Dynamics datbox_dynamics(const Datbox& datbox);
+
+/// By what law bodies touch, and from how far they see each other.
+struct DatboxContactLaw {
+  Interaction interaction;
+  double alert = 0;  ///< m, the largest one
+};
+
+/// Throws Error where the laws differ in more than the friction at what is driven, are none of IQS_CLB and RST_CLB, or
+/// not all free disks see each other and whatever is driven.
+DatboxContactLaw contact_law_of(const Datbox& datbox);
 
 }  // namespace nscdd

@@ -18,54 +18,44 @@ void read_node(FixedColumns& lines, DatboxBody& body, Index dimension) {
   if (lines.text(2, 6) != kind)
     lines.refuse(fmt::format("expected the node {} of a rigid body", kind), lines.text(2, 6));
   body.position = {lines.number(35, "coo1"), lines.number(56, "coo2"), lines.number(77, "coo3", dimension == 2)};
-  body.written_digit = std::max(half_digit(body.position[0]), half_digit(body.position[1]));
-  if (dimension == 3) body.written_digit = std::max(body.written_digit, half_digit(body.position[2]));
+  body.written_digit = half_digit(body.position, dimension);
 }
 
 // "localframe" behind a PLANx: its axes, and how far its centre is from the node.
 void read_frame(FixedColumns& lines, DatboxBody& body) {
   const DatboxPlace place = lines.place();
   Index k = 0;
-  for (const char* name : {"alp", "bet", "gam"}) {
+  for (const char* name : {"alp{}", "bet{}", "gam{}"}) {
     lines.require_next("the axes of the frame");
-    body.frame.col(k++) = three_numbers(lines, name);
+    body.frame.col(k++) = lines.three_numbers(name);
   }
   require_frame(body, place);
   lines.require_next("the shift of the frame");
-  Eigen::Map<Eigen::Vector3d>(body.position.data()) += three_numbers(lines, "coo");
+  body.position += lines.three_numbers("coo{}");
 }
 
-DatboxContactor read_contactor_in_space(FixedColumns& lines) {
+DatboxContactor read_contactor(FixedColumns& lines, bool space) {
   const std::string kind(lines.text(2, 6));
-  DatboxContactor contactor{.colour = std::string(lines.text(23, 27)), .place = lines.place()};
-  if (kind == "PLANx") {
-    contactor.plank = true;
-    contactor.length = positive_number(lines, 35, "axe1");
-    contactor.width = positive_number(lines, 56, "axe2");
-    contactor.thickness = positive_number(lines, 77, "axe3");
-  } else if (kind == "SPHER") {
-    contactor.radius = positive_number(lines, 35, "byrd");
+  DatboxContactor contactor{
+      .plank = kind == (space ? "PLANx" : "JONCx"), .colour = std::string(lines.text(23, 27)), .place = lines.place()};
+  const bool cluster = !space && kind == "DISKb";
+  if (contactor.plank && space) {
+    contactor.length = lines.positive_number(35, "axe1");
+    contactor.width = lines.positive_number(56, "axe2");
+    contactor.thickness = lines.positive_number(77, "axe3");
+  } else if (contactor.plank) {
+    contactor.length = lines.positive_number(35, "ax1");
+    contactor.thickness = lines.positive_number(56, "ax2");
+  } else if (cluster || kind == (space ? "SPHER" : "DISKx")) {
+    contactor.radius = lines.positive_number(35, "byrd");
   } else {
-    lines.refuse("expected contactors SPHER or PLANx: other shapes are not modelled", kind);
+    lines.refuse(fmt::format("expected contactors {}: other shapes are not modelled",
+                             space ? "SPHER or PLANx" : "DISKx, DISKb or JONCx"),
+                 kind);
   }
-  return contactor;
-}
-
-DatboxContactor read_contactor(FixedColumns& lines) {
-  const std::string kind(lines.text(2, 6));
-  DatboxContactor contactor{.colour = std::string(lines.text(23, 27)), .place = lines.place()};
-  if (kind == "JONCx") {
-    contactor.plank = true;
-    contactor.length = positive_number(lines, 35, "ax1");
-    contactor.thickness = positive_number(lines, 56, "ax2");
-  } else if (kind == "DISKx" || kind == "DISKb") {
-    contactor.radius = positive_number(lines, 35, "byrd");
-    if (kind == "DISKb") {
-      lines.require_next("a line with the place of the disk DISKb");
-      contactor.shift = {lines.number(35, "coo1"), lines.number(56, "coo2")};
-    }
-  } else {
-    lines.refuse("expected contactors DISKx, DISKb or JONCx: other shapes are not modelled", kind);
+  if (cluster) {
+    lines.require_next("a line with the place of the disk DISKb");
+    contactor.shift = {lines.number(35, "coo1"), lines.number(56, "coo2")};
   }
   return contactor;
 }
@@ -76,19 +66,19 @@ void complete(DatboxBody& body, Index dimension) {
   if (dimension == 3) {
     const double radius = body.contactors[0].radius, volume = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
     if (body.average_radius == 0) body.average_radius = radius;
-    if (body.inertia == std::array<double, 3>{}) body.inertia.fill(0.4 * radius * radius * volume);
+    if (body.inertia.isZero(0)) body.inertia.setConstant(0.4 * radius * radius * volume);
     return;
   }
-  if (body.contactors.size() > 1 && body.position == std::array<double, 3>{}) {
+  if (body.contactors.size() > 1 && body.position.isZero(0)) {
     double area = 0;
-    std::array<double, 2> centre{};
+    Eigen::Vector2d centre(0, 0);
     for (const DatboxContactor& one : body.contactors) {
       area += one.radius * one.radius;
-      for (std::size_t k = 0; k < 2; ++k) centre[k] += one.radius * one.radius * one.shift[k];
+      centre += one.radius * one.radius * one.shift;
     }
-    for (std::size_t k = 0; k < 2; ++k) body.position[k] = centre[k] / area;
-    for (DatboxContactor& one : body.contactors)
-      for (std::size_t k = 0; k < 2; ++k) one.shift[k] -= body.position[k];
+    centre /= area;
+    body.position.head<2>() = centre;
+    for (DatboxContactor& one : body.contactors) one.shift -= centre;
   }
   if (body.contactors.size() == 1 && (body.average_radius == 0 || body.gyration_radius == 0)) {
     body.average_radius = body.contactors[0].radius;
@@ -103,7 +93,7 @@ void read_line(FixedColumns& lines, const std::string& section, Index dimension,
   if (section == "$blmty" && !again)
     read_bulk_element(lines, body, dimension);
   else if (section == "$blmty" && space && met[section] == 2 && lines.text(30, 31) == "I1")
-    Eigen::Map<Eigen::Vector3d>(body.inertia.data()) = three_numbers(lines, "I");
+    body.inertia = lines.three_numbers("I{}");
   else if (section == "$nodty" && !again)
     read_node(lines, body, dimension);
   else if (section == "$nodty" && space && met[section] == 2)
@@ -111,37 +101,24 @@ void read_line(FixedColumns& lines, const std::string& section, Index dimension,
   else if (section == "$tacty" && space && again && lines.text(30, 39) == "localframe" && body.plank())
     read_frame(lines, body);
   else if (section == "$tacty")
-    body.contactors.push_back(space ? read_contactor_in_space(lines) : read_contactor(lines));
+    body.contactors.push_back(read_contactor(lines, space));
   else
     lines.refuse(fmt::format("section {}: expected one line", section), "another");
 }
 
 }  // namespace
 
-double half_digit(double value) {
-  return value == 0 ? 0 : 0.5 * std::pow(10.0, std::floor(std::log10(std::abs(value))) + 1 - 7);
-}
-
-double positive_number(const FixedColumns& lines, std::size_t first, std::string_view what) {
-  const double value = lines.number(first, what);
-  if (!(value > 0)) lines.refuse(fmt::format("{}: expected a number above 0", what), fmt::format("{}", value));
-  return value;
+double half_digit(const Eigen::Vector3d& place, Index dimension) {
+  const double largest = place.head(dimension).cwiseAbs().maxCoeff();
+  return largest == 0 ? 0 : 0.5 * std::pow(10.0, std::floor(std::log10(largest)) + 1 - 7);
 }
 
 const char* datbox_body_kind(Index dimension) { return dimension == 2 ? "RBDY2" : "RBDY3"; }
 
-Eigen::Vector3d three_numbers(const FixedColumns& lines, const char* name, bool blank) {
-  const auto one = [&](std::size_t column, int number) {
-    return lines.number(column, fmt::format("{}{}", name, number), blank);
-  };
-  return {one(35, 1), one(56, 2), one(77, 3)};
-}
-
 void require_frame(const DatboxBody& body, const DatboxPlace& place) {
   const Eigen::Matrix3d rest = body.frame.transpose() * body.frame - Eigen::Matrix3d::Identity();
   if (!(rest.cwiseAbs().maxCoeff() < 1e-5) || !(body.frame.determinant() > 0))
-    fail("{}:{}: expected three axes of a body that are unit, orthogonal and right-handed, met others", place.file,
-         place.line);
+    refuse(place, "expected three axes of a body that are unit, orthogonal and right-handed, met others");
 }
 
 DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first) {
@@ -159,19 +136,17 @@ DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first) {
     const std::string section(lines.key());
     while (lines.next() && !lines.section()) read_line(lines, section, dimension, seen, body);
   }
-  const auto refuse = [&](std::string_view expected, std::string_view met) {
-    fail("{}:{}: {}, met {}", body.place.file, body.place.line, expected, met);
+  const auto require_that = [&](bool holds, const std::string& expected) {
+    if (!holds) refuse(body.place, "expected {}", expected);
   };
-  if (lines.key() != "$$$$$$") refuse("expected a body that ends with $$$$$$", "one that does not");
-  if (seen["$blmty"] == 0 || seen["$nodty"] == 0)
-    refuse("expected a body with a bulk element and a node", "one without");
-  if (body.contactors.empty()) refuse("expected a body with a contactor", "one without");
-  if (dimension == 3 && body.contactors.size() > 1)
-    refuse("expected a body in space with one contactor",
-           fmt::format("one with {}: not modelled", body.contactors.size()));
-  if (body.contactors.size() > 1)
-    for (const DatboxContactor& one : body.contactors)
-      if (one.plank) refuse("expected a plank JONCx alone in its body", "one with other contactors");
+  const std::size_t contactors = body.contactors.size();
+  require_that(lines.key() == "$$$$$$", "a body that ends with $$$$$$, met one that does not");
+  require_that(seen["$blmty"] > 0 && seen["$nodty"] > 0, "a body with a bulk element and a node, met one without");
+  require_that(contactors > 0, "a body with a contactor, met one without");
+  require_that(dimension == 2 || contactors == 1,
+               fmt::format("a body in space with one contactor, met one with {}: not modelled", contactors));
+  require_that(contactors == 1 || std::ranges::none_of(body.contactors, &DatboxContactor::plank),
+               "a plank JONCx alone in its body, met one with other contactors");
   complete(body, dimension);
   return body;
 }

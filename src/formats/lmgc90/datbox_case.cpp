@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a DATBOX describes, in the terms of this program.
-#include "formats/lmgc90/datbox_laws.hpp"
+#include "formats/lmgc90/datbox.hpp"
 
 #include <filesystem>
 #include <numbers>
@@ -8,6 +8,9 @@
 
 namespace nscdd {
 namespace {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
 
 // A full disk has the radius of gyration R / sqrt(2). Some files have it to three digits.
 void require_full_disk(const DatboxBody& body) {
@@ -39,7 +42,7 @@ double density_of(const Datbox& datbox, const DatboxBody& body) {
   return found->second;
 }
 
-std::array<double, 2> place_of(const DatboxBody& body, const DatboxContactor& disk) {
+Eigen::Vector2d place_in_plane(const DatboxBody& body, const DatboxContactor& disk) {
   const double c = std::cos(body.position[2]), s = std::sin(body.position[2]);
   return {body.position[0] + c * disk.shift[0] - s * disk.shift[1],
           body.position[1] + s * disk.shift[0] + c * disk.shift[1]};
@@ -54,20 +57,17 @@ void for_each_grain(const Datbox& datbox, DatboxGrains which, Visit visit) {
       if (!contactor.plank && (which == DatboxGrains::all || !body.driven())) visit(body, contactor, number++);
 }
 
-// The velocity of a degree of freedom in the time of the run, linear between its points and constant beyond them.
-struct Course {
-  std::vector<std::array<double, 2>> points;  // s, and m/s or rad/s
+// The velocity of a degree of freedom in the time of the run (s, and m/s or rad/s), linear between its points and
+// constant beyond them.
+using Course = std::vector<std::array<double, 2>>;
 
-  double at(double t) const {
-    if (t <= points.front()[0]) return points.front()[1];
-    for (std::size_t k = 1; k < points.size(); ++k)
-      if (t <= points[k][0]) {
-        const auto [from, to] = std::pair(points[k - 1], points[k]);
-        return std::lerp(from[1], to[1], (t - from[0]) / (to[0] - from[0]));
-      }
-    return points.back()[1];
-  }
-};
+double value_at(const Course& course, double t) {
+  if (t <= course.front()[0]) return course.front()[1];
+  const auto to = std::ranges::find_if(course, [=](const auto& point) { return t <= point[0]; });
+  if (to == course.end()) return course.back()[1];
+  const auto& from = *(to - 1);
+  return std::lerp(from[1], (*to)[1], (t - from[0]) / ((*to)[0] - from[0]));
+}
 
 // [CT + AMP cos(PHI)] min(1, RAMPI + RAMP t).
 Course formula_of(const DatboxDrive& drive, double start) {
@@ -77,8 +77,8 @@ Course formula_of(const DatboxDrive& drive, double start) {
   if (drive.rate < 0) refuse(drive.place, "RAMP: expected 0 or more, met {}", drive.rate);
   const double full = drive.constant + drive.amplitude * std::cos(drive.phase);
   const double initial = std::min(1.0, drive.initial + drive.rate * start);
-  Course course{{{0, full * initial}}};
-  if (full != 0 && drive.rate > 0 && initial < 1) course.points.push_back({(1 - initial) / drive.rate, full});
+  Course course(1, {0, full * initial});
+  if (full != 0 && drive.rate > 0 && initial < 1) course.push_back({(1 - initial) / drive.rate, full});
   return course;
 }
 
@@ -90,18 +90,17 @@ Course table_of(const DatboxDrive& drive, double start) {
   const auto beyond = [](const std::array<double, 2>& a, const std::array<double, 2>& b, double t) {
     return std::array<double, 2>{t, a[1] + (b[1] - a[1]) * ((t - a[0]) / (b[0] - a[0]))};
   };
-  Course course{rows};
-  if (rows[0][1] != rows[1][1])
-    course.points.insert(course.points.begin(), beyond(rows[0], rows[1], rows[0][0] - far * span));
+  Course course = rows;
+  if (rows[0][1] != rows[1][1]) course.insert(course.begin(), beyond(rows[0], rows[1], rows[0][0] - far * span));
   if (rows.back()[1] != rows[rows.size() - 2][1])
-    course.points.push_back(beyond(rows[rows.size() - 2], rows.back(), rows.back()[0] + far * span));
-  for (auto& point : course.points) point[0] -= start;
+    course.push_back(beyond(rows[rows.size() - 2], rows.back(), rows.back()[0] + far * span));
+  for (auto& point : course) point[0] -= start;
   return course;
 }
 
 // Spins in space are along the axes of the body, which keep the axis that it turns about if that is one and the same.
-RigidVelocity velocity_in_space(const DatboxBody& body, const std::array<double, 6>& v, Eigen::Vector3d& axis) {
-  const Eigen::Vector3d own(v[3], v[4], v[5]), spin = body.frame * own;
+RigidVelocity velocity_in_space(const DatboxBody& body, const std::array<double, 6>& v, Vector3& axis) {
+  const Vector3 own(v[3], v[4], v[5]), spin = body.frame * own;
   if (axis.isZero(0)) axis = own;
   if (axis.cross(own).norm() > 1e-5 * axis.norm() * own.norm())
     refuse(body.place, "expected a body that turns about one axis, met one that does not: not modelled");
@@ -118,78 +117,72 @@ Motion motion_of(const DatboxBody& body, double start, Index dimension) {
              dimension == 2 ? "and 3" : "... 6", k + 1);
     const DatboxDrive& drive = *body.drives[k];
     courses[k] = drive.table.empty() ? formula_of(drive, start) : table_of(drive, start);
-    for (const auto& point : courses[k].points) times.insert(point[0]);
+    for (const auto& point : courses[k]) times.insert(point[0]);
   }
-  Motion motion{.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0},
-                .time = {},
-                .velocity = {}};
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  Motion motion;
+  motion.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0};
+  Vector3 axis = Vector3::Zero();
   for (const double t : times) {
     motion.time.push_back(t);
     std::array<double, 6> v{};
-    for (std::size_t k = 0; k < dofs; ++k) v[k] = courses[k].at(t);
-    if (dimension == 2)
-      motion.velocity.push_back({v[0], v[1], v[2]});
-    else
-      motion.velocity.push_back(velocity_in_space(body, v, axis));
+    for (std::size_t k = 0; k < dofs; ++k) v[k] = value_at(courses[k], t);
+    motion.velocity.push_back(dimension == 2 ? RigidVelocity{v[0], v[1], v[2]} : velocity_in_space(body, v, axis));
   }
   return motion;
 }
 
-// The plane along that face of a plank which all free spheres are in front of.
-void set_wall_in_space(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) {
-  const DatboxContactor& plank = body.contactors[0];
-  const Eigen::Vector3d centre(body.position[0], body.position[1], body.position[2]);
-  Index above = 0, below = 0;
-  for_each_grain(datbox, DatboxGrains::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
-    const Eigen::Vector3d place =
-        body.frame.transpose() * (Eigen::Vector3d(other.position[0], other.position[1], other.position[2]) - centre);
-    ++(place[2] > 0 ? above : below);
-    if (std::abs(place[0]) > plank.length || std::abs(place[1]) > plank.width)
-      refuse(body.place,
-             "expected a plank PLANx with all free spheres between its edges, met sphere {} at {} m and {} m from its "
-             "middle, and axe1 = {}, axe2 = {}: walls have no edges here, and would hold what the plank does not",
-             number, std::abs(place[0]), std::abs(place[1]), plank.length, plank.width);
-  });
-  if (above > 0 && below > 0)
-    refuse(body.place,
-           "expected a plank PLANx with all free spheres on one side, met {} above and {} below it: walls are planes "
-           "without edges here",
-           above, below);
-  const Eigen::Vector3d normal = (below > 0 ? -1.0 : 1.0) * body.frame.col(2).normalized();
-  const Eigen::Vector3d foot = centre + plank.thickness * normal;
-  wall.dimension = 3;
-  wall.point = {foot[0], foot[1], foot[2]};
-  wall.normal = {normal[0], normal[1], normal[2]};
+// The axes of a plank, as columns: along it, across it, and normal to it.
+Matrix3 axes_of(const DatboxBody& plank, bool space) {
+  if (space) return plank.frame;
+  const double c = std::cos(plank.position[2]), s = std::sin(plank.position[2]);
+  return Matrix3{{c, 0, -s}, {s, 0, c}, {0, 1, 0}};
 }
 
-// The line along that face of a plank which all free disks are in front of.
-void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) {
+// Throws Error unless all free grains are in front of one face, between its edges. Returns 1 where that is the face
+// that the normal points out of, else -1.
+double side_of_grains(const Datbox& datbox, const DatboxBody& body, const Matrix3& axes) {
   const DatboxContactor& plank = body.contactors[0];
-  const std::array<double, 2> along{std::cos(body.position[2]), std::sin(body.position[2])};
+  const bool space = datbox.dimension == 3;
+  const char *kind = space ? "PLANx" : "JONCx", *edges = space ? "edges" : "ends";
+  const std::string_view grain = shape_of_grains(datbox.dimension);
   Index above = 0, below = 0;
   for_each_grain(datbox, DatboxGrains::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
-    const double x = other.position[0] - body.position[0], y = other.position[1] - body.position[1];
-    const double height = along[0] * y - along[1] * x, place = along[0] * x + along[1] * y;
-    ++(height > 0 ? above : below);
-    if (std::abs(place) > plank.length)
+    const Vector3 from_middle = axes.transpose() * (other.position - body.position);
+    const double along = std::abs(from_middle[0]), across = space ? std::abs(from_middle[1]) : 0;
+    ++(from_middle[2] > 0 ? above : below);
+    if (along > plank.length || across > plank.width)
       refuse(body.place,
-             "expected a plank JONCx with all free disks between its ends, met disk {} at {} m from its middle, and "
-             "ax1 = {}: walls have no ends here, and would hold what the plank does not",
-             number, std::abs(place), plank.length);
+             "expected a plank {0} with all free {1}s between its {2}, met {1} {3} at {4} from its middle, and {5}: "
+             "walls have no {2} here, and would hold what the plank does not",
+             kind, grain, edges, number,
+             space ? fmt::format("{} m and {} m", along, across) : fmt::format("{} m", along),
+             space ? fmt::format("axe1 = {}, axe2 = {}", plank.length, plank.width)
+                   : fmt::format("ax1 = {}", plank.length));
   });
   if (above > 0 && below > 0)
     refuse(body.place,
-           "expected a plank JONCx with all free disks on one side, met {} above and {} below it: walls are straight "
-           "lines without ends here",
-           above, below);
-  const double side = below > 0 ? -1 : 1;
-  const std::array<double, 2> foot{body.position[0] - side * plank.thickness * along[1],
-                                   body.position[1] + side * plank.thickness * along[0]};
-  for (std::size_t k = 0; k < 2; ++k) {
-    wall.from[k] = foot[k] - side * plank.length * along[k];
-    wall.to[k] = foot[k] + side * plank.length * along[k];
+           "expected a plank {} with all free {}s on one side, met {} above and {} below it: walls are {} without {} "
+           "here",
+           kind, grain, above, below, space ? "planes" : "straight lines", edges);
+  return below > 0 ? -1 : 1;
+}
+
+// The line or plane along that face of a plank which all free grains are in front of.
+void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) {
+  const bool space = datbox.dimension == 3;
+  const DatboxContactor& plank = body.contactors[0];
+  const Matrix3 axes = axes_of(body, space);
+  const double side = side_of_grains(datbox, body, axes);
+  const Vector3 normal = side * (space ? axes.col(2).normalized() : Vector3(axes.col(2)));
+  const Vector3 foot = body.position + plank.thickness * normal, half = side * plank.length * axes.col(0);
+  if (space) {
+    wall.dimension = 3;
+    Vector3::Map(wall.point.data()) = foot;
+    Vector3::Map(wall.normal.data()) = normal;
+    return;
   }
+  wall.from = {foot[0] - half[0], foot[1] - half[1]};
+  wall.to = {foot[0] + half[0], foot[1] + half[1]};
 }
 
 std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
@@ -207,9 +200,7 @@ std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
       BoundarySpec boundary;
       boundary.name = fmt::format("body {}", k + 1);
       boundary.motion = motion_of(body, datbox.start, datbox.dimension);
-      if (body.plank() && space) {
-        set_wall_in_space(datbox, body, boundary);
-      } else if (body.plank()) {
+      if (body.plank()) {
         set_wall(datbox, body, boundary);
       } else {
         boundary.shape = BoundaryShape::grains;
@@ -223,21 +214,19 @@ std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
   return boundaries;
 }
 
-double smallest_radius(const Packing& packing) { return *std::ranges::min_element(packing.radius); }
-
 // What moves at the beginning, in the numbers of the packing. The linear study has no spins.
 std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxGrains which) {
   std::vector<PrescribedVelocity> moving;
   for_each_grain(datbox, which, [&](const DatboxBody& body, const DatboxContactor&, Index number) {
     if (body.driven()) return;
     const bool space = datbox.dimension == 3;
-    const double spin = space ? Eigen::Vector3d(body.spin[0], body.spin[1], body.spin[2]).norm() : body.velocity[2];
+    const double spin = space ? body.spin.norm() : body.velocity[2];
     if (spin != 0 && which == DatboxGrains::all)
       refuse(body.velocity_place, "{}: expected {}s that do not spin at the beginning, met {}",
              space ? "V(4) to V(6)" : "V(3)", shape_of_grains(datbox.dimension), spin);
-    const auto& [x, y, z] = body.velocity;
-    if (space && (x != 0 || y != 0 || z != 0)) moving.push_back({number, {x, y, z}});
-    if (!space && (x != 0 || y != 0)) moving.push_back({number, {x, y}});
+    const Vector3& v = body.velocity;
+    if (v.head(datbox.dimension).isZero(0)) return;
+    moving.push_back({number, space ? Components<double>{v[0], v[1], v[2]} : Components<double>{v[0], v[1]}});
   });
   return moving;
 }
@@ -262,19 +251,15 @@ Packing datbox_packing(const Datbox& datbox, DatboxGrains which) {
     packing.radius.push_back(disk.radius);
     packing.half_digit = std::max(packing.half_digit, body.written_digit);
     const double size = body.driven() ? disk.radius : body.average_radius;  // a driven mass has no effect
-    if (datbox.dimension == 3) {
-      if (!body.driven()) require_full_sphere(body);
-      packing.x.push_back(body.position[0]);
-      packing.y.push_back(body.position[1]);
-      packing.z.push_back(body.position[2]);
-      packing.mass.push_back(density_of(datbox, body) * 4.0 / 3 * std::numbers::pi * size * size * size);
-      return;
-    }
-    if (!body.driven()) require_full_disk(body);
-    const std::array<double, 2> place = place_of(body, disk);
+    const bool space = datbox.dimension == 3;
+    if (!body.driven()) space ? require_full_sphere(body) : require_full_disk(body);
+    const Eigen::Vector2d place = space ? body.position.head<2>() : place_in_plane(body, disk);
     packing.x.push_back(place[0]);
     packing.y.push_back(place[1]);
-    packing.mass.push_back(density_of(datbox, body) * std::numbers::pi * size * size);
+    if (space) packing.z.push_back(body.position[2]);
+    const double density = density_of(datbox, body);
+    packing.mass.push_back(space ? density * 4.0 / 3 * std::numbers::pi * size * size * size
+                                 : density * std::numbers::pi * size * size);
   });
   if (packing.size() == 0)
     fail("{}/BODIES.DAT: expected at least one {}, met none", datbox.folder, shape_of_grains(datbox.dimension));
@@ -291,7 +276,7 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
   if (!datbox.gravity) fail("{}/BULK_BEHAV.DAT: expected a section $gravy, met none", datbox.folder);
   const auto [x, y, z] = *datbox.gravity;
   dynamics.time.gravity = datbox.dimension == 3 ? Components<double>{x, y, z} : Components<double>{x, y};
-  dynamics.time.alert = std::min(10.0, contact.alert / smallest_radius(packing));
+  dynamics.time.alert = std::min(10.0, contact.alert / *std::ranges::min_element(packing.radius));
   if (dynamics.interaction.restitution == 0) dynamics.time.penetration_correction = 0;  // as IQS_CLB has it
   return dynamics;
 }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "formats/lmgc90/datbox_text.hpp"
 #include "formats/lmgc90/datbox_writer.hpp"
 #include "mechanics/contact_frame.hpp"
 
@@ -56,10 +55,8 @@ std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const Traject
              b.contactor, status_name(c.impulse, c.status), b.body) +
          datbox_three({"rlt/H", "rln/H", "rls/H"}, {-c.impulse.t / h, c.impulse.n / h, 0}) +
          datbox_three({"vlt =", "vln =", "vls ="}, {-v.t, v.n, 0}) + gap_line("gapTT", g.gap) +
-         datbox_three({"n(1)=", "n(2)=", "n(3)="}, {-g.normal[0], -g.normal[1], 0}) +
-         datbox_three(datbox_coordinates,
-                      {g.point[0] - distance * g.normal[0], g.point[1] - distance * g.normal[1], 0}) +
-         "\n";
+         datbox_three("n({})=", {-g.normal[0], -g.normal[1], 0}) +
+         datbox_three("coo{}=", {g.point[0] - distance * g.normal[0], g.point[1] - distance * g.normal[1], 0}) + "\n";
 }
 
 std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number,
@@ -112,8 +109,8 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   if (!wall) text += fmt::format("  {:{}}", body_b, digits);
   text += "\n" + datbox_three({"rls/H", "rlt/H", "rln/H"}, {r.dot(s), r.dot(t), r.dot(n)}) +
           datbox_three({"vls =", "vlt =", "vln ="}, {v.dot(s), v.dot(t), v.dot(n)}) + gap_line("gTT =", g.gap) +
-          datbox_three({"s(1)=", "s(2)=", "s(3)="}, s) + datbox_three({"t(1)=", "t(2)=", "t(3)="}, t) +
-          datbox_three({"n(1)=", "n(2)=", "n(3)="}, n) + datbox_three(datbox_coordinates, point) + "\n";
+          datbox_three("s({})=", s) + datbox_three("t({})=", t) + datbox_three("n({})=", n) +
+          datbox_three("coo{}=", point) + "\n";
   return text;
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
-#include "formats/lmgc90/datbox_text.hpp"
 #include "formats/lmgc90/datbox_writer.hpp"
 
 namespace nscdd {
@@ -62,7 +61,7 @@ std::string datbox_number(double value) {
                      std::abs(exponent) < 100 ? "D" : "", exponent < 0 ? '-' : '+', std::abs(exponent));
 }
 
-std::string datbox_named(std::initializer_list<std::pair<const char*, double>> values) {
+std::string datbox_named(std::initializer_list<std::pair<std::string_view, double>> values) {
   std::string text;
   for (const auto& [name, value] : values) text += fmt::format("  {:5}{}", name, datbox_number(value));
   return text;

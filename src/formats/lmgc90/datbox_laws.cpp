@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "formats/lmgc90/datbox_laws.hpp"
+#include "formats/lmgc90/datbox.hpp"
 
 #include <set>
 
@@ -50,52 +50,39 @@ const DatboxLaw& law_of(const Datbox& datbox, const DatboxSight& sight) {
   return law;
 }
 
+}  // namespace
+
 // All contacts of one kind have one law here, and all contacts one restitution.
-class Laws {
- public:
-  void add(const DatboxSight& sight, const DatboxLaw& law, bool driven) {
-    const DatboxLaw*& same = driven ? driven_ : free_;
+DatboxContactLaw contact_law_of(const Datbox& datbox) {
+  const DatboxLaw *of_free = nullptr, *of_driven = nullptr, none;
+  DatboxContactLaw result;
+  const auto add = [&](const Colour& a, const Colour& b, bool driven) {
+    const DatboxSight& sight = sight_of(datbox, a, b);
+    const DatboxLaw& law = law_of(datbox, sight);
+    const DatboxLaw*& same = driven ? of_driven : of_free;
     if (same == nullptr) same = &law;
     if (same->friction != law.friction)
       refuse(sight.place, "expected one friction between {}, {} as before, met {}",
              driven ? "free disks and driven bodies" : "free disks", same->friction, law.friction);
-    const DatboxLaw& any = free_ != nullptr ? *free_ : *driven_;
+    const DatboxLaw& any = of_free != nullptr ? *of_free : *of_driven;
     if (any.restitution != law.restitution || any.tangential_restitution != law.tangential_restitution)
       refuse(sight.place, "expected one restitution for all contacts, {} and {} as before, met {} and {}",
              any.restitution, any.tangential_restitution, law.restitution, law.tangential_restitution);
-    alert_ = std::max(alert_, sight.alert);
-  }
-  Interaction interaction() const {
-    const DatboxLaw none, &free = free_ != nullptr ? *free_ : driven_ != nullptr ? *driven_ : none;
-    Interaction result;
-    result.friction = free.friction;
-    if (driven_ != nullptr && driven_->friction != free.friction) result.boundary_friction = driven_->friction;
-    result.restitution = free.restitution;
-    result.tangential_restitution = free.tangential_restitution;
-    return result;
-  }
-  double alert() const { return alert_; }
-
- private:
-  const DatboxLaw *free_ = nullptr, *driven_ = nullptr;
-  double alert_ = 0;
-};
-
-}  // namespace
-
-DatboxContactLaw contact_law_of(const Datbox& datbox) {
-  const Colours colours = colours_of(datbox);
-  Laws laws;
-  const auto add = [&](const Colour& a, const Colour& b, bool driven) {
-    const DatboxSight& sight = sight_of(datbox, a, b);
-    laws.add(sight, law_of(datbox, sight), driven);
+    result.alert = std::max(result.alert, sight.alert);
   };
+  const Colours colours = colours_of(datbox);
   for (auto a = colours.free.begin(); a != colours.free.end(); ++a) {
     for (auto b = a; b != colours.free.end(); ++b)
       if (a != b || a->second > 1) add(a->first, b->first, false);
     for (const Colour& driven : colours.driven) add(a->first, driven, true);
   }
-  return {laws.interaction(), laws.alert()};
+  const DatboxLaw& law = of_free != nullptr ? *of_free : of_driven != nullptr ? *of_driven : none;
+  Interaction& interaction = result.interaction;
+  interaction.friction = law.friction;
+  if (of_driven != nullptr && of_driven->friction != law.friction) interaction.boundary_friction = of_driven->friction;
+  interaction.restitution = law.restitution;
+  interaction.tangential_restitution = law.tangential_restitution;
+  return result;
 }
 
 }  // namespace nscdd

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/csv.hpp"
 #include "formats/lmgc90/datbox_body.hpp"
 
 #include <filesystem>
@@ -6,6 +7,8 @@
 
 namespace nscdd {
 namespace {
+
+namespace fs = std::filesystem;
 
 // The body of a record of DRV_DOF.DAT or DOF.INI, by its number from 1. `met`: the numbers of the file so far.
 DatboxBody& numbered_body(FixedColumns& lines, Datbox& datbox, std::set<Index>& met) {
@@ -23,16 +26,15 @@ DatboxBody& numbered_body(FixedColumns& lines, Datbox& datbox, std::set<Index>& 
 // "evolution NAME": a file beside DRV_DOF.DAT, of a time and a velocity in each line, in words.
 void read_table(const FixedColumns& lines, const DatboxTexts& texts, const std::string& folder, DatboxDrive& drive) {
   const std::string name(lines.text(25, 64));
-  if (name.empty() || std::filesystem::path(name).filename() != name || name == "." || name == "..")
+  if (name.empty() || fs::path(name).filename() != name || name == "." || name == "..")
     lines.refuse("evolution: expected the name of a file beside DRV_DOF.DAT in columns 25 to 64", "'" + name + "'");
   if (!texts.table) lines.refuse("evolution: expected a file", "'" + name + "', which cannot be read here");
   const std::string text = texts.table(name);
-  const DatboxPlace file{(std::filesystem::path(folder) / name).string(), 0};
-  FixedColumns rows(text, file.file);
-  constexpr std::size_t whole = 1'000'000;
+  const std::string file = (fs::path(folder) / name).string();
+  FixedColumns rows(text, file);
   while (rows.next()) {
     std::array<double, 2> row{};
-    std::string_view rest = rows.text(1, whole);
+    std::string_view rest = rows.line();
     for (double& value : row) {
       const auto end = std::min(rest.find_first_of(" \t,"), rest.size());
       value = rows.number_in(rest.substr(0, end), "a time and a velocity");
@@ -42,7 +44,7 @@ void read_table(const FixedColumns& lines, const DatboxTexts& texts, const std::
       rows.refuse("expected times that ascend", fmt::format("{}", row[0]));
     drive.table.push_back(row);
   }
-  if (drive.table.size() < 2) fail("{}: expected at least two rows, met {}", file.file, drive.table.size());
+  if (drive.table.size() < 2) fail("{}: expected at least two rows, met {}", file, drive.table.size());
 }
 
 void read_drives(FixedColumns lines, Datbox& datbox, const DatboxTexts& texts, const std::string& folder) {
@@ -53,11 +55,11 @@ void read_drives(FixedColumns lines, Datbox& datbox, const DatboxTexts& texts, c
     while (lines.next() && lines.key() != "$$$$$$") {
       if (lines.section() || lines.text(2, 3) == "NO") continue;
       const std::string_view kind = lines.text(2, 6);
-      if (kind != "vlocy" && kind != "force") lines.refuse("expected vlocy or force", kind);
       if (kind == "force") {
         body.force = lines.place();
         continue;
       }
+      if (kind != "vlocy") lines.refuse("expected vlocy or force", kind);
       const Index dof = lines.integer(9, 13, "degree of freedom");
       if (dof < 1 || dof > most)
         lines.refuse(fmt::format("expected a degree of freedom 1, 2 {}", most == 3 ? "or 3" : "... 6"),
@@ -90,20 +92,19 @@ void read_initial(FixedColumns lines, Datbox& datbox) {
       if (lines.key() == "$bdyty" || lines.key() == "$$$$$$") break;
     if (lines.key() != "$nodty") lines.refuse("expected a section $nodty of the body", "none");
     lines.require_next("displacements X");
-    const std::array<double, 3> moved{lines.number(35, "X(1)"), lines.number(56, "X(2)"), lines.number(77, "X(3)")};
-    for (std::size_t k = 0; k < 3; ++k) body.position[k] += moved[k];
-    const double digit = std::max(half_digit(moved[0]), half_digit(moved[1]));
-    body.written_digit += space ? std::max(digit, half_digit(moved[2])) : digit;
+    const Eigen::Vector3d moved = lines.three_numbers("X({})");
+    body.position += moved;
+    body.written_digit += half_digit(moved, datbox.dimension);
     if (space) lines.require_next("displacements X(4) to X(6)");  // which LMGC90 has at 0
     lines.require_next("velocities V");
-    body.velocity = {lines.number(35, "V(1)"), lines.number(56, "V(2)"), lines.number(77, "V(3)")};
+    body.velocity = lines.three_numbers("V({})");
     body.velocity_place = lines.place();
     if (!space) continue;
     lines.require_next("velocities V(4) to V(6)");
     body.spin = {lines.number(35, "V(4)"), lines.number(56, "V(5)"), lines.number(77, "V(6)")};
     for (Index k = 0; k < 3; ++k) {
       lines.require_next("the axes of the body");
-      body.frame.col(k) = three_numbers(lines, "axis ");
+      body.frame.col(k) = lines.three_numbers("axis {}");
     }
     require_frame(body, lines.place());
   }
@@ -119,7 +120,7 @@ void read_bulk(FixedColumns lines, Datbox& datbox) {
     } else if (section == "$behav") {
       lines.require_next("a bulk law");
       if (lines.text(9, 38) == "RIGID")
-        datbox.density[std::string(lines.text(2, 6))] = positive_number(lines, 46, "Umas");
+        datbox.density[std::string(lines.text(2, 6))] = lines.positive_number(46, "Umas");
     }
   }
 }
@@ -157,11 +158,16 @@ void read_tact(FixedColumns lines, Datbox& datbox) {
   }
 }
 
+fs::path datbox_folder(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(fs::path(path) / "BODIES.DAT", ignored) ? fs::path(path) : fs::path(path) / "DATBOX";
+}
+
 }  // namespace
 
 Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder) {
   const auto lines = [&](const std::string& text, const char* name) {
-    return FixedColumns(text, (std::filesystem::path(folder) / name).string());
+    return FixedColumns(text, (fs::path(folder) / name).string());
   };
   Datbox datbox;
   datbox.folder = folder;
@@ -172,6 +178,31 @@ Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder) {
   read_bulk(lines(texts.bulk, "BULK_BEHAV.DAT"), datbox);
   read_tact(lines(texts.tact, "TACT_BEHAV.DAT"), datbox);
   return datbox;
+}
+
+bool holds_datbox(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) && fs::is_regular_file(datbox_folder(path) / "BODIES.DAT", ignored);
+}
+
+std::vector<std::string> datbox_files(const std::string& path) {
+  std::vector<std::string> files;
+  std::error_code ignored;
+  for (const char* name : {"BODIES.DAT", "BULK_BEHAV.DAT", "TACT_BEHAV.DAT", "DRV_DOF.DAT", "DOF.INI"})
+    if (const fs::path file = datbox_folder(path) / name; fs::exists(file, ignored)) files.push_back(file.string());
+  return files;
+}
+
+Datbox read_datbox(const std::string& path) {
+  const fs::path folder = datbox_folder(path);
+  const auto required = [&](const std::string& name) { return read_text((folder / name).string()); };
+  const auto text = [&](const char* name) {
+    std::error_code ignored;
+    return fs::exists(folder / name, ignored) ? required(name) : std::string();
+  };
+  return parse_datbox({required("BODIES.DAT"), required("BULK_BEHAV.DAT"), text("TACT_BEHAV.DAT"), text("DRV_DOF.DAT"),
+                       text("DOF.INI"), required},
+                      folder.string());
 }
 
 }  // namespace nscdd

@@ -2,7 +2,6 @@
 #include "formats/lmgc90/datbox_writer.hpp"
 
 #include "core/fail.hpp"
-#include "formats/lmgc90/datbox_text.hpp"
 #include "mechanics/contact_frame.hpp"
 
 #include <numbers>
@@ -16,20 +15,20 @@ using Matrix3 = Eigen::Matrix3d;
 double area_of(double radius) { return std::numbers::pi * radius * radius; }
 double volume_of(double radius) { return 4.0 / 3 * std::numbers::pi * radius * radius * radius; }
 
-// The first three numbers of a node stand beside its name.
-std::string node_line(const char* kind, const std::array<const char*, 3>& names, const Vector3& values) {
-  return fmt::format("$nodty\n {}      1", kind) + datbox_three(names, values).substr(13);
-}
-
 }  // namespace
 
 bool turns(const Motion& motion) {
   return std::ranges::any_of(motion.velocity, [](const RigidVelocity& v) { return spin_vector(v) != Vector3::Zero(); });
 }
 
-std::string datbox_three(const std::array<const char*, 3>& names, const Vector3& values) {
+std::string datbox_three(const std::array<std::string, 3>& names, const Vector3& values) {
   return fmt::format("{:27}{}\n", "",
                      datbox_named({{names[0], values[0]}, {names[1], values[1]}, {names[2], values[2]}}));
+}
+
+std::string datbox_three(const char* names, const Vector3& values, int first) {
+  const auto name = [&](int k) { return fmt::format(fmt::runtime(names), first + k); };
+  return datbox_three({name(0), name(1), name(2)}, values);
 }
 
 std::string datbox_head(const char* title, Index step, double time) {
@@ -182,17 +181,23 @@ std::string DatboxWriter::bodies() const {
     if (space_) {
       const double average = grain ? std::cbrt(0.75 * size / std::numbers::pi) : margin_;
       text += datbox_named({{"avrd=", average}}) + "\n" +
-              datbox_three({"I1  =", "I2  =", "I3  ="}, Vector3::Constant(grain ? 0.4 * radius * radius * size : 0)) +
-              node_line("NO6xx", datbox_coordinates, node.place) +
-              datbox_three({"coo4=", "coo5=", "coo6="}, Vector3::Zero());
+              datbox_three("I{}  =", Vector3::Constant(grain ? 0.4 * radius * radius * size : 0));
     } else {
       const double average = grain ? std::sqrt(system.mass[body.grains[0]] / (density_ * std::numbers::pi)) : margin_;
-      text += datbox_named({{"avrd=", average}, {"gyrd=", grain ? radius / std::numbers::sqrt2 : margin_}}) + "\n" +
-              node_line("NO3xx", datbox_coordinates, {node.place[0], node.place[1], node.angle});
+      text += datbox_named({{"avrd=", average}, {"gyrd=", grain ? radius / std::numbers::sqrt2 : margin_}}) + "\n";
     }
+    text += node_text("coo{}=", node.place, node.angle);
     text += "$tacty\n" + contactors(body, node) + "$$$$$$\n\n";
   }
   return text;
+}
+
+// Of a place and an angle in the plane, else of a place and three angles that are 0. The first three numbers stand
+// beside the name of the node.
+std::string DatboxWriter::node_text(const char* names, const Vector3& place, double angle) const {
+  const Vector3 first(place[0], place[1], space_ ? place[2] : angle);
+  return fmt::format("$nodty\n {}      1", space_ ? "NO6xx" : "NO3xx") + datbox_three(names, first).substr(13) +
+         (space_ ? datbox_three(names, Vector3::Zero(), 4) : "");
 }
 
 std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
@@ -206,10 +211,8 @@ std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
     return fmt::format(" PLANx      1  color  {}{}\n{:29}localframe\n", colour,
                        datbox_named({{"axe1=", plank.length}, {"axe2=", plank.width}, {"axe3=", plank.thickness}}),
                        "") +
-           datbox_three({"alp1=", "alp2=", "alp3="}, node.frame.col(0)) +
-           datbox_three({"bet1=", "bet2=", "bet3="}, node.frame.col(1)) +
-           datbox_three({"gam1=", "gam2=", "gam3="}, node.frame.col(2)) +
-           datbox_three(datbox_coordinates, Vector3::Zero());
+           datbox_three("alp{}=", node.frame.col(0)) + datbox_three("bet{}=", node.frame.col(1)) +
+           datbox_three("gam{}=", node.frame.col(2)) + datbox_three("coo{}=", Vector3::Zero());
   }
   for (const std::size_t i : body.grains) {
     const bool cluster = !space_ && body.boundary >= 0;
@@ -263,18 +266,11 @@ std::string DatboxWriter::dof(const TrajectoryStep& step) const {
         spin = spin_vector(motions[b]);
       turned = state.poses[b].angle - first_.state.poses[b].angle;
     }
-    text += fmt::format("$bdyty\n {}  {:7}\n", kind(), number);
+    text += fmt::format("$bdyty\n {}  {:7}\n", kind(), number) + node_text("X({})=", moved, turned) +
+            datbox_three("V({})=", space_ ? velocity : Vector3(velocity[0], velocity[1], spin[2]));
     if (space_)
-      text += node_line("NO6xx", {"X(1)=", "X(2)=", "X(3)="}, moved) +
-              datbox_three({"X(4)=", "X(5)=", "X(6)="}, {0, 0, 0}) +
-              datbox_three({"V(1)=", "V(2)=", "V(3)="}, velocity) +
-              datbox_three({"V(4)=", "V(5)=", "V(6)="}, frame.transpose() * spin) +
-              datbox_three({"a(1)=", "a(2)=", "a(3)="}, frame.col(0)) +
-              datbox_three({"b(1)=", "b(2)=", "b(3)="}, frame.col(1)) +
-              datbox_three({"g(1)=", "g(2)=", "g(3)="}, frame.col(2));
-    else
-      text += node_line("NO3xx", {"X(1)=", "X(2)=", "X(3)="}, {moved[0], moved[1], turned}) +
-              datbox_three({"V(1)=", "V(2)=", "V(3)="}, {velocity[0], velocity[1], spin[2]});
+      text += datbox_three("V({})=", frame.transpose() * spin, 4) + datbox_three("a({})=", frame.col(0)) +
+              datbox_three("b({})=", frame.col(1)) + datbox_three("g({})=", frame.col(2));
     text += "$$$$$$\n\n";
   }
   return text + datbox_ruler;

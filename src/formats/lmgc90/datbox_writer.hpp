@@ -6,13 +6,8 @@
 
 namespace nscdd {
 
-/// Steps of a run as LMGC90 has them: its output folder OUTBOX, and the DATBOX that starts from the first step. Numbers
-/// have seven digits (D14.7).
-///
-/// In the plane (RBDY2) the bodies are the free disks, one DISKx each, then the boundaries: disks as one body of disks
-/// DISKb, a wall as a plank JONCx. In space (RBDY3) they are the free spheres, then the spheres of boundaries, one
-/// SPHER each, then the walls as planks PLANx. The frames of bodies in space are the columns alpha, beta and gamma of
-/// DOF, which turn with them; gamma of a plank is the normal of its wall. Spins V(4) to V(6) are along these columns.
+/// Steps of a run as LMGC90 has them: its output folder OUTBOX, and the DATBOX that starts from the first step. For
+/// bodies and contacts, their order and their axes see docs/formats.md.
 class DatboxWriter {
  public:
   /// `first`: the simulation in its first state, which displacements count from. Throws Error for too many bodies and
@@ -23,10 +18,7 @@ class DatboxWriter {
   std::string bulk() const;    ///< BULK_BEHAV.OUT: the density that goes with the radii of BODIES.OUT, and gravity
   /// DOF.OUT.k: displacements and velocities at the end of the step. A boundary has its velocity at that time.
   std::string dof(const TrajectoryStep& step) const;
-  /// Vloc_Rloc.OUT.k: the contacts that led to the end of the step, those of two grains, then those with a wall. n goes
-  /// from the antagonist to the candidate, which is the grain of the lower number, or the grain at a wall. In the plane
-  /// t is n turned by -90 degrees, in space s is t x n. Impulses over the step h are forces (N) on the candidate.
-  /// Velocities of the contact are those at the end of the step.
+  /// Vloc_Rloc.OUT.k: the contacts that led to the end of the step, those of two grains, then those with a wall.
   std::string vloc_rloc(const TrajectoryStep& step) const;
 
   /// Why no DATBOX can describe this case; empty if one can. Reasons: a law without a name in LMGC90 that is read here,
@@ -76,6 +68,7 @@ class DatboxWriter {
   Node plank_node(std::size_t wall, const Pose& pose) const;
   Node node_of(const Body& body, const GranularState& state) const;
   std::string contactors(const Body& body, const Node& node) const;
+  std::string node_text(const char* names, const Eigen::Vector3d& place, double angle) const;
   std::string disk_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const;
   std::string sphere_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number, bool wide) const;
   std::vector<Driven> driven_bodies() const;
@@ -89,6 +82,28 @@ class DatboxWriter {
   double density_ = 1;         // kg/m^2, in space kg/m^3
   double margin_ = 0;          // m, the largest radius
 };
+
+/// Numbers and headings as LMGC90 writes them. This one is D14.7 of Fortran: 0.1234567D+01, with its sign or a blank
+/// before it.
+std::string datbox_number(double value);
+
+/// Numbers with their names of five letters, such as "byrd=", each behind two blanks.
+std::string datbox_named(std::initializer_list<std::pair<std::string_view, double>> values);
+
+inline Eigen::Vector3d datbox_vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
+
+/// A line of three numbers behind 27 columns, with their names, or with numbered ones such as "coo{}=".
+std::string datbox_three(const std::array<std::string, 3>& names, const Eigen::Vector3d& values);
+std::string datbox_three(const char* names, const Eigen::Vector3d& values, int first = 1);
+
+/// The head of a file about the end of a step, and the line that closes a head or a list.
+std::string datbox_head(const char* title, Index step, double time);
+inline constexpr const char* datbox_ruler =
+    "!-----------------------------------------------------------------------\n";
+
+/// Colours and laws of what is written: those of free grains and of boundaries.
+inline constexpr const char *datbox_grains = "GRAIN", *datbox_boundaries = "BOUND";
+inline constexpr const char *datbox_law_of_grains = "CLB_G", *datbox_law_of_boundaries = "CLB_B";
 
 inline Eigen::Vector3d spin_vector(const RigidVelocity& v) { return {v.spin_x, v.spin_y, v.spin}; }
 

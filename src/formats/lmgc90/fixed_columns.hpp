@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/fail.hpp"
 #include "core/text.hpp"
 #include "formats/lmgc90/datbox.hpp"
 
@@ -22,8 +21,7 @@ class FixedColumns {
   bool next() {
     while (lines_.next()) {
       line_ = lines_.line();
-      while (!line_.empty() && (line_.back() == '\r' || line_.back() == ' ' || line_.back() == '\t'))
-        line_.remove_suffix(1);
+      line_ = line_.substr(0, line_.find_last_not_of("\r \t") + 1);
       if (!line_.empty() && line_[0] != '!' && line_[0] != '#') return true;
     }
     line_ = {};
@@ -41,11 +39,9 @@ class FixedColumns {
 
   std::string_view text(std::size_t first, std::size_t last) const {
     if (line_.size() < first) return {};
-    std::string_view part = line_.substr(first - 1, last - first + 1);
-    while (!part.empty() && (part.front() == ' ' || part.front() == '\t')) part.remove_prefix(1);
-    while (!part.empty() && (part.back() == ' ' || part.back() == '\t')) part.remove_suffix(1);
-    return part;
+    return trimmed(line_.substr(first - 1, last - first + 1));
   }
+  std::string_view line() const { return trimmed(line_); }
   std::string_view key() const { return text(1, 6); }
   bool section() const { return line_.empty() || line_[0] == '$'; }
 
@@ -60,6 +56,16 @@ class FixedColumns {
       refuse(fmt::format("{}: expected a number in columns {} to {}", what, first, first + 13),
              cut ? fmt::format("'{}' and more behind it", field) : fmt::format("'{}'", field));
     return *value;
+  }
+  double positive_number(std::size_t first, std::string_view what) const {
+    const double value = number(first, what);
+    if (!(value > 0)) refuse(fmt::format("{}: expected a number above 0", what), fmt::format("{}", value));
+    return value;
+  }
+  /// Three numbers, called such as "coo{}", with 1 to 3.
+  Eigen::Vector3d three_numbers(const char* name) const {
+    const auto one = [&](std::size_t first, int k) { return number(first, fmt::format(fmt::runtime(name), k)); };
+    return {one(35, 1), one(56, 2), one(77, 3)};
   }
   /// A word that is a number, wherever it stands.
   double number_in(std::string_view word, std::string_view what) const {
@@ -79,7 +85,7 @@ class FixedColumns {
 
   DatboxPlace place() const { return {name_, static_cast<Index>(lines_.number())}; }
   [[noreturn]] void refuse(std::string_view expected, std::string_view met) const {
-    fail("{}:{}: {}, met {}", name_, lines_.number(), expected, met);
+    nscdd::refuse(place(), "{}, met {}", expected, met);
   }
 
  private:
