@@ -104,56 +104,52 @@ void add_interface_impulses(GlobalFrictionProblem& problem, const GranularSubdom
   }
 }
 
-template <int D>
-FclibFile file_of_step(const Simulation& before, const TrajectoryStep* after) {
-  const StepProblem<D> step = next_problem<D>(before);
-  GlobalFrictionProblem problem = friction_problem(step.free, step.contacts, before.system.radius);
-  FclibFile file;
-  if (after != nullptr) {
-    require_same_contacts(step, *after);
-    std::vector<Index> all(step.contacts.size());
-    std::iota(all.begin(), all.end(), Index{0});
-    file.solution =
-        solution_of(problem, velocities_of_free<D>(before.system, after->state), impulses_of<D>(*after, all));
-  }
-  file.problem = std::move(problem);
-  return file;
-}
-
-template <int D>
-FclibFile file_of_subdomain(const Simulation& before, const TrajectoryStep& after, Index subdomain) {
-  const StepProblem<D> step = next_problem<D>(before);
-  require_same_contacts(step, after);
-  const Partition partition = partition_of(after);
-  const std::set<Index> all(partition.subdomain_of_contact.begin(), partition.subdomain_of_contact.end());
-  if (!all.contains(subdomain))
-    fail("step {}: expected a subdomain that has contacts ({}), met {}", after.state.step,
-         all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain);
-  const GranularDecomposition<D> parts = decompose(step, partition, ContactOrder::natural, 0);
-  const GranularSubdomain<D> part = with_ascending_bodies(parts.subdomains[at(subdomain)]);
-  std::vector<GrainContact<D>> contacts;
-  for (std::size_t k = 0; k < part.contacts.size(); ++k) contacts.push_back(part.contacts.contact(k, part.velocities));
-  const std::vector<double>& of_grain = before.system.radius;
-  std::vector<double> radius;
-  for (const Index body : part.bodies) radius.push_back(body < before.system.grains() ? of_grain[at(body)] : 0);
-  GlobalFrictionProblem problem = friction_problem(part.velocities, contacts, radius);
-  add_interface_impulses(problem, part, of_grain, after.state.gluing, subdomain);
-  FclibFile file;
-  const Vector r = impulses_of<D>(after, part.numbers);
-  file.solution = solution_of(problem, body_velocities(problem, r), r);
-  file.problem = std::move(problem);
-  return file;
-}
-
 }  // namespace
 
 FclibFile fclib_of_step(const Simulation& before, const TrajectoryStep* after) {
-  return in_dimension(before.system, [&](auto dimension) { return file_of_step<dimension()>(before, after); });
+  return in_dimension(before.system, [&](auto dimension) {
+    constexpr int D = dimension();
+    const StepProblem<D> step = next_problem<D>(before);
+    GlobalFrictionProblem problem = friction_problem(step.free, step.contacts, before.system.radius);
+    FclibFile file;
+    if (after != nullptr) {
+      require_same_contacts(step, *after);
+      std::vector<Index> all(step.contacts.size());
+      std::iota(all.begin(), all.end(), Index{0});
+      file.solution =
+          solution_of(problem, velocities_of_free<D>(before.system, after->state), impulses_of<D>(*after, all));
+    }
+    file.problem = std::move(problem);
+    return file;
+  });
 }
 
 FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& after, Index subdomain) {
-  return in_dimension(before.system,
-                      [&](auto dimension) { return file_of_subdomain<dimension()>(before, after, subdomain); });
+  return in_dimension(before.system, [&](auto dimension) {
+    constexpr int D = dimension();
+    const StepProblem<D> step = next_problem<D>(before);
+    require_same_contacts(step, after);
+    const Partition partition = partition_of(after);
+    const std::set<Index> all(partition.subdomain_of_contact.begin(), partition.subdomain_of_contact.end());
+    if (!all.contains(subdomain))
+      fail("step {}: expected a subdomain that has contacts ({}), met {}", after.state.step,
+           all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain);
+    const GranularDecomposition<D> parts = decompose(step, partition, ContactOrder::natural, 0);
+    const GranularSubdomain<D> part = with_ascending_bodies(parts.subdomains[at(subdomain)]);
+    std::vector<GrainContact<D>> contacts;
+    for (std::size_t k = 0; k < part.contacts.size(); ++k)
+      contacts.push_back(part.contacts.contact(k, part.velocities));
+    const std::vector<double>& of_grain = before.system.radius;
+    std::vector<double> radius;
+    for (const Index body : part.bodies) radius.push_back(body < before.system.grains() ? of_grain[at(body)] : 0);
+    GlobalFrictionProblem problem = friction_problem(part.velocities, contacts, radius);
+    add_interface_impulses(problem, part, of_grain, after.state.gluing, subdomain);
+    const Vector r = impulses_of<D>(after, part.numbers);
+    FclibFile file;
+    file.solution = solution_of(problem, body_velocities(problem, r), r);
+    file.problem = std::move(problem);
+    return file;
+  });
 }
 
 FclibFile local_form(FclibFile file) {

@@ -60,35 +60,35 @@ DatboxWriter::DatboxWriter(const Simulation& first)
 
 void DatboxWriter::number_bodies() {
   const GranularSystem& system = first_.system;
-  places_.resize(system.radius.size() + system.walls.size());
-  const auto add = [&](const Body& body) {
-    const Index number = count(bodies_) + 1;
-    Index contactor = 0;
-    for (const std::size_t i : body.grains) places_[i] = {number, ++contactor};
-    if (body.wall >= 0) places_[at(system.grains() + body.wall)] = {number, 1};
-    bodies_.push_back(body);
-  };
-  std::vector<Body> clusters(system.boundaries.size());  // of the boundaries, in the plane
-  for (std::size_t b = 0; b < clusters.size(); ++b) clusters[b].boundary = static_cast<Index>(b);
-  for (std::size_t i = 0; i < system.radius.size(); ++i)
-    if (system.driven_by[i] < 0)
-      add({.grains = {i}});
+  std::vector<Body> driven(space_ ? 0 : system.boundaries.size());  // in the plane one for each boundary
+  for (std::size_t b = 0; b < driven.size(); ++b) driven[b].boundary = static_cast<Index>(b);
+  for (std::size_t i = 0; i < system.radius.size(); ++i) {
+    const Index boundary = system.driven_by[i];
+    if (boundary < 0)
+      bodies_.push_back({.grains = {i}});
+    else if (space_)
+      driven.push_back({.boundary = boundary, .grains = {i}});
     else
-      clusters[at(system.driven_by[i])].grains.push_back(i);
-  if (space_)
-    for (std::size_t i = 0; i < system.radius.size(); ++i)
-      if (system.driven_by[i] >= 0) add({.boundary = system.driven_by[i], .grains = {i}});
+      driven[at(boundary)].grains.push_back(i);
+  }
   for (Index w = 0; w < count(system.walls); ++w) {
     const Index boundary = system.walls[at(w)].boundary;
     if (space_)
-      add({.boundary = boundary, .wall = w, .grains = {}});
+      driven.push_back({.boundary = boundary, .wall = w, .grains = {}});
     else
-      clusters[at(boundary)].wall = w;
+      driven[at(boundary)].wall = w;
   }
-  if (!space_)
-    for (const Body& body : clusters) add(body);
+  bodies_.insert(bodies_.end(), driven.begin(), driven.end());
   constexpr Index most = 99'999;  // their numbers have five columns
   if (count(bodies_) > most) fail("LMGC90: expected at most {} bodies, met {}", most, bodies_.size());
+  places_.resize(system.radius.size() + system.walls.size());
+  Index number = 0;
+  for (const Body& body : bodies_) {
+    Index contactor = 0;
+    ++number;
+    for (const std::size_t i : body.grains) places_[i] = {number, ++contactor};
+    if (body.wall >= 0) places_[at(system.grains() + body.wall)] = {number, 1};
+  }
 }
 
 // Walls have no ends: a plank reaches beyond all grains of the first step by the size of the packing. Where it does not

@@ -106,16 +106,13 @@ std::vector<PictureArray> point_arrays_of(const Scene& scene, const Integers& su
 
 // Of each contact what its subdomain was in this step; -1 for grains.
 void add_models(const Scene& scene, std::vector<PictureArray>& arrays) {
-  const auto of = [&](auto RememberedModel::*value) {
-    return [&scene, value](const TrajectoryContact& c) { return scene.state.models[at(c.subdomain)].*value; };
-  };
-  const Integers none(scene.grains, -1);
-  const std::vector<double> unknown(scene.grains, -1.0);
-  arrays.push_back({"switched", with_contacts(scene, none, of(&RememberedModel::switched))});
-  arrays.push_back({"switched_iterations", with_contacts(scene, none, of(&RememberedModel::switched_iterations))});
-  arrays.push_back({"switch_backs", with_contacts(scene, none, of(&RememberedModel::switch_backs))});
-  arrays.push_back({"velocity_distance", with_contacts(scene, unknown, of(&RememberedModel::velocity_distance))});
-  arrays.push_back({"impulse_distance", with_contacts(scene, unknown, of(&RememberedModel::impulse_distance))});
+  const std::vector<RememberedModel>& models = scene.state.models;
+  layout::model_columns([&](const char* name, const char*, auto get) {
+    if (name == std::string_view("standing")) return;
+    using Value = std::remove_cvref_t<decltype(*get(models[0]))>;
+    arrays.push_back({name, with_contacts(scene, std::vector<Value>(scene.grains, Value{-1}),
+                                          [&](const TrajectoryContact& c) { return *get(models[at(c.subdomain)]); })});
+  });
 }
 
 std::vector<PictureArray> cell_arrays_of(const Scene& scene, const Integers& subdomain) {
