@@ -7,6 +7,13 @@
 
 namespace nscdd::mpi {
 
+/// Whether MPI is finalised: what it made must not be freed any more.
+inline bool mpi_has_ended() {
+  int finalised = 0;
+  MPI_Finalized(&finalised);
+  return finalised != 0;
+}
+
 /// A duplicate of a communicator, freed with the object unless MPI is finalised already. What is sent is counted.
 class Communicator {
  public:
@@ -15,9 +22,7 @@ class Communicator {
     MPI_Comm_dup(of, &own_);
   }
   ~Communicator() {
-    int finalised = 0;
-    MPI_Finalized(&finalised);
-    if (finalised == 0) MPI_Comm_free(&own_);
+    if (!mpi_has_ended()) MPI_Comm_free(&own_);
   }
   Communicator(const Communicator&) = delete;
   Communicator& operator=(const Communicator&) = delete;

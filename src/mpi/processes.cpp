@@ -61,10 +61,8 @@ class Neighbourhood {
     }
   }
   ~Neighbourhood() {
-    int finalised = 0;
-    MPI_Finalized(&finalised);
-    for (MPI_Request& request : requests_)
-      if (finalised == 0) MPI_Request_free(&request);
+    if (mpi_has_ended()) return;
+    for (MPI_Request& request : requests_) MPI_Request_free(&request);
   }
   Neighbourhood(const Neighbourhood&) = delete;
   Neighbourhood& operator=(const Neighbourhood&) = delete;
@@ -72,18 +70,16 @@ class Neighbourhood {
   void add_up(std::span<double> numbers) {
     if (shared_.empty()) return;  // MPI wants at least one request
     for (std::size_t k = 0; k < shared_.size(); ++k) {
-      std::ranges::transform(shared_[k].entries, sent_[k].begin(), [&](Index i) { return numbers[place(i)]; });
+      std::ranges::transform(shared_[k].entries, sent_[k].begin(), [&](Index i) { return numbers[at(i)]; });
       all_->count_message(static_cast<Index>(sent_[k].size()));
     }
     MPI_Startall(static_cast<int>(requests_.size()), requests_.data());
     MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
     for (std::size_t k = 0; k < shared_.size(); ++k)
-      for (std::size_t i = 0; i < received_[k].size(); ++i) numbers[place(shared_[k].entries[i])] += received_[k][i];
+      for (std::size_t i = 0; i < received_[k].size(); ++i) numbers[at(shared_[k].entries[i])] += received_[k][i];
   }
 
  private:
-  static std::size_t place(Index i) { return static_cast<std::size_t>(i); }
-
   std::shared_ptr<const Communicator> all_;
   std::vector<SharedEntries> shared_;
   std::vector<std::vector<double>> sent_, received_;

@@ -3,11 +3,31 @@
 
 #include "linalg/sparse_entries.hpp"
 
+#include <limits>
 #include <map>
 #include <numeric>
 
 namespace nscdd::mpi {
 namespace {
+
+// Adds the sets of processes first ... last - 1, and returns the number of the whole.
+// Halves are those of METIS_PartGraphRecursive, which numbers the parts of the first half before the others.
+Index add_sets(std::vector<ProcessSet>& sets, Index first, Index last) {
+  if (last - first == 1) return first;
+  const Index middle = first + (last - first) / 2;
+  const Index left = add_sets(sets, first, middle), right = add_sets(sets, middle, last), whole = count(sets);
+  sets[at(left)].parent = sets[at(right)].parent = whole;
+  // Its worker is the last process of the left half: no other set has the same one.
+  sets.push_back({.first = first, .last = last, .worker = middle - 1, .children = {left, right}});
+  return whole;
+}
+
+std::vector<ProcessSet> sets_of(Index processes) {
+  std::vector<ProcessSet> sets;
+  for (Index p = 0; p < processes; ++p) sets.push_back({.first = p, .last = p + 1, .worker = p});
+  add_sets(sets, 0, processes);
+  return sets;
+}
 
 // The lists of all processes.
 std::vector<std::vector<Index>> gathered(const Communicator& all, const std::vector<Index>& own) {
@@ -118,6 +138,38 @@ std::vector<EliminationWork> work_of_sets(const Communicator& all, const std::ve
 }
 
 }  // namespace
+
+std::vector<ProcessSet> elimination_tree(const std::vector<std::vector<Index>>& touched,
+                                         const std::vector<Index>& group) {
+  struct Reach {  // the processes, from the first to the last, that touch rows of a group
+    Index first = std::numeric_limits<Index>::max(), last = -1;
+  };
+  std::vector<Reach> reach(group.size());
+  for (Index process = 0; process < count(touched); ++process)
+    for (const Index row : touched[at(process)]) {
+      Reach& of_group = reach[at(group[at(row)])];
+      of_group = {std::min(of_group.first, process), process};
+    }
+  const auto group_by_group = [&](Index row) { return std::pair(group[at(row)], row); };
+  std::vector<ProcessSet> sets = sets_of(count(touched));
+  for (Index s = 0; s < count(sets); ++s) {
+    ProcessSet& set = sets[at(s)];
+    std::vector<Index> rows;
+    if (set.children.empty()) {
+      rows = touched[at(s)];
+      std::ranges::sort(rows, {}, group_by_group);
+    } else {
+      const std::vector<Index>&left = sets[at(set.children[0])].handed_on, &right = sets[at(set.children[1])].handed_on;
+      std::ranges::set_union(left, right, std::back_inserter(rows), {}, group_by_group, group_by_group);
+    }
+    for (const Index row : rows) {
+      const Reach& of_row = reach[at(group[at(row)])];
+      const bool here = set.first <= of_row.first && of_row.last < set.last;
+      (here ? set.eliminated : set.handed_on).push_back(row);
+    }
+  }
+  return sets;
+}
 
 void SharedPlan::add_work(const std::function<double(const EliminationWork&)>& flops) const {
   std::vector<double> path;

@@ -1,14 +1,216 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/fail.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
-#include "mpi/slepc_pencil.hpp"
+#include "mpi/petsc.hpp"
 #include <nscdd/mpi/slepc.hpp>
+
+#include <numeric>
 
 namespace nscdd::mpi {
 namespace {
 
 constexpr int most_shifts = 200;      // on the way to one end
 constexpr double between_shifts = 4;  // that are tried on the way to an end
+constexpr int most_restarts = 300;    // of Krylov-Schur
+// The last front is factorised like all others, for its inertia; null pivots are found; room for delayed ones.
+constexpr std::pair<PetscInt, PetscInt> mumps_controls[] = {{13, 1}, {24, 1}, {14, 100}};
+
+// Numbers of the rows: process by process, each with its velocities and an equal share of the interface behind them.
+struct PencilLayout {
+  PencilLayout(const Communicator& all, Index own_rows, Index interface_rows)
+      : own(own_rows), interface(interface_rows), rank(at(all.rank())) {
+    const std::size_t size = at(all.size());
+    velocities.resize(size);
+    MPI_Allgather(&own, 1, MPI_INT64_T, velocities.data(), 1, MPI_INT64_T, all.get());
+    for (std::size_t p = 0; p <= size; ++p) share.push_back(interface * static_cast<Index>(p) / all.size());
+    for (std::size_t p = 0; p < size; ++p) {
+      first.push_back(total);
+      total += velocities[p] + share[p + 1] - share[p];
+    }
+  }
+  PetscInt velocity(Index row) const { return static_cast<PetscInt>(first[rank] + row); }
+  PetscInt impulse(Index row) const {
+    const auto p = at(std::upper_bound(share.begin(), share.end(), row) - share.begin() - 1);
+    return static_cast<PetscInt>(first[p] + velocities[p] + row - share[p]);
+  }
+
+  Index own, interface, total = 0;
+  std::size_t rank;
+  std::vector<Index> share, first, velocities;
+};
+
+// Entries of a symmetric matrix that processes add to, both triangles.
+struct Entries {
+  std::vector<PetscInt> rows, columns;
+  std::vector<double> values;
+  void add(PetscInt i, PetscInt j, double value) {
+    rows.push_back(i);
+    columns.push_back(j);
+    values.push_back(value);
+  }
+  void fill(OwnedMatrix& matrix, const Communicator& all, const PencilLayout& layout) {
+    check(MatCreate(all.get(), matrix.fill()), "a matrix");
+    const auto n = static_cast<PetscInt>(layout.total);
+    const auto here = static_cast<PetscInt>(layout.own + layout.share[layout.rank + 1] - layout.share[layout.rank]);
+    MatSetSizes(matrix.get(), here, here, n, n);
+    MatSetType(matrix.get(), MATAIJ);
+    check(MatSetPreallocationCOO(matrix.get(), static_cast<PetscCount>(rows.size()), rows.data(), columns.data()),
+          "room for a matrix");
+    check(MatSetValuesCOO(matrix.get(), values.data(), ADD_VALUES), "the entries of a matrix");
+    MatSetOption(matrix.get(), MAT_SYMMETRIC, PETSC_TRUE);
+    MatSetOption(matrix.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE);
+  }
+};
+
+Index dofs(const Decomposition& parts) {
+  return std::accumulate(parts.subdomains.begin(), parts.subdomains.end(), Index{0},
+                         [](Index sum, const Subdomain& one) { return sum + one.inertia.size(); });
+}
+
+// Calls add(i, j, value) for the entries of all M_E + K_E / flexibility, and tie(row, j, value) for those of all A_E.
+template <class Add, class Tie>
+void for_networks(const Decomposition& parts, double flexibility, const Add& add, const Tie& tie) {
+  Index first = 0;
+  for (const Subdomain& subdomain : parts.subdomains) {
+    const Index size = subdomain.inertia.size();
+    for (Index i = 0; i < size; ++i) add(first + i, first + i, subdomain.inertia[i]);
+    if (!std::isinf(flexibility)) {
+      const SparseMatrix stiffness = SparseMatrix(subdomain.h * subdomain.h.transpose());
+      for_entries(stiffness, [&](Index i, Index j, double k) { add(first + i, first + j, k / flexibility); });
+    }
+    for_entries(subdomain.a, [&](Index row, Index j, double sign) { tie(row, first + j, sign); });
+    first += size;
+  }
+}
+
+// One eigenvalue of (S, P) with its interface impulses.
+struct PencilPair {
+  double lambda = 0, residual = 0;
+  Vector f;
+};
+
+// The pencil (K, N) of a contraction whose subdomains processes share, of eigenvalues tau = 1 / lambda and 0
+// (docs/machines.md), in matrices of PETSc, and what SLEPc and MUMPS find of it. Throws Error with PETSc's status.
+class SlepcPencil {
+ public:
+  SlepcPencil(const Contraction& b, const Communicator& all, const SpectralOptions& options)
+      : b_(b),
+        all_(all),
+        first_of_p_(dofs(b.system.decomposition())),
+        layout_(all, first_of_p_ + dofs(b.preconditioner.decomposition()), b.rows()),
+        tolerance_(options.tolerance),
+        rows_of_p_(processes().sum(dofs(b.preconditioner.decomposition()))) {
+    Entries k, n;
+    const auto tie_behind = [&](Index offset) {
+      return [&k, this, offset](Index row, Index column, double sign) {
+        k.add(layout_.impulse(row), layout_.velocity(offset + column), sign);
+        k.add(layout_.velocity(offset + column), layout_.impulse(row), sign);
+      };
+    };
+    const auto add = [&](Index i, Index j, double value) { k.add(layout_.velocity(i), layout_.velocity(j), value); };
+    for_networks(b.system.decomposition(), b.system.flexibility(), add, tie_behind(0));
+    const auto add_of_p = [&](Index i, Index j, double value) {
+      n.add(layout_.velocity(first_of_p_ + i), layout_.velocity(first_of_p_ + j), value);
+      add(first_of_p_ + i, first_of_p_ + j, 0);  // one pattern holds the other
+    };
+    for_networks(b.preconditioner.decomposition(), b.preconditioner.flexibility(), add_of_p, tie_behind(first_of_p_));
+    if (all.rank() == 0)  // a place for every pivot
+      for (Index row = 0; row < layout_.interface; ++row) k.add(layout_.impulse(row), layout_.impulse(row), 0);
+    k.fill(k_, all, layout_);
+    n.fill(n_, all, layout_);
+  }
+
+  // How many lambda lie above 1 / tau, counted by inertia; none if the factorisation broke down.
+  std::optional<Index> above(double tau) {
+    ++factorisations;
+    OwnedMatrix shifted, factor;
+    MatFactorInfo information;
+    MatFactorInfoInitialize(&information);
+    check(MatDuplicate(k_.get(), MAT_COPY_VALUES, shifted.fill()), "a copy of a matrix");
+    check(MatAXPY(shifted.get(), -tau, n_.get(), SUBSET_NONZERO_PATTERN), "a shifted matrix");
+    check(MatGetFactor(shifted.get(), MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, factor.fill()), "MUMPS");
+    for (const auto& [control, value] : mumps_controls) MatMumpsSetIcntl(factor.get(), control, value);
+    check(MatCholeskyFactorSymbolic(factor.get(), shifted.get(), nullptr, &information), "an analysis");
+    check(MatCholeskyFactorNumeric(factor.get(), shifted.get(), &information), "a factor");
+    MatFactorError error = MAT_FACTOR_NOERROR;
+    MatFactorGetError(factor.get(), &error);
+    if (error != MAT_FACTOR_NOERROR) return std::nullopt;
+    PetscInt negative = 0;
+    check(MatGetInertia(factor.get(), &negative, nullptr, nullptr), "an inertia");
+    return static_cast<Index>(negative) - rows_of_p_;
+  }
+
+  // The eigenvalue next to a shift; none if SLEPc does not find it or breaks down.
+  std::optional<PencilPair> nearest(double shift) {
+    ++factorisations;
+    OwnedSolver owned;
+    check(EPSCreate(all_.get(), owned.fill()), "a solver");
+    const EPS solver = owned.get();
+    prepare(solver, shift);
+    PetscInt found = 0;
+    if (EPSSolve(solver) != 0 || EPSGetConverged(solver, &found) != 0 || found < 1) return std::nullopt;
+    OwnedVector x;
+    check(MatCreateVecs(k_.get(), x.fill(), nullptr), "a vector");
+    double tau = 0, error = 0;
+    check(EPSGetEigenpair(solver, 0, &tau, nullptr, x.get(), nullptr), "an eigenvector");
+    check(EPSComputeError(solver, 0, EPS_ERROR_RELATIVE, &error), "its error");
+    PencilPair one{1 / tau, 0, impulses(x.get())};
+    const double rayleigh = one.f.dot(b_.system.apply(one.f)) / one.f.dot(b_.preconditioner.apply(one.f));
+    one.residual = std::max(error * one.lambda, std::abs(rayleigh - one.lambda));
+    return one;
+  }
+
+  Index factorisations = 0;
+
+ private:
+  const Processes& processes() const { return b_.system.decomposition().interface.processes(); }
+
+  void prepare(EPS solver, double shift) const {
+    EPSSetOperators(solver, k_.get(), n_.get());
+    EPSSetProblemType(solver, EPS_GHEP);
+    EPSSetType(solver, EPSKRYLOVSCHUR);
+    EPSSetTarget(solver, shift);
+    EPSSetWhichEigenpairs(solver, EPS_TARGET_MAGNITUDE);
+    EPSSetDimensions(solver, 1, PETSC_DEFAULT, PETSC_DEFAULT);
+    EPSSetTolerances(solver, 0.01 * tolerance_, most_restarts);
+    EPSSetOptionsPrefix(solver, "nscdd_");
+    ST transform = nullptr;
+    KSP linear = nullptr;
+    PC factors = nullptr;
+    EPSGetST(solver, &transform);
+    STSetType(transform, STSINVERT);
+    STSetMatStructure(transform, SUBSET_NONZERO_PATTERN);
+    STGetKSP(transform, &linear);
+    KSPSetType(linear, KSPPREONLY);
+    KSPGetPC(linear, &factors);
+    PCSetType(factors, PCCHOLESKY);
+    PCFactorSetMatSolverType(factors, MATSOLVERMUMPS);
+    for (const auto& [control, value] : mumps_controls)
+      PetscOptionsSetValue(nullptr, fmt::format("-nscdd_st_mat_mumps_icntl_{}", control).c_str(),
+                           std::to_string(value).c_str());
+    check(EPSSetFromOptions(solver), "its options");
+  }
+
+  // The interface part of a vector, whole in every process.
+  Vector impulses(Vec x) const {
+    Vector f = Vector::Zero(layout_.interface);
+    const double* values = nullptr;
+    VecGetArrayRead(x, &values);
+    const Index first = layout_.share[layout_.rank], last = layout_.share[layout_.rank + 1];
+    std::copy_n(values + layout_.own, last - first, f.data() + first);
+    VecRestoreArrayRead(x, &values);
+    processes().add_up({f.data(), at(f.size())});
+    return f;
+  }
+
+  const Contraction& b_;
+  const Communicator& all_;
+  Index first_of_p_;
+  PencilLayout layout_;
+  double tolerance_;
+  Index rows_of_p_;  // of all processes
+  OwnedMatrix k_, n_;
+};
 
 // A shift beyond an end of the spectrum, where `wanted` eigenvalues lie above 1 / tau: none is further out, 1 / lambda
 // of the end is less than half as large or as small again, and nearer to the shift than 0 is. None if there is no such
@@ -36,8 +238,7 @@ std::optional<double> shift_next_to_end(SlepcPencil& pencil, double tau, bool lo
   return last * (low ? 1.1 : 0.9);  // not on an eigenvalue: 1 often is one
 }
 
-SpectralRadius radius(const Contraction& b, const SpectralOptions& options,
-                      const std::shared_ptr<const Communicator>& all) {
+SpectralRadius radius(const Contraction& b, const SpectralOptions& options, const Communicator& all) {
   if (b.system.flexibility() == 0) fail("solver slepc: expected epsilon > 0, met 0: shift-invert has the rigid limit");
   const OneBlasThread serial_blas;
   const QuietPetsc quiet;
@@ -63,10 +264,10 @@ SpectralRadius radius(const Contraction& b, const SpectralOptions& options,
 
 SpectrumSolver slepc(MPI_Comm communicator) {
   const auto all = std::make_shared<const Communicator>(communicator);
-  const auto session = std::make_shared<std::shared_ptr<const SlepcSession>>();  // begins where it is asked for
+  const auto session = std::make_shared<std::shared_ptr<void>>();  // begins where it is asked for
   return [session, all](const Contraction& b, const SpectralOptions& options) {
-    if (!*session) *session = SlepcSession::present();
-    return radius(b, options, all);
+    if (!*session) *session = slepc_session();
+    return radius(b, options, *all);
   };
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // In what order processes eliminate the rows that they share.
-#include "mpi/elimination_tree.hpp"
-
 #include "linalg/random.hpp"
+#include "mpi/shared_plan.hpp"
 
 #include <doctest/doctest.h>
 
