@@ -45,12 +45,12 @@ std::vector<fs::path> data_folders() {
   return folders;
 }
 
-// The data folder that has such a file, without a folder for a name that is a path already.
-std::optional<fs::path> data_folder_of(const std::string& name, const fs::path& file) {
+// The file of that name in a data folder; none for a name that is a path already.
+std::optional<fs::path> known_file(const std::string& name, const fs::path& file) {
   if (name.find('/') != std::string::npos) return std::nullopt;
-  const std::vector<fs::path> folders = data_folders();
-  const auto found = std::ranges::find_if(folders, [&](const fs::path& folder) { return is_file(folder / file); });
-  return found == folders.end() ? std::nullopt : std::optional(*found);
+  for (const fs::path& folder : data_folders())
+    if (is_file(folder / file)) return (folder / file).lexically_normal();
+  return std::nullopt;
 }
 
 std::string joined(const std::vector<std::string>& names) {
@@ -141,9 +141,9 @@ void add_files(const CaseSpec& spec, std::vector<fs::path>& files) {
   at_key(spec, "packing.settled", [&] {
     const std::string inner = settled_file(spec);
     std::error_code ignored;
-    const auto same = [&](const fs::path& file) { return fs::equivalent(file, inner, ignored); };
-    // A case that is settled from itself is refused when it is settled.
-    if (std::ranges::none_of(files, same)) add_files(read_case(inner), files);
+    for (const fs::path& file : files)  // a case that is settled from itself is refused when it is settled
+      if (fs::equivalent(file, inner, ignored)) return;
+    add_files(read_case(inner), files);
   });
 }
 
@@ -205,8 +205,7 @@ std::vector<std::string> known_names(const std::string& kind) {
 std::string find_case(const std::string& name) {
   std::error_code ignored;
   if (fs::exists(name, ignored)) return name;
-  const fs::path file = fs::path("cases") / (name + ".toml");
-  if (const auto folder = data_folder_of(name, file)) return (*folder / file).lexically_normal().string();
+  if (const auto file = known_file(name, fs::path("cases") / (name + ".toml"))) return file->string();
   const std::vector<std::string> known = known_names("cases");
   fail(
       "case '{}': expected a case file (.toml), a packing file (.csv, .h5) or one of the known cases ({}), met no "
@@ -215,12 +214,12 @@ std::string find_case(const std::string& name) {
 }
 
 std::string find_study(const std::string& name) {
-  const fs::path path(name), place = fs::path("studies") / name;
+  const fs::path path(name);
   if (is_file(path / "study.toml")) return name;
   if (path.filename() == "study.toml" && is_file(path))
     return path.has_parent_path() ? path.parent_path().string() : ".";
-  if (const auto folder = data_folder_of(name, place / "study.toml"))
-    return (*folder / place).lexically_normal().string();
+  if (const auto file = known_file(name, fs::path("studies") / name / "study.toml"))
+    return file->parent_path().string();
   const std::vector<std::string> known = known_names("studies");
   fail("study '{}': expected a folder with a study.toml or one of the known studies ({}), met none{}", name,
        joined(known), suggestion(name, known));

@@ -53,18 +53,18 @@ std::uintmax_t bytes_of_run(const std::string& text, const RunSoFar& run, const 
   return kept;
 }
 
-bool grows(const std::string& path) {
-  std::error_code status;
-  return fs::exists(partial_path(path), status);
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
 }
 
 // How many bytes are kept of the table of the earlier run, which goes on growing as a partial file.
 std::uintmax_t reopened(const std::string& path, const RunSoFar& run) {
-  std::error_code status;
   const fs::path growing = partial_path(path);
   if (is_stream(path)) return 0;
-  if (!grows(path)) {
-    if (!fs::exists(path, status)) return 0;
+  if (!is_there(growing)) {
+    if (!is_there(path)) return 0;
+    std::error_code status;
     fs::rename(path, growing, status);
     if (status) fail("{}: cannot be renamed: {}", path, status.message());
   }
@@ -74,14 +74,13 @@ std::uintmax_t reopened(const std::string& path, const RunSoFar& run) {
 
 // Throws Error if the run cannot go on with the table at `path`. Changes nothing.
 void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
-  std::error_code status;
   if (path.empty() || is_stream(path)) return;
-  if (grows(path)) {
-    const std::string name = partial_path(path).string(), text = read_text(name);
+  if (const std::string name = partial_path(path).string(); is_there(name)) {
+    const std::string text = read_text(name);
     const bool own = !text.empty() && bytes_of_run(text, run, name) > 0;
     return require_writable(path, own, true);  // a table beside the run's own is one that it replaces
   }
-  if (!fs::exists(path, status)) return require_writable(path, false);
+  if (!is_there(path)) return require_writable(path, false);
   const std::string text = read_text(path);  // of a run that came to its end
   if (bytes_of_run(text, run, path) < text.size() && !run.broke_down)
     fail("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
@@ -158,13 +157,6 @@ void take_up(Simulation& simulation, const std::string& path) {
   require_fit(path, simulation);
 }
 
-std::unique_ptr<CsvWriter> convergence_table(const std::string& path, bool force, const std::optional<RunSoFar>& run) {
-  if (path.empty()) return nullptr;
-  std::optional<std::uintmax_t> kept;
-  if (run) kept = reopened(path, *run);
-  return std::make_unique<CsvWriter>(path, force || kept.value_or(0) > 0, headings(iteration_columns()), kept);
-}
-
 void RunOutput::first(const std::function<void()>& work) {
   processes_.together([&] {
     if (failure_) throw Error(*failure_);
@@ -177,7 +169,11 @@ void RunOutput::open(const TrajectoryHeader& header, const Simulation& simulatio
                      const std::string& command_line) {
   first([&] {
     if (found) trajectory_.emplace(files_.output, headings(step_columns()));
-    table_ = convergence_table(files_.convergence, files_.force, found);
+    if (const std::string& table = files_.convergence; !table.empty()) {
+      std::optional<std::uintmax_t> kept;  // the rows of the steps that are done
+      if (found) kept = reopened(table, *found);
+      table_.emplace(table, files_.force || kept.value_or(0) > 0, headings(iteration_columns()), kept);
+    }
     if (found)
       trajectory_->go_on(header.case_text,
                          fmt::format("from step {}: nscdd {}: {}\n", simulation.state.step, version(), command_line));

@@ -26,10 +26,6 @@ void check_restart(const std::string& path, const std::string& table, const Case
 /// another one there, or did not start where it starts now (unless the trajectory has lost its first step).
 void take_up(Simulation& simulation, const std::string& path);
 
-/// The table of --convergence: one row per iteration looked at; none if `path` is empty. Where a `run` is
-/// continued, it keeps the rows of the steps that are done and drops those of the step that was not.
-std::unique_ptr<CsvWriter> convergence_table(const std::string& path, bool force, const std::optional<RunSoFar>& run);
-
 /// The files that a run writes, and how.
 struct RunFiles {
   std::string output, convergence;         ///< the trajectory; the table of iterations, empty for none
@@ -60,7 +56,7 @@ class RunOutput {
   const RunFiles& files_;
   const Processes& processes_;
   std::optional<TrajectoryWriter> trajectory_;
-  std::unique_ptr<CsvWriter> table_;
+  std::optional<CsvWriter> table_;
   std::optional<Error> failure_;  // of the table, in the middle of a step
   // The newest step with the contacts of this process, until the first one gathers them, and rows of steps since it
   // did.
