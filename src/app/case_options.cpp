@@ -22,8 +22,6 @@ PrescribedVelocity parse_prescribed(const std::string& text) {
 
 }  // namespace
 
-CaseSpec find_spec(const std::string& name) { return spec_of_file(find_case(name)); }
-
 void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
   for (const std::string& setting : settings) {
     const auto equals = setting.find('=');
@@ -58,7 +56,7 @@ void set_partition(CaseSpec& spec, const std::string& subdomains) {
 }
 
 Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
-  CaseSpec spec = find_spec(name);
+  CaseSpec spec = spec_of_file(find_case(name));
   if (!subdomains.empty()) set_partition(spec, subdomains);
   if (!prescribed.empty()) {
     spec.prescribed.clear();
@@ -78,15 +76,20 @@ Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
   return resolve_case(spec, outputs);
 }
 
+std::string libraries() {
+  std::string text;
+  for (const auto& [name, number] : dependency_versions()) text += fmt::format("{} {}\n", name, number);
+  return text;
+}
+
 Provenance provenance(const Context& context, const std::vector<Case>& cases) {
-  std::string libraries, resolved;
-  for (const auto& [name, version] : dependency_versions()) libraries += fmt::format("{} {}\n", name, version);
+  std::string resolved;
   for (const Case& one : cases) {
     resolved += fmt::format("# case {}\n{}\n", one.spec.name, to_toml(one.spec));
     if (!one.settled_from.empty()) resolved += one.settled_from + "\n";
   }
   return {{"program", "nscdd " + version()},
-          {"libraries", libraries},
+          {"libraries", libraries()},
           {"command_line", context.command_line},
           {"cases", resolved}};
 }

@@ -6,10 +6,6 @@
 
 namespace nscdd::app {
 
-/// The case of a name: a case file, a known case, or a packing file or contact problem with defaults for everything
-/// else.
-CaseSpec find_spec(const std::string& name);
-
 /// Sets parameters of a case from texts KEY=VALUE.
 void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings);
 
@@ -30,6 +26,9 @@ struct CaseOptions {
   /// The case with every option applied (one subdomain unless --subdomains says otherwise), see resolve_case.
   Case resolve(const std::vector<std::string>& outputs) const;
 };
+
+/// Names and versions of the libraries, one a line.
+std::string libraries();
 
 /// Versions, command line and the resolved cases, for a result file. Nothing in it changes from run to run.
 Provenance provenance(const Context& context, const std::vector<Case>& cases);

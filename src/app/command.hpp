@@ -36,12 +36,8 @@ struct Option {
 /// Converts the text of an option and stores it in `value`. If an option is not given, its value is not changed.
 template <class Value>
 void take(std::string_view text, Value& value, std::string_view name, const Field& field) {
-  if constexpr (std::is_enum_v<Value>) {
-    value = Choice<Value>::parse(text, name);
-  } else {
-    parse_value(text, value, name);
-    check_bounds(value, field, name);
-  }
+  parse_value(text, value, name);
+  check_bounds(value, field, name);
 }
 template <class Value>
 void take(std::string_view text, std::optional<Value>& value, std::string_view name, const Field& field) {
@@ -51,14 +47,10 @@ inline void take(std::string_view text, std::vector<std::string>& values, std::s
   values.emplace_back(text);
 }
 
-/// The words that a value is one of; none for other values.
+/// The words that a value is one of; none for values but choices.
 template <class Value>
 std::vector<std::string> words_of(const Value&) {
   return {};
-}
-template <Named Enum>
-std::vector<std::string> words_of(const Enum&) {
-  return all_names<Enum>();
 }
 template <Named Enum>
 std::vector<std::string> words_of(const Choice<Enum>&) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/export_steps.hpp"
 
-#include "app/step_range.hpp"
+#include "app/case_options.hpp"
 #include "files/output_file.hpp"
 #include "formats/lmgc90/datbox_writer.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "formats/vtk/vtk.hpp"
 #include "formats/vtk/vtkhdf.hpp"
+#include "study/linear/values.hpp"
 
 namespace nscdd::app {
 namespace {
@@ -19,16 +20,7 @@ struct Chosen {
   TrajectoryHeader header;
   std::vector<Index> steps;
   bool force = false;
-
-  std::string summary(Index done) const {
-    return fmt::format("{} steps ({}), {} {}s", done, step_ranges_text(steps), header.system.grains(),
-                       shape_of_grains(header.system.dimension));
-  }
 };
-
-Chosen chosen(const std::string& trajectory, const StepRange& range, bool force) {
-  return {trajectory, read_trajectory_header(trajectory), chosen_steps(trajectory, range), force};
-}
 
 // Hands over the steps one by one, until there are no more or the user interrupts. Returns how many it handed over.
 Index hand_over(const Chosen& chosen, const std::function<void(Index, const TrajectoryStep&)>& take) {
@@ -42,6 +34,13 @@ Index hand_over(const Chosen& chosen, const std::function<void(Index, const Traj
   return done;
 }
 
+// Says what was written; returns the exit code.
+int finished(const Chosen& chosen, const std::string& name) {
+  fmt::print("{}: {} steps ({}), {} {}s\n", name, chosen.steps.size(), step_ranges_text(chosen.steps),
+             chosen.header.system.grains(), shape_of_grains(chosen.header.system.dimension));
+  return 0;
+}
+
 // Pictures of the steps, and a collection that lists those that are there.
 int export_vtk(const Chosen& chosen, const fs::path& folder) {
   make_folder(folder.string(), chosen.force);
@@ -52,13 +51,10 @@ int export_vtk(const Chosen& chosen, const fs::path& folder) {
   });
   const std::string collection = (folder / (fs::path(chosen.trajectory).stem().string() + ".pvd")).string();
   write_file(collection, pvd_text(files), chosen.force);
-  if (done < count(chosen.steps)) {
-    note("{}: interrupted after {} of {} steps, which {} lists", folder.string(), done, chosen.steps.size(),
-         collection);
-    return interrupted_exit_code;
-  }
-  fmt::print("{}: {}\n", collection, chosen.summary(done));
-  return 0;
+  if (done < count(chosen.steps))
+    return interrupted("{}: interrupted after {} of {} steps, which {} lists", folder.string(), done,
+                       chosen.steps.size(), collection);
+  return finished(chosen, collection);
 }
 
 // The same pictures in one file, which is there once all of them are in it.
@@ -66,22 +62,17 @@ int export_vtkhdf(const Chosen& chosen, const std::string& path) {
   VtkhdfFile file(path, chosen.force);
   const Index done = hand_over(
       chosen, [&](Index, const TrajectoryStep& shown) { file.append(picture_of(chosen.header.system, shown)); });
-  if (done < count(chosen.steps)) {
-    note("{}: interrupted; nothing was written", path);
-    return interrupted_exit_code;
-  }
+  if (done < count(chosen.steps)) return interrupted("{}: interrupted; nothing was written", path);
   file.finish();
-  fmt::print("{}: {}\n", path, chosen.summary(done));
-  return 0;
+  return finished(chosen, path);
 }
 
 using Write = std::function<void(const std::string& name, const std::string& text)>;
 
 bool spins(const GranularState& state) {
-  const auto any = [](const std::vector<double>& spins) {
-    return std::ranges::any_of(spins, [](double spin) { return spin != 0; });
-  };
-  return any(state.spin) || any(state.spin_x) || any(state.spin_y);
+  return std::ranges::any_of(std::array{&state.spin, &state.spin_x, &state.spin_y}, [](const auto* spins) {
+    return std::ranges::any_of(*spins, [](double spin) { return spin != 0; });
+  });
 }
 
 // What LMGC90 begins with: the first of the steps. So does this program, where no grain spins in it.
@@ -121,22 +112,55 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
     write(fmt::format("DOF.OUT.{}", step), writer.dof(shown));
     write(fmt::format("Vloc_Rloc.OUT.{}", step), writer.vloc_rloc(shown));
   });
-  if (done < count(chosen.steps)) {
-    note("{}: interrupted after {} of {} steps", folder.string(), done, chosen.steps.size());
-    return interrupted_exit_code;
-  }
-  fmt::print("{}: {}\n", folder.string(), chosen.summary(done));
-  return 0;
+  if (done < count(chosen.steps))
+    return interrupted("{}: interrupted after {} of {} steps", folder.string(), done, chosen.steps.size());
+  return finished(chosen, folder.string());
 }
 
 }  // namespace
+
+StepRange parse_step_range(const std::string& text) {
+  if (text.empty()) return {};
+  std::vector<Index> numbers;
+  for (const std::string_view number : split(text, ':')) numbers.push_back(parse_integer(number, "--steps"));
+  const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0], numbers.size() > 2 ? numbers[2] : 1};
+  if (numbers.size() > 3 || range.first < 0 || range.last < range.first || range.stride < 1)
+    fail("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text);
+  return range;
+}
+
+std::string step_ranges_text(const std::vector<Index>& steps) {
+  std::string text;
+  for (std::size_t i = 0; i < steps.size();) {
+    // A range ends where the distance of neighbours changes. Two steps are no range.
+    std::size_t last = i;
+    while (last + 1 < steps.size() && steps[last + 1] - steps[last] == steps[i + 1] - steps[i]) ++last;
+    if (last < i + 2) last = i;
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", steps[i]);
+    if (last > i) text += fmt::format(":{}", steps[last]);
+    if (last > i && steps[i + 1] - steps[i] > 1) text += fmt::format(":{}", steps[i + 1] - steps[i]);
+    i = last + 1;
+  }
+  return text;
+}
+
+std::vector<Index> chosen_steps(const std::string& trajectory, const StepRange& range) {
+  const std::vector<Index> kept = trajectory_steps(trajectory);
+  std::vector<Index> steps;
+  std::ranges::copy_if(kept, std::back_inserter(steps), [&](Index step) { return range.holds(step); });
+  if (steps.empty())
+    fail("--steps: expected a range with some of the steps that {} keeps ({}), met none", trajectory,
+         step_ranges_text(kept));
+  return steps;
+}
 
 int export_steps(const StepsOptions& options, const std::string& trajectory, bool force) {
   if (!options.vtkhdf.empty()) {
     require_no_input({options.vtkhdf}, {trajectory});
     require_ending(options.vtkhdf, vtkhdf_endings);
   }
-  const Chosen steps = chosen(trajectory, parse_step_range(options.range), force);
+  const StepRange range = parse_step_range(options.range);
+  const Chosen steps{trajectory, read_trajectory_header(trajectory), chosen_steps(trajectory, range), force};
   if (!options.lmgc90.empty()) return export_lmgc90(steps, options.lmgc90);
   return options.vtkhdf.empty() ? export_vtk(steps, options.vtk) : export_vtkhdf(steps, options.vtkhdf);
 }

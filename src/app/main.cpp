@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/program.hpp"
+#include "app/verbs.hpp"
 
 int main(int argc, char** argv) {
   const nscdd::app::Outcome outcome = nscdd::app::run_program(argc, argv, {});

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/program.hpp"
-
 #include "app/shared_work.hpp"
 #include "files/hdf5.hpp"
 
 #include <fmt/ranges.h>
-
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include <cerrno>
 #include <cstdio>
@@ -87,16 +81,6 @@ std::string joined(int argc, char** argv, std::string line) {
     if (!plain) line += "'";
   }
   return line;
-}
-
-// One factor follows another of the same size: memory given back in between comes as fresh pages, which took
-// a seventh of the time at 10^6 grains. Blocks up to 32 MiB, the largest size that is allowed here, are kept.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, -1);  // never
-  mallopt(M_TOP_PAD, 64 << 20);
-#endif
 }
 
 int run(int argc, char** argv, const Machine& machine) {

@@ -21,8 +21,12 @@ double seconds();
 /// bar is wiped when the last copy of the monitor goes.
 Monitor progress(std::string label, Index before = 0, std::string unit = "point");
 
-/// Exit code of interrupted work, the same for SIGINT and SIGTERM.
-inline constexpr int interrupted_exit_code = 130;
+/// Notes that work was interrupted; returns the exit code, which is the same for SIGINT and SIGTERM.
+template <class... Arguments>
+int interrupted(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  vnote(format, fmt::make_format_args(arguments...));
+  return 130;
+}
 
 /// For the life of the object a first Ctrl-C (SIGINT) or SIGTERM asks the work to stop after the row it is at; a second
 /// one ends the program at once. A signal that is ignored already (nohup, a background job) stays ignored.

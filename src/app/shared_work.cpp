@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/shared_work.hpp"
 
-#include "app/memory_limit.hpp"
+#include "core/memory.hpp"
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace nscdd::app {
-
 namespace {
 
 // A fingerprint of the model, compared across ranks.
@@ -23,12 +26,47 @@ std::vector<double> features(const Model& model) {
 
 }  // namespace
 
-void declare_threads(Command& command, Index& threads) {
+void Limits::declare_threads(Command& command) {
   command.preset("--threads", threads, "threads at the most, 0 for all; results do not depend on it",
                  {.description = "", .minimum = 0, .maximum = 4096});
 }
 
-void declare_contacts(Command& command, ContactSet& contacts) {
+void Limits::declare_memory(Command& command) {
+  command.add("--memory-limit", gibibytes,
+              "memory the run may take, GiB; a run that needs more is refused; by default 90 % of what is available",
+              {.description = "", .minimum = 0, .minimum_excluded = true});
+}
+
+void Limits::declare(Command& command) {
+  declare_threads(command);
+  declare_memory(command);
+}
+
+void Limits::limit_memory(Index processes) const {
+  if (gibibytes) nscdd::limit_memory(*gibibytes * gibibyte / static_cast<double>(processes));
+  require_memory(smallest_checked_need, "the work itself");
+}
+
+ThreadLimit Limits::apply(const Machine& machine) const {
+  limit_memory(machine.processes_here);
+  return ThreadLimit(threads > 0 ? threads : machine.threads);
+}
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, -1);  // never
+  mallopt(M_TOP_PAD, 64 << 20);
+#endif
+}
+
+void give_back_freed_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+void declare_contacts(Command& command, Choice<ContactSet>& contacts) {
   command.preset("--contacts", contacts,
                  "contacts of Stage 1: all, active, or unilateral; active: in compression in the linear rigid problem; "
                  "unilateral: carrying in the frictionless unilateral problem");

@@ -55,9 +55,7 @@ TableWork trial_work(const std::vector<fs::path>& files, const TrialOptions& opt
 // The problem of a file, or nothing, with a note, if the file cannot be read.
 std::optional<LocalFrictionProblem> problem_of(const fs::path& path) {
   try {
-    const FclibFile file = read_contact_problem(path.string());
-    if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, path.string());
-    return std::get<LocalFrictionProblem>(file.problem);
+    return local_problem(read_contact_problem(path.string()), path.string());
   } catch (const Error& error) {
     note("refused: {}", error.what());
     return std::nullopt;
@@ -108,10 +106,15 @@ void run_trials(const std::vector<fs::path>& files, const TrialOptions& options,
 
 }  // namespace
 
-int solve_trials(const TrialOptions& options) {
+LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name) {
+  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, name);
+  return std::get<LocalFrictionProblem>(file.problem);
+}
+
+int solve_trials(const TrialOptions& options, const Machine& machine) {
   const std::vector<fs::path> files = problem_files(options.path);
   require_no_input({options.csv}, files);
-  if (nothing_to_resume(options.csv, "", options.how)) return 0;
+  if (nothing_to_resume(options.csv, "", options.how, machine)) return 0;
   Interruption interruption;
   ResumableTable csv(options.csv, trial_work(files, options), options.how);
   Table table{headings(columns()), {}};

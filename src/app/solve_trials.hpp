@@ -4,6 +4,7 @@
 #include "app/case_options.hpp"
 #include "app/tables.hpp"
 #include "study/moving/solver_trial.hpp"
+#include <nscdd/formats/fclib.hpp>
 
 namespace nscdd::app {
 
@@ -20,6 +21,9 @@ struct TrialOptions {
 /// Writes the table, one row per problem and solver, the solvers running fastest, and prints how many problems each
 /// solver brought to each of the compared residuals. A file that is no contact problem is named in a note, and
 /// its rows have the status "refused". Returns 0, or 1 if files were refused. Throws Error for a folder without files.
-int solve_trials(const TrialOptions& options);
+int solve_trials(const TrialOptions& options, const Machine& machine);
+
+/// The problem of a file in the unknowns of the contacts; `name` is that of the file, for errors.
+LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name);
 
 }  // namespace nscdd::app

@@ -1,19 +1,41 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/tables.hpp"
 
-#include "core/fail.hpp"
+#include <sys/resource.h>
 
 #include <filesystem>
 
 namespace nscdd::app {
+namespace {
 
-void declare_resume(Command& command, bool& resume) {
-  command.add("--resume", resume,
-              "go on with the rows of an interrupted run; of the same case, options and program: what is missing is "
-              "computed");
+struct ProcessCounts {
+  Index process = 0;
+  WorkCount work;
+  double seconds = 0, memory = 0;
+};
+
+ResultColumns<ProcessCounts> count_columns() {
+  const ResultColumns<WorkCount> of_work{
+      {"messages", "1", "sent to one other process", &WorkCount::messages},
+      {"message_bytes", "B", "in these", &WorkCount::message_bytes},
+      {"sums", "1", "exchanges in which all processes take part", &WorkCount::sums},
+      {"sum_bytes", "B", "that this process put into these", &WorkCount::sum_bytes},
+      {"contact_updates", "1", "of single contacts, in sweeps of Algorithm 1", &WorkCount::contact_updates},
+      {"flops", "1", "operations of factorisations and of solves with them", &WorkCount::flops},
+      {"path_flops", "1", "of these one after the other, over all processes", &WorkCount::path_flops}};
+  return joined<ProcessCounts>({{{"process", "", "from 0", &ProcessCounts::process}},
+                                columns_of(&ProcessCounts::work, of_work),
+                                {{"seconds", "s", "from the first work to the last", &ProcessCounts::seconds},
+                                 {"memory", "B", "largest resident set of the process", &ProcessCounts::memory}}});
 }
 
-bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how) {
+double largest_resident_set() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+bool is_complete_table(const std::string& csv, const std::string& hdf5, Reopening how) {
   if (!how.resume || how.force || !is_complete(csv)) return false;
   if (!hdf5.empty() && !std::filesystem::exists(hdf5))
     fail(
@@ -24,10 +46,7 @@ bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopenin
   return true;
 }
 
-bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine) {
-  const Processes& all = machine.processes;
-  return all.any(all.together([&] { return all.first() && nothing_to_resume(csv, hdf5, how); }));
-}
+}  // namespace
 
 SharedTable::SharedTable(const Machine& machine, const std::string& path, const TableWork& work, Reopening how)
     : path_(machine.processes.first() ? path : "/dev/null") {
@@ -36,28 +55,46 @@ SharedTable::SharedTable(const Machine& machine, const std::string& path, const 
   kept_ = machine.processes.sum(kept_);
 }
 
+void CountsTable::declare(Command& command, std::string& path) {
+  command.add("--counts FILE", path,
+              "also a table of what each process did; its messages, bytes, operations, seconds and memory, - for "
+              "standard output");
+}
+
+CountsTable::CountsTable(const std::string& path, bool force, const Machine& machine)
+    : processes_(machine.processes), wanted_(!path.empty()) {
+  processes_.together([&] {
+    if (wanted_ && processes_.first()) csv_.emplace(path, force, headings(count_columns()));
+    return true;
+  });
+}
+
+void CountsTable::finish() {
+  if (!wanted_) return;
+  const ProcessCounts own{processes_.rank, *processes_.counts, seconds() - begun_, largest_resident_set()};
+  const std::vector<ProcessCounts> all = processes_.gather_each(own);
+  if (!csv_) return;
+  for (const ProcessCounts& one : all) csv_->write(row(count_columns(), one));
+  csv_->finish();
+}
+
+void declare_resume(Command& command, bool& resume) {
+  command.add("--resume", resume,
+              "go on with the rows of an interrupted run; of the same case, options and program: what is missing is "
+              "computed");
+}
+
+bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine) {
+  const Processes& all = machine.processes;
+  return all.any(all.together([&] { return all.first() && is_complete_table(csv, hdf5, how); }));
+}
+
 int leave(ResumableTable& table, const std::string& path) {
   table.leave();
   const auto total = table.total();
-  note("{}: interrupted after {}{} rows{}", path == "-" ? "standard output" : path, table.rows(),
-       total ? fmt::format(" of {}", *total) : "", table.resumable() && total ? "; --resume continues" : "");
-  return interrupted_exit_code;
-}
-
-void require_rows_of(const StudyTable& work, const std::string& path) {
-  const Table layout{study_columns(work), {}};
-  const std::string text = read_text(path), header = csv_header(layout.columns);
-  if (const std::string met = text.substr(0, text.find('\n')); met != header)
-    fail("{}:1: expected the columns {}, met {}", path, header, met);
-  const std::optional<Index> total = row_count(work);
-  if (!total) return;
-  CsvReader reader(text, path);
-  Index number = 0;
-  for (; reader.next() && number < *total; ++number)
-    for (const auto& [column, expected] : known_cells(work, number))
-      if (const std::string met(reader.value(layout.column(column))); met != to_text(expected))
-        fail("{}:{}: {}: expected {} of this work, met {}", path, reader.line(), column, to_text(expected), met);
-  if (number < *total || reader.next()) fail("{}: expected {} rows of this work, met another number", path, *total);
+  return interrupted("{}: interrupted after {}{} rows{}", name_of_output(path), table.rows(),
+                     total ? fmt::format(" of {}", *total) : "",
+                     table.resumable() && total ? "; --resume continues" : "");
 }
 
 }  // namespace nscdd::app

@@ -22,13 +22,28 @@ class SharedTable {
   Index kept_ = 0;
 };
 
+/// A table with a row for each process: what it has done, see WorkCount, and what it took. Rank 0 writes it.
+class CountsTable {
+ public:
+  static void declare(Command& command, std::string& path);
+
+  /// Nothing is written where `path` is empty. Throws Error in all processes if the first cannot open it.
+  CountsTable(const std::string& path, bool force, const Machine& machine);
+  /// All processes together.
+  void finish();
+
+ private:
+  Processes processes_;
+  bool wanted_;
+  double begun_ = seconds();
+  std::optional<CsvWriter> csv_;
+};
+
 /// The option --resume, described alike for every verb that has it.
 void declare_resume(Command& command, bool& resume);
 
-/// Whether --resume finds a complete table; if so, prints a note. Throws Error if an HDF5 file is still missing,
-/// because nothing records the work that the table came from.
-bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how);
-/// The same for all ranks, as found by rank 0.
+/// Whether --resume finds a complete table, for all ranks as found by rank 0; if so, prints a note. Throws Error if an
+/// HDF5 file is still missing, because nothing records the work that the table came from.
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine);
 
 /// The bytes that OutputFile keeps of an output that is written in one piece at the end: none, because an interrupted
@@ -37,11 +52,10 @@ inline std::optional<std::uintmax_t> kept_of_whole(Reopening how) {
   return how.resume ? std::optional<std::uintmax_t>(0) : std::nullopt;
 }
 
+/// A table as notes name it.
+inline std::string name_of_output(const std::string& path) { return path == "-" ? "standard output" : path; }
+
 /// Closes an interrupted table, tells the user how to go on, and returns the exit code.
 int leave(ResumableTable& table, const std::string& path);
-
-/// Throws Error where the finished table in the file `path` has other columns, another number of rows or other
-/// parameters in a row than `work`, as far as these are known before it is computed.
-void require_rows_of(const StudyTable& work, const std::string& path);
 
 }  // namespace nscdd::app

@@ -1,18 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/export_operators.hpp"
+#include "app/case_options.hpp"
 #include "app/export_steps.hpp"
-#include "app/step_range.hpp"
+#include "app/shared_work.hpp"
 #include "core/text.hpp"
 #include "files/output_file.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
+#include "formats/matrices/operators_file.hpp"
 #include "formats/trajectory/trajectory.hpp"
+#include "study/linear/inspection.hpp"
+#include "study/linear/values.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+// What `nscdd export CASE --operators FOLDER` is asked for.
+struct OperatorsOptions {
+  CaseOptions one;  // its name is the first argument of the verb, whatever is exported
+  std::string folder, epsilon, eta = "inf";
+  Choice<ContactSet> contacts = ContactSet::all;
+  double relaxation = 1;
+  bool sparse_only = false;
+  Limits limits;
+};
 
 struct Options {
   OperatorsOptions operators;
@@ -37,17 +50,9 @@ TrajectoryStep state_before(const Options& options) {
       options.trajectory, step_ranges_text(possible), *options.step, step_ranges_text(kept));
 }
 
-// The name that the case of the run had. The trajectory keeps only the text of the case.
-std::string case_name(const Options& options, const TrajectoryHeader& header) {
-  constexpr std::string_view mark = "# case ";
-  for (const auto& [key, text] : header.provenance)
-    if (key == "cases" && text.rfind(mark, 0) == 0) return text.substr(mark.size(), text.find('\n') - mark.size());
-  return fs::path(options.trajectory).stem().string();
-}
-
 FclibInfo info_of(const Options& options, const TrajectoryHeader& header, const Simulation& before, bool solved) {
   FclibInfo info;
-  info.title = fmt::format("{}, step {}", case_name(options, header), *options.step);
+  info.title = fmt::format("{}, step {}", name_of_case(options.trajectory, header), *options.step);
   if (options.subdomain) *info.title += fmt::format(", subdomain {}", *options.subdomain);
   const double h = before.dynamics.time.step;
   const bool space = before.system.dimension == 3;
@@ -124,6 +129,55 @@ int export_fclib(const Options& options, const Context& context) {
   return 0;
 }
 
+// `scale`: of relative flexibilities, 1/kg
+OperatorParameters parameters(const OperatorsOptions& options, double scale) {
+  OperatorParameters result{.dense = !options.sparse_only};
+  if (options.sparse_only) return result;
+  if (options.epsilon.empty())
+    fail("--epsilon: expected the flexibility behind S with --operators, or --sparse-only to leave S, P and B out");
+  result.epsilon = one_value(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
+  result.eta = one_value(parse_eta(options.eta), scale, "--eta", options.eta);
+  result.relaxation = options.relaxation;
+  return result;
+}
+
+void print_operators(const OperatorsOptions& options, const Model& model, const OperatorParameters& wanted,
+                     Index operators) {
+  const std::string manifest = (std::filesystem::path(options.folder) / OperatorsFolder::manifest_name).string();
+  fmt::print("{}: {} operators of {}, {} interface unknowns", manifest, operators, model.name,
+             model.parts.interface_size());
+  if (wanted.dense) fmt::print(", epsilon {} 1/kg, eta {} 1/kg", field_text(wanted.epsilon), field_text(wanted.eta));
+  fmt::print("\n");
+}
+
+int export_operators(const OperatorsOptions& options, bool force, const Context& context) {
+  parameters(options, 1);  // refused before the model is built
+  const ThreadLimit limit = options.limits.apply(context.machine);
+  const std::filesystem::path path(options.folder);
+  const Case what = options.one.resolve(
+      {(path / OperatorsFolder::manifest_name).string(), (path / OperatorsFolder::hdf5_name).string()});
+  OperatorsFolder folder(options.folder, force, "nscdd " + version());
+  const Model model = build(what);
+  const OperatorParameters wanted = parameters(options, flexibility_scale(model));
+  const Selection selection = select(model, options.contacts);
+  if (!selection.certain) note("{}: the impulses behind the contacts of Stage 1 were not found to 1e-8", model.name);
+  if (model.parts.interface_size() == 0)
+    note("{}: the interface is empty ({}): there are no operators of it", model.name, why_empty(model));
+  Index operators = 0;
+  Interruption interruption;
+  const auto add = [&](const CaseOperator& one) {
+    folder.add(one);
+    ++operators;
+  };
+  if (!case_operators(model, selection, wanted, add, interruption.watch("B", 0, "column")))
+    return interrupted("{}: interrupted; nothing is left there", options.folder);
+  OperatorsHead head{selection.of_case, model.problem.dofs_per_grain, {}};
+  if (wanted.dense) head.dense = wanted;
+  folder.finish(head, provenance(context, {what}));
+  print_operators(options, model, wanted, operators);
+  return 0;
+}
+
 int run(const Options& options, const Context& context) {
   const auto asked = std::ranges::count_if(std::array{options.steps.vtk, options.steps.vtkhdf, options.steps.lmgc90,
                                                       options.operators.folder},
@@ -140,6 +194,30 @@ int run(const Options& options, const Context& context) {
   if (options.step && options.output.empty()) fail("--fclib: expected -o FILE.hdf5 (or FILE.dat) with it, met none");
   if (options.step) return export_fclib(options, context);
   return export_steps(options.steps, options.trajectory, options.force);
+}
+
+// Declares --operators, which it returns, and what goes with it, but for the first argument.
+Option& declare_operators(Command& command, OperatorsOptions& options) {
+  Option& operators = command.add("--operators FOLDER", options.folder,
+                                  "write M, H, W, S, P, B and more there, as Matrix Market and HDF5");
+  const std::size_t first = command.options.size();
+  options.one.declare_options(command);
+  Option& sparse = command.add("--sparse-only", options.sparse_only, "leave the dense S, P and B out");
+  command.add("--epsilon NUMBER[W]", options.epsilon,
+              "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
+  command.preset("--eta NUMBER[W]", options.eta,
+                 "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
+  command.preset("--relaxation", options.relaxation, "omega of B = I - omega P^-1 S",
+                 {.description = "", .minimum = 0, .minimum_excluded = true});
+  declare_contacts(command, options.contacts);
+  options.limits.declare(command);
+  for (std::size_t k = first; k < command.options.size(); ++k) {
+    Option& option = command.options[k];
+    option.needs = &operators;
+    if (option.names == "--epsilon" || option.names == "--eta" || option.names == "--relaxation")
+      option.excludes = &sparse;
+  }
+  return operators;
 }
 
 }  // namespace

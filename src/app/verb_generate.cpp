@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
 #include "files/output_file.hpp"
+#include "formats/case/case_file.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
 namespace nscdd::app {
@@ -16,7 +17,7 @@ struct Options {
 CaseSpec spec_of(const std::string& name) {
   using Generators = Alternatives<Generator>;
   const auto found = std::find(Generators::names.begin(), Generators::names.end(), name);
-  if (found == Generators::names.end()) return find_spec(name);
+  if (found == Generators::names.end()) return spec_of_file(find_case(name));
   CaseSpec spec;
   spec.name = name;
   spec.packing = Generators::at(static_cast<std::size_t>(found - Generators::names.begin()));

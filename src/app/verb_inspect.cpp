@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "app/memory_limit.hpp"
+#include "app/shared_work.hpp"
 #include "files/csv.hpp"
 #include "study/linear/inspection.hpp"
 #include <nscdd/study/sweep.hpp>
@@ -12,7 +12,7 @@ struct Options {
   CaseOptions one;
   std::string histogram;
   bool ranks = false, force = false;
-  MemoryLimit memory;
+  Limits limits;
 };
 
 void print_degrees(const std::string& name, const NetworkDegrees& network, bool ranks) {
@@ -83,7 +83,7 @@ void print_geometry(const Inspection& found, Index dimension) {
 }
 
 int run(const Options& options) {
-  options.memory.apply();
+  options.limits.limit_memory();
   if (options.histogram == "-") fail("--histogram: expected a file name, met -; standard output is for the report");
   const Case one = options.one.resolve({options.histogram});
   const ResultColumns<GrainSizes>& columns = size_columns(dimension_of(one).value_or(2));
@@ -110,7 +110,7 @@ Action declare_inspect(Command& command) {
   command.add("--ranks", options->ranks, "compute ranks however large the network is");
   command.add("--histogram FILE", options->histogram, "also write the sizes of the grains there, as CSV");
   command.add("--force", options->force, "replace an existing output");
-  options->memory.declare(command);
+  options->limits.declare_memory(command);
   command.footer = R"(Examples:
   nscdd inspect disks12
   nscdd inspect mine.csv --subdomains 3x2

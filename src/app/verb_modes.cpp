@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "app/memory_limit.hpp"
 #include "app/shared_work.hpp"
 #include "files/csv.hpp"
-#include "linalg/threads.hpp"
 #include "study/linear/inspection.hpp"
 #include "study/linear/modes.hpp"
 #include "study/linear/values.hpp"
@@ -16,12 +14,11 @@ constexpr std::size_t interfaces_shown = 8;
 struct Options {
   CaseOptions one;
   SpectralOptions spectral;
-  ContactSet contacts = ContactSet::all;
-  SpectrumSide end = SpectrumSide::slowest;
+  Choice<ContactSet> contacts = ContactSet::all;
+  Choice<SpectrumSide> end = SpectrumSide::slowest;
   std::string epsilon, eta = "inf", output;
   bool force = false;
-  Index threads = 0;
-  MemoryLimit memory;
+  Limits limits;
 };
 
 // `scale`: of relative flexibilities, 1/kg. A mode belongs to one operator.
@@ -108,11 +105,10 @@ int run(const Options& options, const Machine& machine) {
   if (options.output.empty() || options.output == "-" || options.output.back() == '/')
     fail("--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output);
   parameters(options, machine, 1);  // refused before the model is built
-  options.memory.apply();
+  const ThreadLimit limit = options.limits.apply(machine);
   const std::string impulses_name = options.output + "-impulses.csv";
   const std::string velocities_name = options.output + "-velocities.csv";
   const Case what = options.one.resolve({impulses_name, velocities_name});
-  const ThreadLimit limit(options.threads);
   const Model model = build(what);
   require_geometry(model, "modes");
   const ResultColumns<ModeImpulse>& impulse_columns = mode_impulse_columns(model.problem.dimension);
@@ -150,8 +146,7 @@ Action declare_modes(Command& command) {
                  "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high");
   command.required("--output PREFIX", options->output, "the tables PREFIX-impulses.csv and PREFIX-velocities.csv");
   command.add("--force", options->force, "replace existing outputs");
-  declare_threads(command, options->threads);
-  options->memory.declare(command);
+  options->limits.declare(command);
   command.footer = R"(The mode is the error that the iteration is left with in the end: interface impulses F with
 B F = (eigenvalue) F, and the velocities that Stage 1 answers them with. Draw it with
   plots/modes.py PREFIX mode.svg

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "app/memory_limit.hpp"
+#include "app/shared_work.hpp"
 #include "files/csv.hpp"
 #include "study/linear/inspection.hpp"
 
@@ -10,9 +10,9 @@ namespace {
 struct Options {
   CaseOptions one;
   std::string csv = "-", grains;
-  ContactSet contacts = ContactSet::active;
+  Choice<ContactSet> contacts = ContactSet::active;
   bool force = false;
-  MemoryLimit memory;
+  Limits limits;
 };
 
 // A contact problem has neither grains to place nor loads of its own to solve for.
@@ -25,7 +25,7 @@ int write_problem(const Options& options, const Model& model) {
 }
 
 int run(const Options& options) {
-  options.memory.apply();
+  options.limits.limit_memory();
   const Model model = build(with_overlaps_of_motion(options.one.resolve({options.csv, options.grains})));
   if (!model.has_geometry()) return write_problem(options, model);
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
@@ -62,7 +62,7 @@ Action declare_network(Command& command) {
   command.preset("--csv FILE", options->csv, "where the links go, - for standard output");
   command.add("--grains FILE", options->grains, "also write the grains there");
   command.add("--force", options->force, "replace existing outputs");
-  options->memory.declare(command);
+  options->limits.declare_memory(command);
   command.footer =
       R"(One row per contact: grains, normal, subdomain, impulse of the linear rigid problem under the prescribed
 velocity (the least-norm solution for a hyperstatic network, said in impulse_solution), active or not;

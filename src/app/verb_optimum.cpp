@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "app/memory_limit.hpp"
 #include "app/shared_work.hpp"
 #include "app/tables.hpp"
-#include "linalg/threads.hpp"
 #include "study/linear/inspection.hpp"
 #include "study/linear/optimum.hpp"
 #include "study/linear/values.hpp"
@@ -12,13 +10,12 @@ namespace nscdd::app {
 namespace {
 
 struct Options {
-  Index threads = 0;
   CaseOptions one;
   SpectralOptions spectral;
-  ContactSet contacts = ContactSet::active;
+  Choice<ContactSet> contacts = ContactSet::active;
   std::string epsilon = "0", csv;
   Reopening how;
-  MemoryLimit memory;
+  Limits limits;
 };
 
 // The result as text for a reader: one quantity per line.
@@ -42,11 +39,10 @@ StudyTable table_of(const Options& options, const Machine& machine) {
 
 int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
-  options.memory.apply(machine.processes_here);
+  const ThreadLimit limit = options.limits.apply(machine);
   const StudyTable work = in_turn(machine.processes, [&] { return table_of(options, machine); });
   if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
   if (nothing_to_resume(options.csv, "", options.how, machine)) return 0;
-  const ThreadLimit limit(threads_of(options.threads, machine));
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): there is nothing to optimise", model.name, why_empty(model));
@@ -89,8 +85,7 @@ Action declare_optimum(Command& command) {
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);
-  declare_threads(command, options->threads);
-  options->memory.declare(command);
+  options->limits.declare(command);
   command.footer =
       R"(The eta of the smallest radius of the enriched algorithm, from which eta on it converges, from which on it
 beats the generic algorithm, and the same with the best relaxation.

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "app/memory_limit.hpp"
+#include "app/export_steps.hpp"
 #include "app/shared_work.hpp"
-#include "app/step_range.hpp"
 #include "files/output_file.hpp"
 #include "formats/report/report_page.hpp"
-#include "linalg/threads.hpp"
 #include "study/linear/values.hpp"
 
 #include <set>
@@ -18,14 +16,15 @@ namespace fs = std::filesystem;
 constexpr Index most_grains = 300'000;  // that a browser draws at once; the page takes some 80 bytes for each
 constexpr double bytes_of_steps = 8e6;  // that the steps of a run take on a page where --steps says nothing
 
+constexpr const char* nothing_written = "{}: interrupted; nothing was written";
+
 struct Options {
   CaseOptions one;
   SpectralOptions spectral;
   std::string epsilon = "0,1e-3:1e3:7W", eta = "1e-3:1e3:25W,inf", output, steps, convergence;
   std::vector<std::string> contacts;
   bool no_optimum = false, force = false;
-  Index threads = 0;
-  MemoryLimit memory;
+  Limits limits;
 };
 
 // The options for runs, and those for any CASE. All others are for packings.
@@ -68,11 +67,6 @@ void write(const std::string& path, const std::string& page, bool force, const s
   fmt::print("{}: {}, {:.3g} MB\n", path, what, 1e-6 * static_cast<double>(page.size()));
 }
 
-int nothing_written(const std::string& path) {
-  note("{}: interrupted; nothing was written", path);
-  return interrupted_exit_code;
-}
-
 void note_doubts(const PackingReport& report) {
   Index open = 0;
   for (const RadiusGrid& grid : report.grids)
@@ -82,25 +76,18 @@ void note_doubts(const PackingReport& report) {
   if (open > 0) note("{} point(s) did not converge: the page says at which", open);
 }
 
-std::string libraries() {
-  std::string text;
-  for (const auto& [name, number] : dependency_versions()) text += fmt::format("{} {}\n", name, number);
-  return text;
-}
-
 int report_of_packing(const Options& options, const Context& context) {
-  options.memory.apply();
+  const ThreadLimit limit = options.limits.apply(context.machine);
   PackingReportParameters wanted = parameters(options, context.machine);
   const Case one = options.one.resolve({options.output});
   require_writable(options.output, options.force);
-  const ThreadLimit limit(options.threads);
   const Model model = build(one, progress("generate"));
   if (wanted.contact_sets.empty()) wanted.contact_sets = contact_sets_of(model);
   require_geometry(model, "report");
   require_drawable(model.name, model.grains(), "grains");
   Interruption interruption;
   const auto report = report_packing(model, wanted, interruption.watch("report " + model.name, 0, "spectrum"));
-  if (!report || interruption.stopped()) return nothing_written(options.output);
+  if (!report || interruption.stopped()) return interrupted(nothing_written, options.output);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
   note_doubts(*report);
@@ -125,7 +112,7 @@ int report_of_run(const Options& options, const Context& context) {
   const std::vector<Index> steps = options.steps.empty() ? steps_to_draw(path, asked, bytes_of_steps) : asked;
   Interruption interruption;
   auto report = report_run(path, steps, interruption.watch("report " + fs::path(path).filename().string(), 0, "step"));
-  if (!report || interruption.stopped()) return nothing_written(options.output);
+  if (!report || interruption.stopped()) return interrupted(nothing_written, options.output);
   report->iterations = std::move(iterations);
   write(options.output, run_page(*report, {report->name, context.command_line, report->header.case_text, libraries()}),
         options.force,
@@ -171,8 +158,7 @@ Action declare_report(Command& command) {
   command.add("--steps A[:B[:K]]", options->steps,
               "of a run: the kept steps to draw; by default as many as take 8 MB, at least 2, evenly spread");
   command.add("--convergence FILE", options->convergence, "of a run: the table of nscdd simulate --convergence");
-  declare_threads(command, options->threads);
-  options->memory.declare(command);
+  options->limits.declare(command);
   command.footer =
       R"(One page that a browser opens without a network. Of a packing: its grains, subdomains, active contacts and
 slowest modes, and the radius over all pairs of epsilon and eta. That takes the time of a sweep over these

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "app/memory_limit.hpp"
 #include "app/shared_work.hpp"
 #include "app/tables.hpp"
-#include "files/csv.hpp"
 #include "files/hdf5.hpp"
 #include "formats/case/case_file.hpp"
-#include "linalg/threads.hpp"
 
 namespace nscdd::app {
 namespace {
@@ -17,8 +14,7 @@ struct Options {
   std::string study, output = "results";
   Reopening how;
   bool check = false, large = false;
-  Index threads = 0;
-  MemoryLimit memory;
+  Limits limits;
 };
 
 // A study with the folder that it comes from and the one that takes its results.
@@ -111,6 +107,24 @@ int check_baselines(const Work& work) {
   return exit_code;
 }
 
+// Throws Error where the finished table in the file `path` has other columns, another number of rows or other
+// parameters in a row than `work`, as far as these are known before it is computed.
+void require_rows_of(const StudyTable& work, const std::string& path) {
+  const Table layout{study_columns(work), {}};
+  const std::string text = read_text(path), header = csv_header(layout.columns);
+  if (const std::string met = text.substr(0, text.find('\n')); met != header)
+    fail("{}:1: expected the columns {}, met {}", path, header, met);
+  const std::optional<Index> total = row_count(work);
+  if (!total) return;
+  CsvReader reader(text, path);
+  Index number = 0;
+  for (; reader.next() && number < *total; ++number)
+    for (const auto& [column, expected] : known_cells(work, number))
+      if (const std::string met(reader.value(layout.column(column))); met != to_text(expected))
+        fail("{}:{}: {}: expected {} of this work, met {}", path, reader.line(), column, to_text(expected), met);
+  if (number < *total || reader.next()) fail("{}: expected {} rows of this work, met another number", path, *total);
+}
+
 // Whether every table of the study is there, and no record of a run that was interrupted.
 bool is_complete(const Work& work) {
   const auto complete = [&](const StudyTable& table) { return nscdd::is_complete(work.csv(table)); };
@@ -156,8 +170,7 @@ int compute(const Work& work, const std::vector<Case>& cases, const Options& opt
 }
 
 int run(const Options& options, const Context& context) {
-  const ThreadLimit limit(options.threads);
-  options.memory.apply();
+  const ThreadLimit limit = options.limits.apply(context.machine);
   Work work = read_work(options);
   check_outputs(work);
   if (!options.large) leave_out_large(work.study);
@@ -186,8 +199,7 @@ Action declare_run(Command& command) {
   command.add("--force", options->how.force, "replace existing results");
   command.add("--large", options->large, "also the tables that the study marks as large");
   declare_resume(command, options->how.resume);
-  declare_threads(command, options->threads);
-  options->memory.declare(command);
+  options->limits.declare(command);
   command.add("--check", options->check, "compare with the study's baseline; exit code 1 where it differs");
   command.footer = R"(Prints the names of the files written.
 Examples:

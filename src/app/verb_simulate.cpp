@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "app/counts_table.hpp"
-#include "app/memory_limit.hpp"
 #include "app/run_summary.hpp"
 #include "app/shared_work.hpp"
 #include "app/simulate_output.hpp"
+#include "app/tables.hpp"
 #include "core/text.hpp"
 #include "files/output_file.hpp"
 #include "formats/case/case_file.hpp"
-#include "linalg/threads.hpp"
 
 namespace nscdd::app {
 namespace {
@@ -33,8 +31,7 @@ struct Options {
       {"--iterations", "N", "solver.maximum_iterations", "of a step at the most"},
       {"--steps", "N", "dynamics.steps", "number of time steps"}};
   std::vector<std::string> settings;
-  Index threads = 0;
-  MemoryLimit memory;
+  Limits limits;
   bool restart = false;
 };
 
@@ -130,11 +127,9 @@ void check_names(const Options& options) {
 
 int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunTotals& totals) {
   if (const std::string words = lack_of_room(totals); !words.empty()) note("{}: {}", options.files.output, words);
-  if (outcome.end == RunEnd::stopped) {
-    note("{}: interrupted after {} of {} steps; --restart goes on with it", options.files.output, simulation.state.step,
-         simulation.dynamics.time.steps);
-    return interrupted_exit_code;
-  }
+  if (outcome.end == RunEnd::stopped)
+    return interrupted("{}: interrupted after {} of {} steps; --restart goes on with it", options.files.output,
+                       simulation.state.step, simulation.dynamics.time.steps);
   fmt::print(options.files.convergence == "-" ? stderr : stdout, "{}", report_text(totals, simulation, outcome));
   if (outcome.end != RunEnd::broke_down) return 0;
   note("{}: broke down in {}; it holds the last good state", options.files.output, outcome.reason);
@@ -173,8 +168,7 @@ std::vector<double> features(const Simulation& simulation, const std::string& ca
 
 int run(const Options& options, const Context& context) {
   const Processes& all = context.machine.processes;
-  const ThreadLimit limit(threads_of(options.threads, context.machine));
-  options.memory.apply(context.machine.processes_here);
+  const ThreadLimit limit = options.limits.apply(context.machine);
   CaseSpec spec = all.together([&] {
     if (all.first()) check_names(options);
     const std::string path = find_case(options.name);
@@ -232,7 +226,7 @@ Action declare_simulate(Command& command) {
   for (ParameterOption& one : options->parameters)
     command.add(one.option + " " + one.form, one.value, fmt::format("{}: {}", one.help, one.key)).words = one.words;
   command.add("--set KEY=VALUE", options->settings, "a parameter of the case, such as interaction.friction=0.2");
-  declare_threads(command, options->threads);
+  options->limits.declare_threads(command);
   command.required("-o,--output FILE", options->files.output, "trajectory, .h5 or .hdf5");
   const Option* convergence = &command.add("--convergence FILE", options->files.convergence,
                                            "also a table of the iterations of every step, - for standard output; with "
@@ -248,7 +242,7 @@ Action declare_simulate(Command& command) {
                  {.description = "", .minimum = 1, .maximum = 1e9});
   command.add("--restart", options->restart, "go on with the output of a run before, up to --steps");
   command.add("--force", options->files.force, "replace existing outputs");
-  options->memory.declare(command);
+  options->limits.declare_memory(command);
   command.footer =
       R"(Prints how the run went; layout of the trajectory in docs/formats.md. A run that is killed, interrupted or
 finished goes on with --restart, bit for bit as in one piece.

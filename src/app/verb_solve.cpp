@@ -5,7 +5,6 @@
 #include "files/csv.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
-#include "linalg/threads.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd::app {
@@ -16,7 +15,8 @@ struct Options {
   std::vector<std::string> algorithms;
   FrictionSolverOptions solver;
   std::optional<double> time_limit;
-  Index guess = 0, threads = 0;
+  Index guess = 0;
+  Limits limits;
   Reopening how;
 };
 
@@ -165,23 +165,21 @@ void check_options(const Options& options) {
 }
 
 // Every problem of a folder by every solver named.
-int run_trials(const Options& options, const FrictionSolverOptions& solver) {
+int run_trials(const Options& options, const Machine& machine) {
   const std::vector<FrictionAlgorithm> solvers = options.algorithms.empty()
-                                                     ? std::vector{FrictionAlgorithm{solver.algorithm}}
+                                                     ? std::vector{FrictionAlgorithm{options.solver.algorithm}}
                                                      : contact_solvers_named(options.algorithms, "--solver");
-  return solve_trials({options.file, solvers, solver, options.time_limit, options.csv, options.how});
+  return solve_trials({options.file, solvers, options.solver, options.time_limit, options.csv, options.how}, machine);
 }
 
 int run(const Options& options, const Context& context) {
-  FrictionSolverOptions solver = options.solver;
-  const ThreadLimit limit(options.threads);
-  if (!options.csv.empty()) return run_trials(options, solver);
+  const ThreadLimit limit(options.limits.threads);
+  if (!options.csv.empty()) return run_trials(options, context.machine);
   check_options(options);
+  FrictionSolverOptions solver = options.solver;
   if (!options.algorithms.empty()) solver.algorithm = options.algorithms.front();
   const FclibFile file = read_contact_problem(options.file);
-  const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem);
-  const LocalFrictionProblem local =
-      global != nullptr ? reduce(*global, options.file) : std::get<LocalFrictionProblem>(file.problem);
+  const LocalFrictionProblem local = local_problem(file, options.file);
   require_moderate(local, options.file);
   const Vector guess = starting_impulses(file, options);
   // Both are opened before the work, and named after it: a run that fails leaves neither.
@@ -203,9 +201,10 @@ int run(const Options& options, const Context& context) {
   const double duration = seconds() - started;
   if (solution.status == FrictionStatus::stopped) {
     if (csv) csv->leave();
-    note("interrupted after {} sweeps, residual {:.3e}", solution.sweeps, solution.state.residual);
+    const int code =
+        interrupted("interrupted after {} sweeps, residual {:.3e}", solution.sweeps, solution.state.residual);
     if (output) write_result(file, solution, options, context, *output);
-    return interrupted_exit_code;
+    return code;
   }
   if (csv) csv->finish();
   print_problem(file, local);
@@ -229,7 +228,7 @@ Action declare_solve(Command& command) {
   solver.words.emplace_back("all");
   solver.list = true;
   solver.set = [options](std::string_view text, std::string_view) { options->algorithms.emplace_back(text); };
-  declare_threads(command, options->threads);
+  options->limits.declare_threads(command);
   const Option* csv = &command.add("--csv FILE", options->csv,
                                    "write a table there, a row per problem and solver, - for standard output");
   command

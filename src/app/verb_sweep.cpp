@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "app/counts_table.hpp"
-#include "app/memory_limit.hpp"
 #include "app/shared_work.hpp"
-#include "app/sweep_curve.hpp"
+#include "app/tables.hpp"
 #include "files/hdf5.hpp"
-#include "linalg/threads.hpp"
+#include "study/linear/curve.hpp"
 #include "study/linear/inspection.hpp"
 #include "study/linear/values.hpp"
 
@@ -15,12 +13,11 @@ namespace {
 struct Options {
   CaseOptions one;
   SpectralOptions spectral;
-  ContactSet contacts = ContactSet::all;
+  Choice<ContactSet> contacts = ContactSet::all;
   std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5, counts;
   Reopening how;
   std::optional<double> curve;
-  Index threads = 0;
-  MemoryLimit memory;
+  Limits limits;
 };
 
 // All but the flexibilities, which are a range where a curve is asked for.
@@ -40,31 +37,13 @@ SweepParameters parameters(const Options& options, const Machine& machine) {
   return result;
 }
 
-// Notes the first rows without the requested result, the solvers tried, and why each failed.
-class OpenRows {
- public:
-  explicit OpenRows(bool certify) : certify_(certify) {}
-
-  void take(const SweepResult& result) {
-    const SpectralRadius& radius = result.radius;
-    if ((radius.converged && (!certify_ || radius.certified)) || told_++ >= most_told) return;
-    note("epsilon = {}, eta = {}: {}: {}", result.point.epsilon, result.point.eta,
-         radius.converged ? "not certified" : "not converged", radius.failure);
-  }
-
- private:
-  static constexpr int most_told = 3;
-  bool certify_;
-  int told_ = 0;
-};
-
 // The rows of the sweep, those found included; `sink` takes them all. Tells which rows stay without proof, unless it is
-// interrupted.
-void work_through(const Model& model, const StudyTable& work, SharedTable& csv, Interruption& interruption,
-                  const RowSink& sink) {
+// interrupted. Returns the exit code.
+int work_through(const Model& model, const StudyTable& work, SharedTable& csv, Interruption& interruption,
+                 const RowSink& sink) {
   const ResultColumns<SweepResult> columns = sweep_columns(work.sweep);
   const Table layout{headings(columns), {}};
-  Index unproved = 0, uncertified = 0;
+  Index unproved = 0, uncertified = 0, told = 0;
   const bool certify = work.sweep.spectral.certify;
   const auto is_true = [](const Row& cells, std::size_t column) { return std::get<bool>(cells[column]); };
   const auto take = [&, converged = layout.column("converged"),
@@ -75,17 +54,54 @@ void work_through(const Model& model, const StudyTable& work, SharedTable& csv, 
     sink(cells);
   };
   csv->replay(take);
-  OpenRows open(certify);
+  constexpr Index most_told = 3;  // of the rows without the requested result: the solvers tried, and why each failed
   const auto write = [&](const SweepResult& result) {
-    open.take(result);
+    const SpectralRadius& radius = result.radius;
+    if ((!radius.converged || (certify && !radius.certified)) && told++ < most_told)
+      note("epsilon = {}, eta = {}: {}: {}", result.point.epsilon, result.point.eta,
+           radius.converged ? "not certified" : "not converged", radius.failure);
     const Row cells = row(columns, result);
     csv->write(cells);
     take(cells);
   };
   sweep(model, work.sweep, write, interruption.watch(work.name, csv.kept()), csv.kept());
-  if (interruption.stopped()) return;
+  if (interruption.stopped()) return 0;
   if (unproved > 0) note("{} row(s) did not converge: see the column 'converged'", unproved);
   if (uncertified > 0) note("{} row(s) converged but are not certified: see the column 'certified'", uncertified);
+  return 0;
+}
+
+// The table of curves: as that of a sweep, but the number of its rows is not known beforehand.
+TableWork curve_work(const StudyTable& work, const CurveParameters& parameters) {
+  TableWork table{work_identity(work), headings(curve_columns(parameters.sweep)), std::nullopt, {}};
+  table.identity.options += fmt::format("curve {}\n", to_text(parameters.tolerance));
+  return table;
+}
+
+// Traces the curves and writes their rows, which `sink` takes too. Tells the user of curves that are not proved to the
+// tolerance; the exit code is then 1.
+int trace(const Model& model, const CurveParameters& parameters, ResumableTable& csv, Interruption& interruption,
+          const RowSink& sink) {
+  const RowSink write = [&](const Row& row) {
+    csv.write(row);
+    sink(row);
+  };
+  const std::vector<CurveReport> reports =
+      trace_curves(model, parameters, as_rows(curve_columns(parameters.sweep), write), interruption.watch("curve"));
+  Index wide = 0, open = 0;
+  for (const CurveReport& report : reports) {
+    wide += report.status == CurveStatus::wide;
+    if (report.status == CurveStatus::not_converged && open++ == 0) note("not converged: {}", report.failure);
+  }
+  if (wide > 0)
+    note(
+        "{} of {} curves have a band wider than the tolerance: {} points, or the digits of the spectra, do not do; see "
+        "curve_low and curve_high",
+        wide, reports.size(), parameters.most_points);
+  if (open > 0)
+    note("{} of {} curves have a point that did not converge, and no band: see the column 'converged'", open,
+         reports.size());
+  return wide + open > 0 ? 1 : 0;
 }
 
 // What is asked for: points, or curves whose points are placed.
@@ -115,12 +131,11 @@ Asked asked(const Options& options, const Machine& machine) {
 
 int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
-  options.memory.apply(machine.processes_here);
+  const ThreadLimit limit = options.limits.apply(machine);
   auto [work, curve] = in_turn(machine.processes, [&] { return asked(options, machine); });
   if (std::ranges::any_of(work.sweep.gauss_seidel_sweeps, [](const auto& sweeps) { return sweeps.has_value(); }))
     require_one_process(machine, "--gauss-seidel-sweeps");
   if (nothing_to_resume(options.csv, options.hdf5, options.how, machine)) return 0;
-  const ThreadLimit limit(threads_of(options.threads, machine));
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
@@ -132,18 +147,18 @@ int run(const Options& options, const Context& context) {
   machine.processes.together([&] {
     if (!options.hdf5.empty() && machine.processes.first())
       hdf5.emplace(options.hdf5, options.how.force, kept_of_whole(options.how));
-    return hdf5.has_value();
+    return true;
   });
   Table table{curve ? headings(curve_columns(work.sweep)) : headings(sweep_columns(work.sweep)), {}};
   const RowSink keep = [&table, wanted = hdf5.has_value()](const Row& row) {
     if (wanted) table.rows.push_back(row);
   };
-  int code = 0;
-  if (curve)
-    code = trace(model, *curve, *csv, interruption, keep);
-  else
-    work_through(model, work, csv, interruption, keep);
-  if (interruption.stopped()) return curve ? leave_nothing(options.csv) : leave(*csv, options.csv);
+  const int code =
+      curve ? trace(model, *curve, *csv, interruption, keep) : work_through(model, work, csv, interruption, keep);
+  if (interruption.stopped() && curve)  // the table removes its files when it goes
+    return interrupted("{}: interrupted: a table of curves is not resumed{}", name_of_output(options.csv),
+                       is_stream(options.csv) ? "" : ", and nothing is left of it");
+  if (interruption.stopped()) return leave(*csv, options.csv);
   if (hdf5) hdf5->bytes(to_hdf5(provenance(context, work.cases), {{"sweep", table}}));
   counts.finish();
   csv->finish();
@@ -172,7 +187,7 @@ Action declare_sweep(Command& command) {
       "prove the curve over a range FROM:TO, whose points are placed for it; one of --epsilon and --eta is the range, "
       "and the band curve_low to curve_high is at most TOLERANCE x max(1, radius) wide",
       {.description = "", .minimum = 0, .minimum_excluded = true});
-  declare_threads(command, options->threads);
+  options->limits.declare_threads(command);
   command.preset("--relaxation SPEC", options->relaxation, "omega in F <- F + omega (F' - F), or 'optimal'");
   command.preset("--gauss-seidel-sweeps SPEC", options->sweeps, "sweeps n_GS of Stage 1; inf is exact");
   command.required("--csv FILE", options->csv, "where the table goes, - for standard output");
@@ -180,7 +195,7 @@ Action declare_sweep(Command& command) {
   command.add("--hdf5 FILE", options->hdf5, "also write the table, with its provenance, as HDF5");
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);
-  options->memory.declare(command);
+  options->limits.declare_memory(command);
   command.footer = R"(SPEC is a number, a comma list, or FROM:TO:COUNT (logarithmic; FROM:TO:COUNT:linear).
 One row per (epsilon, eta, relaxation, sweeps); columns are described in docs/formats.md.
 Examples:

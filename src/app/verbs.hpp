@@ -22,6 +22,15 @@ struct Machine {
   bool serves(std::string_view verb) const { return verbs.empty() || std::ranges::find(verbs, verb) != verbs.end(); }
 };
 
+/// How a run of the program ended.
+struct Outcome {
+  int code = 0;       ///< 0 done, 1 a check failed, 2 bad input, 130 interrupted
+  std::string error;  ///< what the user is told; empty if there is none, or if another process tells
+};
+
+/// Does what a command line asks for.
+Outcome run_program(int argc, char** argv, const Machine& machine);
+
 /// What every verb may need to know of the call.
 struct Context {
   std::string command_line;        ///< as typed, program name without its folder

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd-mpi: the verbs that several processes can share.
-#include "app/program.hpp"
+#include "app/verbs.hpp"
 #include <nscdd/mpi/multifrontal.hpp>
 #include <nscdd/mpi/processes.hpp>
 #include <nscdd/mpi/slepc.hpp>

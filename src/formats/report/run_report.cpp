@@ -43,14 +43,6 @@ DrawnStep drawn(const Simulation& run, const TrajectoryStep& step) {
   return result;
 }
 
-// The name that the case of the run had: the trajectory keeps only the text of the case.
-std::string name_of_case(const std::string& path, const TrajectoryHeader& header) {
-  constexpr std::string_view mark = "# case ";
-  for (const auto& [key, text] : header.provenance)
-    if (key == "cases" && text.starts_with(mark)) return text.substr(mark.size(), text.find('\n') - mark.size());
-  return std::filesystem::path(path).stem().string();
-}
-
 // Bytes that a step takes on the page, written as letters of six bits: a number of four bytes for every coordinate of a
 // grain and of the point of a contact that carries, which also has its ends, subdomain, impulses and status.
 double bytes_of(const TrajectoryStep& step) {

@@ -78,6 +78,9 @@ TrajectoryStep read_last_step(const std::string& path);
 /// A step that is kept in /steps or is the newest one; nothing for any other.
 std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Index step);
 
+/// The name that the case of the run had: the trajectory keeps only the text of the case.
+std::string name_of_case(const std::string& path, const TrajectoryHeader& header);
+
 /// The simulation a trajectory holds, in a state of it: system and boundaries as in the file, laws and solver
 /// from its case text. Packing files and settled cases that it began from are not needed. Throws Error if
 /// case text, system and state do not fit together.

@@ -215,4 +215,11 @@ Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& h
   return simulation;
 }
 
+std::string name_of_case(const std::string& path, const TrajectoryHeader& header) {
+  constexpr std::string_view mark = "# case ";
+  for (const auto& [key, text] : header.provenance)
+    if (key == "cases" && text.starts_with(mark)) return text.substr(mark.size(), text.find('\n') - mark.size());
+  return std::filesystem::path(path).stem().string();
+}
+
 }  // namespace nscdd
