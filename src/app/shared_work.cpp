@@ -47,9 +47,13 @@ void Limits::limit_memory(Index processes) const {
   require_memory(smallest_checked_need, "the work itself");
 }
 
+ThreadLimit Limits::limit_threads(const Machine& machine) const {
+  return ThreadLimit(threads > 0 ? threads : machine.threads);
+}
+
 ThreadLimit Limits::apply(const Machine& machine) const {
   limit_memory(machine.processes_here);
-  return ThreadLimit(threads > 0 ? threads : machine.threads);
+  return limit_threads(machine);
 }
 
 void keep_freed_memory() {

@@ -19,8 +19,9 @@ struct Limits {
 
   /// Limits this process, one of so many that share the memory of a computer. Throws Error if it holds more already.
   void limit_memory(Index processes = 1) const;
-  /// Limits the memory of this process, and the threads for the life of the result.
-  ThreadLimit apply(const Machine& machine) const;
+  /// Limits the threads for the life of the result.
+  ThreadLimit limit_threads(const Machine& machine) const;
+  ThreadLimit apply(const Machine& machine) const;  ///< limits both
 };
 
 /// Keeps freed memory in the process: a factor follows another of the same size, and memory given back in between comes

@@ -35,17 +35,6 @@ double largest_resident_set() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-bool is_complete_table(const std::string& csv, const std::string& hdf5, Reopening how) {
-  if (!how.resume || how.force || !is_complete(csv)) return false;
-  if (!hdf5.empty() && !std::filesystem::exists(hdf5))
-    fail(
-        "{}: expected rows to resume, met a complete table, and nothing tells what work it came from: {} cannot be "
-        "made of it; --force computes both again",
-        csv, hdf5);
-  note("{}: already complete, nothing to resume", csv);
-  return true;
-}
-
 }  // namespace
 
 SharedTable::SharedTable(const Machine& machine, const std::string& path, const TableWork& work, Reopening how)
@@ -86,7 +75,16 @@ void declare_resume(Command& command, bool& resume) {
 
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine) {
   const Processes& all = machine.processes;
-  return all.any(all.together([&] { return all.first() && is_complete_table(csv, hdf5, how); }));
+  return all.any(all.together([&] {
+    if (!all.first() || !how.resume || how.force || !is_complete(csv)) return false;
+    if (!hdf5.empty() && !std::filesystem::exists(hdf5))
+      fail(
+          "{}: expected rows to resume, met a complete table, and nothing tells what work it came from: {} cannot be "
+          "made of it; --force computes both again",
+          csv, hdf5);
+    note("{}: already complete, nothing to resume", csv);
+    return true;
+  }));
 }
 
 int leave(ResumableTable& table, const std::string& path) {

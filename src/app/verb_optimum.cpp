@@ -39,10 +39,11 @@ StudyTable table_of(const Options& options, const Machine& machine) {
 
 int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
-  const ThreadLimit limit = options.limits.apply(machine);
+  options.limits.limit_memory(machine.processes_here);
   const StudyTable work = in_turn(machine.processes, [&] { return table_of(options, machine); });
   if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
   if (nothing_to_resume(options.csv, "", options.how, machine)) return 0;
+  const ThreadLimit limit = options.limits.limit_threads(machine);  // packings are settled with all
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): there is nothing to optimise", model.name, why_empty(model));

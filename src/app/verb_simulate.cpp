@@ -151,19 +151,17 @@ void require_shared(const CaseSpec& spec, const Machine& machine) {
 // What tells the start of one run from that of another, and what is asked of it.
 std::vector<double> features(const Simulation& simulation, const std::string& case_text, const Options& options) {
   const auto& [system, state] = std::tie(simulation.system, simulation.state);
-  std::string text = case_text;
-  for (const auto values : numbers_of_grains(system.dimension))
-    text += fingerprint(std::span<const double>(state.*values));
-  for (const auto* values : {&system.radius, &system.mass}) text += fingerprint(std::span<const double>(*values));
-  std::vector<double> remembered;
-  for (const auto& one : state.impulses) remembered.insert(remembered.end(), one.impulse.begin(), one.impulse.end());
-  for (const auto& one : state.gluing) remembered.insert(remembered.end(), one.impulse.begin(), one.impulse.end());
-  text += fingerprint(std::span<const double>(remembered));
-  text += fmt::format("{} {} {} {}", state.step, options.counts.empty(), options.files.convergence.empty(),
-                      options.files.convergence_every.value_or(0));
   std::vector<double> numbers;
-  for (const char letter : fingerprint(std::string_view(text))) numbers.push_back(static_cast<double>(letter));
-  return numbers;
+  const auto add = [&](const auto& values) { numbers.insert(numbers.end(), values.begin(), values.end()); };
+  add(std::array{state.step, options.files.convergence_every.value_or(0)});
+  add(std::array{options.counts.empty(), options.files.convergence.empty()});
+  for (const auto values : numbers_of_grains(system.dimension)) add(state.*values);
+  add(system.radius);
+  add(system.mass);
+  for (const auto& one : state.impulses) add(one.impulse);
+  for (const auto& one : state.gluing) add(one.impulse);
+  const std::string text = fingerprint(case_text + fingerprint(std::span<const double>(numbers)));
+  return {text.begin(), text.end()};
 }
 
 int run(const Options& options, const Context& context) {

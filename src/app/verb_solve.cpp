@@ -173,7 +173,7 @@ int run_trials(const Options& options, const Machine& machine) {
 }
 
 int run(const Options& options, const Context& context) {
-  const ThreadLimit limit(options.limits.threads);
+  const ThreadLimit limit = options.limits.limit_threads(context.machine);
   if (!options.csv.empty()) return run_trials(options, context.machine);
   check_options(options);
   FrictionSolverOptions solver = options.solver;

@@ -131,11 +131,12 @@ Asked asked(const Options& options, const Machine& machine) {
 
 int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
-  const ThreadLimit limit = options.limits.apply(machine);
+  options.limits.limit_memory(machine.processes_here);
   auto [work, curve] = in_turn(machine.processes, [&] { return asked(options, machine); });
   if (std::ranges::any_of(work.sweep.gauss_seidel_sweeps, [](const auto& sweeps) { return sweeps.has_value(); }))
     require_one_process(machine, "--gauss-seidel-sweeps");
   if (nothing_to_resume(options.csv, options.hdf5, options.how, machine)) return 0;
+  const ThreadLimit limit = options.limits.limit_threads(machine);  // packings are settled with all
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));

@@ -100,18 +100,15 @@ class SharedFactor {
   bool regular() const { return regular_; }
   Index negative_eigenvalues() const { return negative_eigenvalues_; }
 
-  // Solves with b on the own rows (nothing: zero) and `border` on all border rows. The solution on the own rows, in
-  // front of that on the border, is right where `down` reaches.
-  Vector solve(const Vector* b, const Vector& border, Fronts up, Fronts down) const {
+  // Solves with b on the own rows and, behind them, all border rows. The solution is right where `down` reaches.
+  Vector solve(const Vector& b, Fronts up, Fronts down) const {
     const SharedPlan& plan = *plan_;
     const Index own = plan.own_rows;
     plan.add_work([=](const EliminationWork& one) { return one.solve_flops(up, down); });
     Messages messages(plan);
     Vector x(own + count(plan.touched));
-    if (b != nullptr)
-      x.head(own) = b->head(own);
-    else
-      x.head(own).setZero();
+    const auto border = b.tail(plan.border);
+    x.head(own) = b.head(own);
     x.tail(count(plan.touched)) = border(plan.touched);
     x(plan.kept).setZero();  // they count once, where they are eliminated
     x = own_.go_forward(x, up);
@@ -146,7 +143,7 @@ class SharedFactor {
     messages.hand_up(*plan_->joint, packed(joint_->take_update()));
   }
 
-  Vector go_up(Messages& messages, const Vector& border) const {
+  Vector go_up(Messages& messages, const Eigen::Ref<const Vector>& border) const {
     const ProcessSet& set = plan_->joint_set();
     Vector front = Vector::Zero(plan_->front_rows());
     front.head(count(set.eliminated)) = border(set.eliminated);
@@ -173,18 +170,22 @@ class SharedFactor {
   Index negative_eigenvalues_ = 0;
 };
 
-InertiaFactor record_of(const std::shared_ptr<const SharedFactor>& factor, Index border) {
+InertiaFactor record_of(const std::shared_ptr<const SharedFactor>& factor, const SharedPlan& plan) {
   if (!factor->regular()) return {};
-  const auto on_border = [border](const Vector& x) -> Vector { return x.tail(border); };
+  const auto spread = [rows = plan.own_rows + plan.border](const Vector& g) {
+    Vector b = Vector::Zero(rows);
+    b.tail(g.size()) = g;
+    return b;
+  };
+  const auto on_border = [border = plan.border](const Vector& x) -> Vector { return x.tail(border); };
+  constexpr Fronts all = Fronts::all, of_border = Fronts::border;
   return {
       .regular = true,
       .negative_eigenvalues = factor->negative_eigenvalues(),
-      .solve = [=](const Vector& b) { return factor->solve(&b, b.tail(border), Fronts::all, Fronts::all); },
-      .solve_from_border = [=](const Vector& g) { return factor->solve(nullptr, g, Fronts::border, Fronts::all); },
-      .solve_to_border =
-          [=](const Vector& b) { return on_border(factor->solve(&b, b.tail(border), Fronts::all, Fronts::border)); },
-      .solve_on_border =
-          [=](const Vector& g) { return on_border(factor->solve(nullptr, g, Fronts::border, Fronts::border)); }};
+      .solve = [=](const Vector& b) { return factor->solve(b, all, all); },
+      .solve_from_border = [=](const Vector& g) { return factor->solve(spread(g), of_border, all); },
+      .solve_to_border = [=](const Vector& b) { return on_border(factor->solve(b, all, of_border)); },
+      .solve_on_border = [=](const Vector& g) { return on_border(factor->solve(spread(g), of_border, of_border)); }};
 }
 
 }  // namespace
@@ -195,7 +196,7 @@ InertiaMethod multifrontal(MPI_Comm communicator, std::shared_ptr<WorkCount> wor
   const auto analyse = [all](const InertiaPattern& pattern) {
     const auto plan = std::make_shared<const SharedPlan>(all, pattern);
     const auto factorise = [plan](const SparseMatrix& lower, const std::array<double, 2>& parameters) {
-      return record_of(std::make_shared<const SharedFactor>(plan, lower, parameters), plan->border);
+      return record_of(std::make_shared<const SharedFactor>(plan, lower, parameters), *plan);
     };
     return InertiaFamily{factorise, [plan] { plan->own->release(); }};
   };
