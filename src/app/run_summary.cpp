@@ -6,16 +6,12 @@
 namespace nscdd::app {
 namespace {
 
-Index steps_that(const RunTotals& totals, SolverStatus status) {
-  const auto found = totals.statuses.find(to_string(status));
-  return found == totals.statuses.end() ? 0 : found->second;
-}
-
 // Advice for steps that did not converge. If there may be no solution, no setting of a solver helps.
 std::string advice(const RunTotals& totals, const Dynamics& dynamics) {
   if (totals.no_room > 0) return "check first that the boundaries leave room";
   const bool bounded = !dynamics.boundaries.empty();
-  const Index stalled = steps_that(totals, SolverStatus::stalled);
+  const auto found = totals.statuses.find(to_string(SolverStatus::stalled));
+  const Index stalled = found == totals.statuses.end() ? 0 : found->second;
   const std::string more = fmt::format("--iterations allows more than {}{}", dynamics.solver.maximum_iterations,
                                        bounded ? ", which helps unless the boundaries leave no room" : "");
   if (stalled == 0) return more;

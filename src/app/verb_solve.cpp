@@ -131,17 +131,14 @@ void require_moderate(const LocalFrictionProblem& problem, const std::string& na
   require(largest / problem.w.diagonal().maxCoeff(), "largest |q| over the largest of W_nn and W_tt");
 }
 
-// The problem alone is what a file of Siconos has a place for.
-void write_siconos(const FclibFile& file, const Options& options, OutputFile& output) {
-  note("{}: a file of Siconos holds the problem alone; its solution goes into .h5 or .hdf5", options.output);
-  output.bytes(siconos_text(file, "nscdd " + version()));
-  output.finish();
-}
-
 // A result is a solution only where it is one; else it is a guess to go on from.
 void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options,
                   const Context& context, OutputFile& output) {
-  if (has_siconos_name(options.output)) return write_siconos(file, options, output);
+  if (has_siconos_name(options.output)) {
+    note("{}: a file of Siconos holds the problem alone; its solution goes into .h5 or .hdf5", options.output);
+    output.bytes(siconos_text(file, "nscdd " + version()));
+    return output.finish();
+  }
   const FclibFile written = with_result(file, solution);
   if (solution.status == FrictionStatus::not_finite)
     note("{}: the impulses are not finite and are left out", options.output);
