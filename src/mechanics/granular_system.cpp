@@ -20,65 +20,56 @@ RigidVelocity Motion::at(double t) const {
           between(a.z, b.z), between(a.spin_x, b.spin_x), between(a.spin_y, b.spin_y)};
 }
 
-Direction<2> carried(const Direction<2>& p, const Pose& before, const Pose& after) {
-  const double c = std::cos(after.angle - before.angle), s = std::sin(after.angle - before.angle);
-  const double dx = p[0] - before.x, dy = p[1] - before.y;
-  return {after.x + c * dx - s * dy, after.y + s * dx + c * dy};
-}
-
-Direction<3> carried(const Direction<3>& p, const Pose& before, const Pose& after) {
-  const Eigen::Vector3d arm(p[0] - before.x, p[1] - before.y, p[2] - before.z);
-  const Eigen::Vector3d now = after.turn * (before.turn.conjugate() * arm);
+// In the plane bodies turn by an angle, in space by a rotation.
+Place carried(const Place& p, const Pose& before, const Pose& after) {
+  const double dx = p[0] - before.x, dy = p[1] - before.y, dz = p[2] - before.z;
+  if (after.angle != before.angle) {
+    const double c = std::cos(after.angle - before.angle), s = std::sin(after.angle - before.angle);
+    return {after.x + c * dx - s * dy, after.y + s * dx + c * dy, 0};
+  }
+  const Eigen::Vector3d now = after.turn * (before.turn.conjugate() * Eigen::Vector3d(dx, dy, dz));
   return {after.x + now[0], after.y + now[1], after.z + now[2]};
 }
 
-template <>
-Wall moved<2>(const Wall& wall, const Motion& motion, const Pose& pose) {
-  const double c = std::cos(pose.angle), s = std::sin(pose.angle);
-  const Direction<2> point =
-      carried(Direction<2>{wall.point[0], wall.point[1]}, {motion.centre[0], motion.centre[1]}, pose);
-  return {.point = {point[0], point[1], 0},
-          .normal = {c * wall.normal[0] - s * wall.normal[1], s * wall.normal[0] + c * wall.normal[1], 0},
-          .boundary = wall.boundary};
+Wall moved(const Wall& wall, const Motion& motion, const Pose& pose) {
+  Wall result = wall;
+  result.point = carried(wall.point, {.x = motion.centre[0], .y = motion.centre[1], .z = motion.centre[2]}, pose);
+  if (pose.angle != 0) {
+    const double c = std::cos(pose.angle), s = std::sin(pose.angle);
+    result.normal = {c * wall.normal[0] - s * wall.normal[1], s * wall.normal[0] + c * wall.normal[1], 0};
+  } else {
+    Eigen::Vector3d::Map(result.normal.data()) = pose.turn * Eigen::Vector3d(wall.normal.data());
+  }
+  return result;
 }
 
-template <>
-Wall moved<3>(const Wall& wall, const Motion& motion, const Pose& pose) {
-  const Eigen::Vector3d normal = pose.turn * Eigen::Vector3d(wall.normal[0], wall.normal[1], wall.normal[2]);
-  const Pose start{.x = motion.centre[0], .y = motion.centre[1], .z = motion.centre[2]};
-  return {.point = carried(wall.point, start, pose),
-          .normal = {normal[0], normal[1], normal[2]},
-          .boundary = wall.boundary,
-          .radius = wall.radius};
-}
+namespace {
 
-template <>
-Pose advanced<2>(const Pose& pose, const RigidVelocity& velocity, double h) {
-  return {.x = pose.x + h * velocity.x, .y = pose.y + h * velocity.y, .angle = pose.angle + h * velocity.spin};
-}
-
-template <>
-Pose advanced<3>(const Pose& pose, const RigidVelocity& velocity, double h) {
-  return {.x = pose.x + h * velocity.x,
-          .y = pose.y + h * velocity.y,
-          .z = pose.z + h * velocity.z,
-          .turn = turned(pose.turn, {h * velocity.spin_x, h * velocity.spin_y, h * velocity.spin})};
-}
-
-Eigen::Quaterniond turned(const Eigen::Quaterniond& rotation, const std::array<double, 3>& angle) {
+// A rotation followed by another, given by its axis times its angle, rad. The result is a unit quaternion.
+Eigen::Quaterniond turned(const Eigen::Quaterniond& rotation, const Place& angle) {
   const Eigen::Vector3d vector(angle[0], angle[1], angle[2]);
   const double size = vector.norm();
   if (size == 0) return rotation;
   return (Eigen::AngleAxisd(size, vector / size) * rotation).normalized();
 }
 
-Direction<2> velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Direction<2>& p) {
-  return {velocity.x - velocity.spin * (p[1] - pose.y), velocity.y + velocity.spin * (p[0] - pose.x)};
+}  // namespace
+
+Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h, Index dimension) {
+  Pose after = pose;
+  after.x += h * velocity.x;
+  after.y += h * velocity.y;
+  after.z += h * velocity.z;
+  if (dimension == 2)
+    after.angle += h * velocity.spin;
+  else
+    after.turn = turned(pose.turn, {h * velocity.spin_x, h * velocity.spin_y, h * velocity.spin});
+  return after;
 }
 
-Direction<3> velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Direction<3>& p) {
+Place velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Place& p) {
   const double dx = p[0] - pose.x, dy = p[1] - pose.y, dz = p[2] - pose.z;
-  return {velocity.x + (velocity.spin_y * dz - velocity.spin * dy),
+  return {velocity.x - (velocity.spin * dy - velocity.spin_y * dz),
           velocity.y + (velocity.spin * dx - velocity.spin_x * dz),
           velocity.z + (velocity.spin_x * dy - velocity.spin_y * dx)};
 }
@@ -129,43 +120,30 @@ std::vector<std::vector<double> GranularState::*> numbers_of_grains(Index dimens
           &State::spin_x, &State::spin_y, &State::spin};
 }
 
-template <>
-GrainUnknowns<2> unknowns_of<2>(const GranularState& state, std::size_t i, double radius) {
-  return {state.velocity_x[i], state.velocity_y[i], radius * state.spin[i]};
-}
-template <>
-GrainUnknowns<3> unknowns_of<3>(const GranularState& state, std::size_t i, double radius) {
+GrainMotion motion_of(const GranularState& state, std::size_t i, double radius) {
+  if (state.z.empty()) return {state.velocity_x[i], state.velocity_y[i], 0, 0, 0, radius * state.spin[i]};
   return {state.velocity_x[i],      state.velocity_y[i],      state.velocity_z[i],
           radius * state.spin_x[i], radius * state.spin_y[i], radius * state.spin[i]};
 }
 
-template <>
-void set_velocity<2>(GranularState& state, std::size_t i, const GrainUnknowns<2>& v, double radius) {
+void set_motion(GranularState& state, std::size_t i, const GrainMotion& v, double radius) {
   state.velocity_x[i] = v[0];
   state.velocity_y[i] = v[1];
-  state.spin[i] = v[2] / radius;
-}
-template <>
-void set_velocity<3>(GranularState& state, std::size_t i, const GrainUnknowns<3>& v, double radius) {
-  state.velocity_x[i] = v[0];
-  state.velocity_y[i] = v[1];
+  state.spin[i] = v[5] / radius;
+  if (state.z.empty()) return;
   state.velocity_z[i] = v[2];
   state.spin_x[i] = v[3] / radius;
   state.spin_y[i] = v[4] / radius;
-  state.spin[i] = v[5] / radius;
 }
 
-template <>
-void move_grain<2>(GranularState& state, std::size_t i, const Direction<2>& move, const std::array<double, 1>& angle) {
-  state.x[i] += move[0];
-  state.y[i] += move[1];
-  state.angle[i] += angle[0];
-}
-template <>
-void move_grain<3>(GranularState& state, std::size_t i, const Direction<3>& move, const std::array<double, 3>& angle) {
-  state.x[i] += move[0];
-  state.y[i] += move[1];
-  state.z[i] += move[2];
+void move_grain(GranularState& state, std::size_t i, const Place& centre, const Place& angle) {
+  state.x[i] = centre[0];
+  state.y[i] = centre[1];
+  if (state.z.empty()) {
+    state.angle[i] += angle[2];
+    return;
+  }
+  state.z[i] = centre[2];
   const Eigen::Quaterniond now = turned({state.turn_w[i], state.turn_x[i], state.turn_y[i], state.turn_z[i]}, angle);
   state.turn_w[i] = now.w();
   state.turn_x[i] = now.x();

@@ -8,6 +8,30 @@
 
 namespace nscdd {
 
+/// A place, m, or another vector; in the plane the third number is 0.
+using Place = Direction<3>;
+
+inline double dot(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+/// a + factor b
+inline Place moved_along(Place a, double factor, const Place& b) {
+  for (std::size_t k = 0; k < 3; ++k) a[k] += factor * b[k];
+  return a;
+}
+inline Place difference(const Place& to, const Place& from) { return moved_along(to, -1, from); }
+
+/// Velocity of a grain, (x, y, z, rim_x, rim_y, rim_z), in the plane (x, y, 0, 0, 0, rim), m/s.
+using GrainMotion = GrainUnknowns<3>;
+inline Place velocity_of(const GrainMotion& v) { return {v[0], v[1], v[2]}; }
+inline GrainMotion motion_of(const GrainVelocity<2>& v) { return {v.x, v.y, 0, 0, 0, v.rim}; }
+inline GrainMotion motion_of(const GrainVelocity<3>& v) { return unknowns(v); }
+template <int D>
+GrainVelocity<D> with_motion(const GrainMotion& v, double inverse_mass) {
+  if constexpr (D == 2)
+    return {v[0], v[1], v[5], inverse_mass};
+  else
+    return with_unknowns(v, inverse_mass);
+}
+
 /// Velocity of a rigid body: of its reference point, m/s, and its spin, rad/s. In the plane the spin is that about z,
 /// and the last three are 0.
 struct RigidVelocity {
@@ -57,23 +81,16 @@ struct Wall {
 };
 
 /// Where a point of a body is after the body went from one pose to another: on the exact circle, not on its tangent.
-Direction<2> carried(const Direction<2>& p, const Pose& before, const Pose& after);
-Direction<3> carried(const Direction<3>& p, const Pose& before, const Pose& after);
+Place carried(const Place& p, const Pose& before, const Pose& after);
 
 /// The wall when its boundary has moved from the centre of its motion to `pose`.
-template <int D>
 Wall moved(const Wall& wall, const Motion& motion, const Pose& pose);
 
 /// The pose after a time h at constant velocity.
-template <int D>
-Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h);
-
-/// A rotation followed by another, given by its axis times its angle, rad. The result is a unit quaternion.
-Eigen::Quaterniond turned(const Eigen::Quaterniond& rotation, const std::array<double, 3>& angle);
+Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h, Index dimension);
 
 /// Velocity of the point p of a body with that pose, m/s.
-Direction<2> velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Direction<2>& p);
-Direction<3> velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Direction<3>& p);
+Place velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Place& p);
 
 /// Throws Error naming the boundary if times do not ascend, counts differ or a number is not finite.
 void check(const Boundary& boundary);
@@ -90,7 +107,14 @@ struct GranularSystem {
 
   Index grains() const { return count(radius); }
   Index free_grains() const { return std::count(driven_by.begin(), driven_by.end(), Index{-1}); }
-  bool free(Index disk) const { return driven_by[at(disk)] < 0; }
+  bool free(Index grain) const { return driven_by[at(grain)] < 0; }
+  /// 1/kg; 0 of a driven grain
+  double inverse_mass(Index grain) const { return free(grain) ? 1 / mass[at(grain)] : 0; }
+  /// The smaller radius of grain a and body b, m: that of the grain where b is a wall.
+  double smaller_radius(Index a, Index b) const {
+    return b < grains() ? std::min(radius[at(a)], radius[at(b)]) : radius[at(a)];
+  }
+  double length(const Place& a) const { return dimension == 2 ? std::hypot(a[0], a[1]) : std::hypot(a[0], a[1], a[2]); }
 };
 
 /// Calls work(std::integral_constant<int, D>) with the dimension D of a system.
@@ -184,31 +208,16 @@ GranularState initial_state(const GranularSystem& system, std::vector<double> x,
 std::vector<std::vector<double> GranularState::*> numbers_of_grains(Index dimension);
 
 /// The centre of a grain, m.
-template <int D>
-Direction<D> centre_of(const GranularState& state, std::size_t grain) {
-  if constexpr (D == 2)
-    return {state.x[grain], state.y[grain]};
-  else
-    return {state.x[grain], state.y[grain], state.z[grain]};
+inline Place centre_of(const GranularState& state, std::size_t grain) {
+  return {state.x[grain], state.y[grain], state.z.empty() ? 0 : state.z[grain]};
 }
 
-/// Its velocity as unknowns of a step, and the other way round; `radius` makes a speed of the rim of a spin.
-template <int D>
-GrainUnknowns<D> unknowns_of(const GranularState& state, std::size_t grain, double radius);
-template <int D>
-void set_velocity(GranularState& state, std::size_t grain, const GrainUnknowns<D>& velocity, double radius);
+/// The velocity of a grain, and the other way round; `radius` makes a speed of the rim of a spin.
+GrainMotion motion_of(const GranularState& state, std::size_t grain, double radius);
+void set_motion(GranularState& state, std::size_t grain, const GrainMotion& velocity, double radius);
 
-template <int D>
-void set_centre(GranularState& state, std::size_t grain, const Direction<D>& centre) {
-  state.x[grain] = centre[0];
-  state.y[grain] = centre[1];
-  if constexpr (D == 3) state.z[grain] = centre[2];
-}
-
-/// Moves the centre of a grain by `move`, m, and turns it by an angle, in space an axis times the angle, rad.
-template <int D>
-void move_grain(GranularState& state, std::size_t grain, const Direction<D>& move,
-                const std::array<double, D == 2 ? 1 : 3>& angle);
+/// Moves the centre of a grain there, m, and turns the grain by an axis times an angle, rad.
+void move_grain(GranularState& state, std::size_t grain, const Place& centre, const Place& angle);
 
 /// "disk 3" or in space "sphere 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" for body grains()
 /// + its number.

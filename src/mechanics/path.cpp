@@ -2,6 +2,51 @@
 #include "mechanics/path.hpp"
 
 namespace nscdd {
+
+WallPoint nearest_point(const Wall& wall, const Place& centre) {
+  const Place &point = wall.point, &normal = wall.normal;
+  const double along = dot(difference(centre, point), normal);
+  const Place below = moved_along(centre, -along, normal);
+  if (wall.radius == 0) return {below, normal, along};
+  // A cylinder: from here `normal` is its axis and `outwards` the direction away from it.
+  const Place axis_point = moved_along(point, along, normal);
+  Place outwards = difference(centre, axis_point);
+  const double distance = std::sqrt(dot(outwards, outwards));
+  if (distance > 0)
+    for (double& one : outwards) one /= distance;
+  else  // all points are as near as this one
+    outwards = tangents_of(normal).first;
+  const double radius = std::abs(wall.radius), inwards = wall.radius > 0 ? -1 : 1;
+  const Place foot = moved_along(axis_point, radius, outwards);
+  for (double& one : outwards) one *= inwards;
+  return {foot, outwards, inwards * (distance - radius)};
+}
+
+Configuration configuration(const StepStart& start, const std::vector<RigidVelocity>& motions, double time) {
+  const auto& [system, state, interaction, scheme] = start;
+  Configuration where{state.x, state.y, state.z, system.walls, state.poses, motions};
+  for (std::size_t k = 0; k < where.poses.size(); ++k)
+    where.poses[k] = advanced(where.poses[k], motions[k], time, system.dimension);
+  for (std::size_t i = 0; i < where.x.size(); ++i) {
+    Place centre = where.centre(i);
+    if (const Index k = system.driven_by[i]; k >= 0)
+      centre = carried(centre, state.poses[at(k)], where.poses[at(k)]);
+    else
+      centre = moved_along(centre, time, velocity_of(motion_of(state, i, 1)));
+    where.x[i] = centre[0];
+    where.y[i] = centre[1];
+    if (!where.z.empty()) where.z[i] = centre[2];
+  }
+  for (Wall& wall : where.walls)
+    wall = moved(wall, system.boundaries[at(wall.boundary)].motion, where.poses[at(wall.boundary)]);
+  return where;
+}
+
+Configuration where_contacts_are(const StepStart& start) {
+  const auto& [system, state, interaction, scheme] = start;
+  return configuration(start, step_motions(system, state, scheme), (1 - scheme.theta) * scheme.step);
+}
+
 namespace {
 
 // Places on the way are so close that chords of circles are off by this part of the smallest radius at the most.
@@ -9,47 +54,44 @@ constexpr double chord_error = 0.01;
 constexpr double most_chords = 32;  // of a boundary that turns by far too much
 
 // How far the corners of a box of all grains are from a point, at the most.
-template <int D>
 double farthest(const GranularState& state, const Pose& pose) {
   const auto along = [](const std::vector<double>& x, double from) {
     const auto [low, high] = std::ranges::minmax(x);
     return std::max(std::abs(high - from), std::abs(low - from));
   };
-  return std::hypot(along(state.x, pose.x), along(state.y, pose.y), D == 3 ? along(state.z, pose.z) : 0);
+  return std::hypot(along(state.x, pose.x), along(state.y, pose.y), state.z.empty() ? 0 : along(state.z, pose.z));
 }
 
 double spin_of(const RigidVelocity& v) { return std::hypot(v.spin_x, v.spin_y, v.spin); }
 
-// No grain moves by more than this relative to another or to a wall in a second, m/s.
-template <int D, class Velocity>
-double fastest_of(const GranularSystem& system, const GranularState& state, const std::vector<RigidVelocity>& motions,
-                  Velocity&& velocity) {
-  Direction<D> low, high;
+// No grain moves by more than this relative to another or to a wall in a second, m/s. velocity(i): of a free grain.
+template <class Velocity>
+double fastest_of(const StepStart& start, const std::vector<RigidVelocity>& motions, const Velocity& velocity) {
+  const auto& [system, state, interaction, scheme] = start;
+  Place low, high;
   low.fill(system.boundaries.empty() ? infinity : 0);
   high.fill(system.boundaries.empty() ? -infinity : 0);
   for (std::size_t i = 0; i < at(system.grains()); ++i) {
     if (system.driven_by[i] >= 0) continue;
-    const GrainUnknowns<D> v = velocity(i);
-    for (std::size_t k = 0; k < D; ++k) low[k] = std::min(low[k], v[k]), high[k] = std::max(high[k], v[k]);
+    const GrainMotion v = velocity(i);
+    for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], v[k]), high[k] = std::max(high[k], v[k]);
   }
   double boundaries = 0;
   for (std::size_t k = 0; k < motions.size(); ++k) {
-    const double arm = spin_of(motions[k]) > 0 ? farthest<D>(state, state.poses[k]) : 0;
+    const double arm = spin_of(motions[k]) > 0 ? farthest(state, state.poses[k]) : 0;
     boundaries = std::max(boundaries, std::hypot(motions[k].x, motions[k].y, motions[k].z) + spin_of(motions[k]) * arm);
   }
-  return length<D>(moved_along<D>(high, -1, low)) + boundaries;
+  return system.length(difference(high, low)) + boundaries;
 }
 
 // In how many chords the arcs of a time are cut.
-template <int D>
-double chords(const GranularSystem& system, const GranularState& state, const std::vector<RigidVelocity>& motions,
-              double time) {
+double chords(const StepStart& start, const std::vector<RigidVelocity>& motions, double time) {
   double most = 1;
-  const double smallest = std::ranges::min(system.radius);
+  const double smallest = std::ranges::min(start.system.radius);
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const double angle = time * spin_of(motions[k]);
     if (angle == 0) continue;
-    const double sagitta = farthest<D>(state, state.poses[k]) * angle * angle / 8;
+    const double sagitta = farthest(start.state, start.state.poses[k]) * angle * angle / 8;
     most = std::max(most, std::ceil(std::sqrt(sagitta / (chord_error * smallest))));
   }
   return std::min(most, most_chords);
@@ -61,76 +103,62 @@ struct Leg {
   std::vector<RigidVelocity> motions;
 };
 
-template <int D>
-Path<D> path_of(const GranularSystem& system, const GranularState& state, const std::vector<Leg>& legs, bool always) {
-  Path<D> path;
-  path.begins_run = state.step == 0;
-  const auto velocity = [&](std::size_t i) { return unknowns_of<D>(state, i, 1); };
-  for (const Leg& leg : legs) path.reach += (leg.to - leg.from) * fastest_of<D>(system, state, leg.motions, velocity);
+Path path_of(const StepStart& start, const std::vector<Leg>& legs, bool always) {
+  const auto& [system, state, interaction, scheme] = start;
+  Path path{.system = system, .begins_run = state.step == 0};
+  const auto velocity = [&state = state](std::size_t i) { return motion_of(state, i, 1); };
+  const auto add = [&](const Leg& leg, double time) {
+    path.times.push_back(time);
+    path.places.push_back(configuration(start, leg.motions, time));
+  };
+  for (const Leg& leg : legs) path.reach += (leg.to - leg.from) * fastest_of(start, leg.motions, velocity);
   // Two grains that overlap by less than is refused have their centres 1.5 times the smaller radius apart.
   const bool followed = path.reach > 1.5 * largest_turn * std::ranges::min(system.radius);
   if (followed || always) {
-    path.times.push_back(legs.front().from);
-    path.places.push_back(middle<D>(system, state, legs.front().motions, path.times.back()));
+    add(legs.front(), legs.front().from);
     for (const Leg& leg : legs) {
-      const double number = chords<D>(system, state, leg.motions, leg.to - leg.from);
-      for (double k = 1; k < number; ++k) {
-        path.times.push_back(leg.from + k / number * (leg.to - leg.from));
-        path.places.push_back(middle<D>(system, state, leg.motions, path.times.back()));
-      }
+      const double number = chords(start, leg.motions, leg.to - leg.from);
+      for (double k = 1; k < number; ++k) add(leg, leg.from + k / number * (leg.to - leg.from));
       if (&leg == &legs.back()) break;
       if (!system.boundaries.empty()) path.bend = path.places.size();
-      path.times.push_back(leg.to);
-      path.places.push_back(middle<D>(system, state, leg.motions, leg.to));
+      add(leg, leg.to);
     }
   }
-  path.times.push_back(legs.back().to);
-  path.places.push_back(middle<D>(system, state, legs.back().motions, legs.back().to));
+  add(legs.back(), legs.back().to);
   return path;
 }
 
-std::vector<RigidVelocity> motions_before(const GranularSystem& system, const GranularState& state,
-                                          const TimeStepping& scheme) {
-  return boundary_velocities(system, state.time - scheme.step / 2);
+// From where contacts were found to the state.
+Leg leg_before(const StepStart& start) {
+  const auto& [system, state, interaction, scheme] = start;
+  return {-scheme.theta * scheme.step, 0, boundary_velocities(system, state.time - scheme.step / 2)};
 }
 
-std::vector<Leg> legs_to_contacts(const GranularSystem& system, const GranularState& state,
-                                  const TimeStepping& scheme) {
+std::vector<Leg> legs_to_contacts(const StepStart& start) {
+  const auto& [system, state, interaction, scheme] = start;
   std::vector<Leg> legs;
-  if (state.step > 0) legs.push_back({-scheme.theta * scheme.step, 0, motions_before(system, state, scheme)});
+  if (state.step > 0) legs.push_back(leg_before(start));
   legs.push_back({0, (1 - scheme.theta) * scheme.step, step_motions(system, state, scheme)});
   return legs;
 }
 
 }  // namespace
 
-template <int D>
-Path<D> Path<D>::to_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
-  return path_of<D>(system, state, legs_to_contacts(system, state, scheme), false);
+Path Path::to_contacts(const StepStart& start) { return path_of(start, legs_to_contacts(start), false); }
+
+Path Path::whole(const StepStart& start, bool onwards) {
+  std::vector<Leg> legs = legs_to_contacts(start);
+  if (onwards) legs.push_back({legs.back().to, legs.back().to + start.scheme.step, legs.back().motions});
+  return path_of(start, legs, true);
 }
 
-template <int D>
-Path<D> Path<D>::whole(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
-                       bool onwards) {
-  std::vector<Leg> legs = legs_to_contacts(system, state, scheme);
-  if (onwards) legs.push_back({legs.back().to, legs.back().to + scheme.step, legs.back().motions});
-  return path_of<D>(system, state, legs, true);
-}
+Path Path::to_end(const StepStart& after) { return path_of(after, {leg_before(after)}, false); }
 
-template <int D>
-bool Path<D>::is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
-                       const std::vector<GrainUnknowns<D>>& velocities) {
-  const auto velocity = [&](std::size_t i) { return velocities[i]; };
-  const double fastest = fastest_of<D>(system, state, step_motions(system, state, scheme), velocity);
+bool end_is_near(const StepStart& start, const std::vector<GrainMotion>& velocities) {
+  const auto& [system, state, interaction, scheme] = start;
+  const double fastest =
+      fastest_of(start, step_motions(system, state, scheme), [&](std::size_t i) { return velocities[i]; });
   return scheme.theta * scheme.step * fastest <= largest_overlap * std::ranges::min(system.radius);
 }
-
-template <int D>
-Path<D> Path<D>::to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme) {
-  return path_of<D>(system, after, {{-scheme.theta * scheme.step, 0, motions_before(system, after, scheme)}}, false);
-}
-
-template struct Path<2>;
-template struct Path<3>;
 
 }  // namespace nscdd

@@ -4,6 +4,8 @@
 #include "core/fail.hpp"
 #include "packing/grain_grid.hpp"
 
+#include <fmt/ranges.h>
+
 namespace nscdd {
 namespace {
 
@@ -11,101 +13,169 @@ namespace {
 // the normal that they have when contacts are found. Below it that normal is off by half of this, rad, at the most.
 constexpr double far_in_a_step = 0.5;
 
-// The line of centres of two grains, over its length, where they touch within a step at constant velocities; none if
-// they do not. `line`: from one centre to the other; `move`: its change in a second.
-template <int D>
-std::optional<Direction<D>> normal_where_they_meet(const Direction<D>& line, const Direction<D>& move, double touch,
-                                                   double step) {
-  const double a = dot<D>(move, move), b = dot<D>(line, move), c = dot<D>(line, line) - touch * touch;
-  const double root = b * b - a * c;
-  if (!(b < 0) || !(root >= 0)) return std::nullopt;
-  const double time = c / (-b + std::sqrt(root));
-  if (!(time <= step)) return std::nullopt;
-  Direction<D> normal = moved_along<D>(line, time, move);
-  for (double& one : normal) one /= touch;
-  return normal;
+// Throws Error if a grain moves too far in the step, at the velocity V^- + h M^-1 F.
+void check_move(const StepStart& start, Index grain, const GrainMotion& v) {
+  const auto& [system, state, interaction, scheme] = start;
+  const auto finite = [](double number) { return std::isfinite(number); };
+  const auto numbers = [d = at(system.dimension)](const Place& a) {
+    return fmt::format("{}", fmt::join(a.data(), a.data() + d, ", "));
+  };
+  const Place centre = centre_of(state, at(grain));
+  if (!std::ranges::all_of(centre, finite))
+    fail("{}: expected a finite position, met ({}) m", body_name(system, grain), numbers(centre));
+  const double move = scheme.step * system.length(velocity_of(v)), far = largest_move * system.radius[at(grain)];
+  if (move <= far && std::isfinite(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])) return;
+  const std::string expected = fmt::format(
+      "{}: expected to move by at most {} of its radii in a step, met a velocity of ({}) m/s and a step of "
+      "{} s",
+      body_name(system, grain), largest_move, numbers(velocity_of(v)), scheme.step);
+  const double safe = safe_step(start);
+  if (safe > 0) fail("{}; dynamics.step: expected at most {:g} s", expected, safe);
+  throw Error(expected);
 }
+
+class ContactSearch {
+ public:
+  ContactSearch(const StepStart& start, const std::function<void(const StepContact&)>& visit)
+      : start_(start), visit_(visit), motions_(step_motions(system_, start.state, start.scheme)) {
+    const std::vector<double>& radius = system_.radius;
+    double fastest = 0;
+    for (Index i = 0; i < system_.grains(); ++i) {
+      const GrainMotion v = free_motion(start, motions_, i);
+      check_move(start, i, v);
+      const double speed = system_.length(velocity_of(v));
+      fastest = std::max(fastest, speed);
+      if (!system_.free(i)) considered_.boundary_speed = std::max(considered_.boundary_speed, speed);
+    }
+    pulls_ =
+        std::visit([](const auto& law) { return law.pulls; }, contact_law(start.interaction, start.scheme.step, 1));
+    // Bodies that hold each other are found however short the alert distance.
+    const double hold = pulls_ ? touching_gap * std::ranges::max(radius) : 0;
+    alert_ = std::max(start.scheme.alert * std::ranges::min(radius), hold);
+    foreseen_ = std::max(alert_, 2 * fastest * start.scheme.step);  // the fastest pair may close so much
+  }
+
+  ConsideredContacts run() {
+    visit_pairs();
+    visit_walls();
+    return std::move(considered_);
+  }
+
+ private:
+  // The velocity of a body at a contact, m/s.
+  Place velocity(Index body, const Place& point) const {
+    if (body < system_.grains()) return velocity_of(free_motion(start_, motions_, body));
+    return where_.velocity(where_.walls[at(body - system_.grains())], point);
+  }
+
+  void visit_pairs() {
+    const double range = path_.followed() ? std::max(foreseen_, path_.reach) : foreseen_;  // bodies may have parted
+    const GrainGrid grid({where_.x, where_.y, where_.z}, system_.radius, 1, range);
+    grid.for_each_pair([&](Index a, Index b) {
+      const Place from = where_.centre(at(a)), to = where_.centre(at(b));
+      Place apart = difference(to, from);
+      const double touch = system_.radius[at(a)] + system_.radius[at(b)];
+      const double near = touch + range, in_reach = touch + foreseen_;
+      const double square = dot(apart, apart);
+      if (square > near * near || (!system_.free(a) && !system_.free(b))) return;
+      const double distance = std::sqrt(square);
+      if (!(distance > 0)) return visit_concentric(a, b, touch);
+      Place half;
+      for (std::size_t k = 0; k < 3; ++k) {
+        apart[k] /= distance;
+        half[k] = (from[k] + to[k]) / 2;
+      }
+      visit_if_near({a, b, apart, half, distance - touch}, square <= in_reach * in_reach);
+    });
+  }
+
+  void visit_concentric(Index a, Index b, double touch) {
+    if (path_.followed())
+      if (const auto overlap = Passage::of(path_, a, b, -touch).deep; overlap && overlap->before < touch)
+        return considered_.deep.push_back(*overlap);
+    fail("{} and {}: expected distinct centres, met one", body_name(system_, a), body_name(system_, b));
+  }
+
+  void visit_walls() {
+    for (Index w = 0; w < count(where_.walls); ++w)
+      for (Index i = 0; i < system_.grains(); ++i) {
+        if (!system_.free(i)) continue;
+        const auto [foot, normal, height] = nearest_point(where_.walls[at(w)], where_.centre(at(i)));
+        StepContact contact{i, system_.grains() + w, {}, foot, height - system_.radius[at(i)]};
+        for (std::size_t k = 0; k < at(system_.dimension); ++k) contact.normal[k] = -normal[k];
+        visit_if_near(contact, true);
+      }
+  }
+
+  // `in_reach`: whether it may be near in this step; if not, it may have been near on the path.
+  void visit_if_near(StepContact c, bool in_reach) {
+    const double gap = c.gap, step = start_.scheme.step;
+    const auto [overlap, met] = Passage::of(path_, c.a, c.b, gap);
+    if (overlap) considered_.deep.push_back(*overlap);
+    if (met) return visit({c.a, c.b, *met, c.point, std::min(gap, 0.0)});
+    if (gap > alert_) {
+      const Place move = difference(velocity(c.b, c.point), velocity(c.a, c.point));
+      if (gap + step * dot(c.normal, move) > alert_) return;
+      if (start_.interaction.restitution == 0 && c.b < system_.grains() &&
+          step * system_.length(move) > far_in_a_step * system_.smaller_radius(c.a, c.b)) {
+        // Of grains that move far until they meet the line of centres turns. Those that miss each other are no contact.
+        const Place line = difference(where_.centre(at(c.b)), where_.centre(at(c.a)));
+        const double touch = system_.length(line) - gap;
+        const auto meeting = part_until(line, move, touch, step);
+        if (!meeting) return;
+        Place normal = moved_along(line, *meeting, move);
+        for (double& one : normal) one /= touch;
+        if (dot(c.normal, normal) < std::cos(largest_turn)) {
+          c.normal = normal;
+          c.gap = 0;
+        }
+      }
+    }
+    if (in_reach) visit(c);
+  }
+
+  void visit(const StepContact& c) {
+    // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
+    if (start_.interaction.restitution > 0 && c.gap > 0 && !(pulls_ && touches(system_, c))) return;
+    ++considered_.number;
+    if (c.b >= system_.grains())
+      considered_.boundary_speed = std::max(considered_.boundary_speed, system_.length(velocity(c.b, c.point)));
+    visit_(c);
+  }
+
+  const StepStart& start_;
+  const GranularSystem& system_ = start_.system;
+  const std::function<void(const StepContact&)>& visit_;
+  const std::vector<RigidVelocity> motions_;
+  const Path path_ = Path::to_contacts(start_);
+  const Configuration& where_ = path_.places.back();
+  bool pulls_ = false;               // whether the law does
+  double alert_ = 0, foreseen_ = 0;  // gaps of contacts, m: without regard to velocities, and at the most
+  ConsideredContacts considered_;
+};
 
 }  // namespace
 
-template <int D>
-void for_each_contact(const GranularSystem& system, const Path<D>& path,
-                      const std::function<Direction<D>(Index)>& velocity, const TimeStepping& scheme,
-                      double least_alert, bool foresees, const std::function<void(const StepContact&)>& visit,
-                      const std::function<void(const DeepOverlap&)>& deep) {
-  const Configuration<D>& where = path.places.back();
-  double fastest = 0;
-  for (Index i = 0; i < system.grains(); ++i) fastest = std::max(fastest, length<D>(velocity(i)));
-  const double smallest = *std::min_element(system.radius.begin(), system.radius.end());
-  const double alert = std::max(scheme.alert * smallest, least_alert);
-  const double foreseen = std::max(alert, 2 * fastest * scheme.step);  // the fastest pair may close so much
-  const double range = path.followed() ? std::max(foreseen, path.reach) : foreseen;  // or has come apart by so much
-  const auto visit_if_near = [&](Index a, Index b, const Direction<D>& normal, const Direction<D>& point, double gap,
-                                 bool within, const std::function<Direction<D>()>& velocity_of_b) {
-    const auto [overlap, met] = Passage<D>::of(system, path, a, b, gap);
-    if (overlap) deep(*overlap);
-    if (met) return visit({a, b, widened<D>(*met), widened<D>(point), std::min(gap, 0.0)});
-    const auto closing = [&] { return dot<D>(normal, moved_along<D>(velocity_of_b(), -1, velocity(a))); };
-    const bool far = gap > alert && gap + scheme.step * closing() > alert;
-    if (far || !within) return;
-    StepContact contact{a, b, widened<D>(normal), widened<D>(point), gap};
-    if (foresees && gap > alert && b < system.grains() &&
-        scheme.step * length<D>(moved_along<D>(velocity_of_b(), -1, velocity(a))) >
-            far_in_a_step * smaller_radius(system, a, b)) {
-      // Of grains that move far until they meet the line of centres turns. Those that miss each other are no contact.
-      const Direction<D> line = moved_along<D>(where.centre(at(b)), -1, where.centre(at(a)));
-      const Direction<D> move = moved_along<D>(velocity_of_b(), -1, velocity(a));
-      const auto meeting = normal_where_they_meet<D>(line, move, length<D>(line) - gap, scheme.step);
-      if (!meeting) return;
-      if (dot<D>(normal, *meeting) < std::cos(largest_turn)) {
-        contact.normal = widened<D>(*meeting);
-        contact.gap = 0;
-      }
-    }
-    visit(contact);
-  };
-  const GrainGrid grid({where.x, where.y, where.z}, system.radius, 1, range);
-  grid.for_each_pair([&](Index a, Index b) {
-    const Direction<D> from = where.centre(at(a)), to = where.centre(at(b));
-    Direction<D> apart = moved_along<D>(to, -1, from);
-    const double touch = system.radius[at(a)] + system.radius[at(b)];
-    const double near = touch + range, in_reach = touch + foreseen;
-    const double square = dot<D>(apart, apart);
-    if (square > near * near || (!system.free(a) && !system.free(b))) return;
-    const double distance = std::sqrt(square);
-    if (!(distance > 0) && path.followed()) {
-      if (const auto overlap = Passage<D>::of(system, path, a, b, -touch).deep; overlap && overlap->before < touch)
-        return deep(*overlap);
-    }
-    if (!(distance > 0))
-      fail("{} and {}: expected distinct centres, met one", body_name(system, a), body_name(system, b));
-    Direction<D> half{};
-    for (std::size_t k = 0; k < D; ++k) {
-      apart[k] /= distance;
-      half[k] = (from[k] + to[k]) / 2;
-    }
-    visit_if_near(a, b, apart, half, distance - touch, square <= in_reach * in_reach, [&] { return velocity(b); });
-  });
-  for (Index w = 0; w < count(where.walls); ++w) {
-    const Wall& wall = where.walls[at(w)];
-    for (Index i = 0; i < system.grains(); ++i) {
-      if (!system.free(i)) continue;
-      const auto [foot, normal, height] = nearest_point<D>(wall, where.centre(at(i)));
-      const auto v = [&, at_foot = foot] {
-        return velocity_of_point(where.motions[at(wall.boundary)], where.poses[at(wall.boundary)], at_foot);
-      };
-      Direction<D> down = normal;
-      for (double& one : down) one = -one;
-      visit_if_near(i, system.grains() + w, down, foot, height - system.radius[at(i)], true, v);
-    }
-  }
+ConsideredContacts for_each_step_contact(const StepStart& start, const std::function<void(const StepContact&)>& visit) {
+  return ContactSearch(start, visit).run();
 }
 
-template void for_each_contact<2>(const GranularSystem&, const Path<2>&, const std::function<Direction<2>(Index)>&,
-                                  const TimeStepping&, double, bool, const std::function<void(const StepContact&)>&,
-                                  const std::function<void(const DeepOverlap&)>&);
-template void for_each_contact<3>(const GranularSystem&, const Path<3>&, const std::function<Direction<3>(Index)>&,
-                                  const TimeStepping&, double, bool, const std::function<void(const StepContact&)>&,
-                                  const std::function<void(const DeepOverlap&)>&);
+bool touches(const GranularSystem& system, const StepContact& contact) {
+  return contact.gap <= touching_gap * system.smaller_radius(contact.a, contact.b);
+}
+
+Interpenetration interpenetration(const GranularSystem& system, const std::vector<StepContact>& contacts) {
+  Interpenetration result;
+  Index overlaps = 0;
+  for (const StepContact& c : contacts) {
+    if (c.gap >= 0) continue;
+    result.maximum = std::max(result.maximum, -c.gap);
+    result.relative = std::max(result.relative, -c.gap / system.smaller_radius(c.a, c.b));
+    result.mean -= c.gap;
+    ++overlaps;
+  }
+  if (overlaps > 0) result.mean /= static_cast<double>(overlaps);
+  return result;
+}
 
 }  // namespace nscdd

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/fail.hpp"
-#include "mechanics/step_contacts.hpp"
-#include "packing/grain_grid.hpp"
+#include "mechanics/step_problem.hpp"
 
-#include <fmt/ranges.h>
+#include "mechanics/connectivity.hpp"
+#include "mechanics/contact_blocks.hpp"
+#include "packing/grain_grid.hpp"
+#include <nscdd/mechanics/friction_problem.hpp>
 
 #include <numeric>
 
@@ -11,89 +12,17 @@ namespace nscdd {
 namespace {
 
 template <int D>
-GrainVelocity<D> driven_velocity(const Direction<D>& v) {
-  GrainUnknowns<D> u{};
-  std::copy(v.begin(), v.end(), u.begin());
-  return with_unknowns(u, 0);
-}
-
-template <int D>
-void check_moves(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
-                 const TimeStepping& scheme, Index grain, const GrainVelocity<D>& v) {
-  const auto finite = [](double number) { return std::isfinite(number); };
-  const auto name = [&] { return body_name(system, grain); };
-  const Direction<D> centre = centre_of<D>(state, at(grain)), velocity = velocity_of<D>(v);
-  if (!std::ranges::all_of(centre, finite))
-    fail("{}: expected a finite position, met ({}) m", name(), fmt::join(centre, ", "));
-  const double move = scheme.step * speed_of<D>(v), far = largest_move * system.radius[at(grain)];
-  if (move <= far && std::isfinite(squared_rim(v))) return;
-  const std::string expected = fmt::format(
-      "{}: expected to move by at most {} of its radii in a step, met a velocity of ({}) m/s and a step of "
-      "{} s",
-      name(), largest_move, fmt::join(velocity, ", "), scheme.step);
-  const double safe = safe_step<D>(system, state, interaction, scheme);
-  if (safe > 0) fail("{}; dynamics.step: expected at most {:g} s", expected, safe);
-  throw Error(expected);
-}
-
-// The velocity of a grain at the beginning of a step. The state knows that of a free one; a boundary gives those of
-// the grains it drives.
-template <int D>
-GrainVelocity<D> start_velocity(const GranularSystem& system, const GranularState& state,
-                                const std::vector<RigidVelocity>& motions, Index grain) {
-  const std::size_t i = at(grain);
-  const double radius = system.radius[i];
-  if (system.driven_by[i] < 0) return with_unknowns(unknowns_of<D>(state, i, radius), 1 / system.mass[i]);
-  const auto k = at(system.driven_by[i]);
-  GrainVelocity<D> v = driven_velocity<D>(velocity_of_point(motions[k], state.poses[k], centre_of<D>(state, i)));
-  if (system.boundaries[k].orientation != Orientation::turning) return v;
-  if constexpr (D == 2) {
-    v.rim = radius * motions[k].spin;
-  } else {
-    v.rim_x = radius * motions[k].spin_x;
-    v.rim_y = radius * motions[k].spin_y;
-    v.rim_z = radius * motions[k].spin;
-  }
-  return v;
-}
-
-// Where contacts of a step are found, q_m.
-template <int D>
-Configuration<D> where_contacts_are(const GranularSystem& system, const GranularState& state,
-                                    const TimeStepping& scheme) {
-  return middle<D>(system, state, step_motions(system, state, scheme), (1 - scheme.theta) * scheme.step);
-}
-
-// The law as far as it says which contacts there are and what they need, before its scale is known.
-struct Touch {
-  double friction = 0, boundary_friction = 0;
-  bool pulls = false;
-  double pull = 0;
-};
-
-Touch touch_of(const Interaction& interaction, double h) {
-  Touch touch;
-  const auto take_from = [&](const auto& law) {
-    touch.friction = law.rubs ? interaction.friction : 0;
-    touch.boundary_friction = law.rubs ? interaction.friction_at_boundaries() : 0;
-    touch.pulls = law.pulls;
-    touch.pull = law.pull();
-  };
-  std::visit(take_from, contact_law(interaction, h, 1));  // the scale matters to none of these
-  return touch;
-}
-
-// The velocity of a wall under a contact, m/s.
-template <int D>
-GrainVelocity<D> wall_velocity(const GranularSystem& system, const Configuration<D>& where, const StepContact& c) {
-  const auto boundary = at(where.walls[at(c.b - system.grains())].boundary);
-  return driven_velocity<D>(velocity_of_point(where.motions[boundary], where.poses[boundary], narrowed<D>(c.point)));
+Direction<D> narrowed(const Place& a) {
+  if constexpr (D == 2)
+    return {a[0], a[1]};
+  else
+    return a;
 }
 
 // Adds one body per wall contact, which moves as the wall does under the grain. Returns the bodies of each contact.
 template <int D>
 std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const GranularSystem& system,
-                                                  const Configuration<D>& where) {
+                                                  const Configuration& where) {
   std::vector<std::array<Index, 2>> bodies;
   bodies.reserve(problem.geometry.size());
   const Index grains = count(problem.numbers);
@@ -104,16 +33,13 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
       continue;
     }
     bodies.push_back({a, count(problem.free)});
-    problem.free.push_back(wall_velocity<D>(system, where, c));
+    const auto [x, y, z] = where.velocity(where.walls[at(c.b - system.grains())], c.point);
+    problem.free.push_back(with_motion<D>({x, y, z}, 0));
     problem.start.push_back(problem.free.back());
   }
   for (Index k = grains; k < count(problem.free); ++k)
     problem.numbers.push_back(static_cast<std::int32_t>(system.grains() + k - grains));
   return bodies;
-}
-
-bool touches(const GranularSystem& system, const StepContact& c) {
-  return c.gap <= touching_gap * smaller_radius(system, c.a, c.b);
 }
 
 template <int D>
@@ -143,83 +69,34 @@ double push_speed(const TimeStepping& scheme, double smaller_radius, double boun
   return natural_push_speed * (std::sqrt(gravity * smaller_radius) + boundary_speed);
 }
 
-std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
-                                        const TimeStepping& scheme) {
-  return boundary_velocities(system, state.time + scheme.step / 2);
-}
-
 template <int D>
-GrainVelocity<D> free_velocity(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
-                               const std::vector<RigidVelocity>& motions, Index grain) {
-  GrainVelocity<D> v = start_velocity<D>(system, state, motions, grain);
-  if (!system.free(grain)) return v;
-  const Direction<D> gravity = gravity_of<D>(scheme);
-  v.x += scheme.step * gravity[0];
-  v.y += scheme.step * gravity[1];
-  if constexpr (D == 3) v.z += scheme.step * gravity[2];
-  return v;
-}
-
-template <int D>
-ConsideredContacts for_each_step_contact(const GranularSystem& system, const GranularState& state,
-                                         const Interaction& interaction, const TimeStepping& scheme,
-                                         const std::function<void(const StepContact&)>& visit) {
-  const auto motions = step_motions(system, state, scheme);
-  const auto velocity = [&](Index grain) { return free_velocity<D>(system, state, scheme, motions, grain); };
-  ConsideredContacts considered;
-  for (Index i = 0; i < system.grains(); ++i) {
-    const GrainVelocity<D> v = velocity(i);
-    check_moves<D>(system, state, interaction, scheme, i, v);
-    if (v.inverse_mass == 0) considered.boundary_speed = std::max(considered.boundary_speed, speed_of<D>(v));
-  }
-  const Path<D> path = Path<D>::to_contacts(system, state, scheme);
-  const Configuration<D>& where = path.places.back();
-  const bool pulls = touch_of(interaction, scheme.step).pulls;
-  // Bodies that hold each other are found however short the alert distance.
-  const double hold = pulls ? touching_gap * *std::max_element(system.radius.begin(), system.radius.end()) : 0;
-  for_each_contact<D>(
-      system, path, [&](Index grain) { return velocity_of<D>(velocity(grain)); }, scheme, hold,
-      interaction.restitution == 0,
-      [&](const StepContact& c) {
-        // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
-        if (interaction.restitution > 0 && c.gap > 0 && !(pulls && touches(system, c))) return;
-        ++considered.number;
-        if (c.b >= system.grains())
-          considered.boundary_speed =
-              std::max(considered.boundary_speed, speed_of<D>(wall_velocity<D>(system, where, c)));
-        visit(c);
-      },
-      [&](const DeepOverlap& one) { considered.deep.push_back(one); });
-  return considered;
-}
-
-template <int D>
-StepProblem<D> step_of_contacts(const GranularSystem& system, const GranularState& state,
-                                const Interaction& interaction, const TimeStepping& scheme,
-                                std::vector<StepContact> geometry, double boundary_speed,
+StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact> geometry, double boundary_speed,
                                 std::vector<std::int32_t> grains, const std::vector<RememberedImpulse>& last) {
+  const auto& [system, state, interaction, scheme] = start;
   const auto motions = step_motions(system, state, scheme);
-  const Touch touch = touch_of(interaction, scheme.step);
   StepProblem<D> problem;
   problem.h = scheme.step;
-  problem.friction = touch.friction;
-  problem.boundary_friction = touch.boundary_friction;
-  problem.pulls = touch.pulls;
+  set_scale(problem, interaction, 1);
+  const auto [rubs, pulls, pull] =
+      std::visit([](const auto& law) { return std::tuple(law.rubs, law.pulls, law.pull()); }, problem.law);
+  problem.friction = rubs ? interaction.friction : 0;
+  problem.boundary_friction = rubs ? interaction.friction_at_boundaries() : 0;
+  problem.pulls = pulls;
   problem.tangential_bias = interaction.tangential_restitution > 0;
   problem.geometry = std::move(geometry);
   problem.numbers = std::move(grains);
   for (const std::int32_t i : problem.numbers) {
-    problem.start.push_back(start_velocity<D>(system, state, motions, i));
-    problem.free.push_back(free_velocity<D>(system, state, scheme, motions, i));
+    problem.start.push_back(with_motion<D>(start_motion(start, motions, i), system.inverse_mass(i)));
+    problem.free.push_back(with_motion<D>(free_motion(start, motions, i), system.inverse_mass(i)));
   }
-  const auto bodies = add_wall_bodies<D>(problem, system, where_contacts_are<D>(system, state, scheme));
+  const auto bodies = add_wall_bodies<D>(problem, system, where_contacts_are(start));
   double scale = 0;
   problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
     const StepContact& c = problem.geometry[k];
     problem.contacts.push_back(solver_contact<D>(c, bodies[k], problem, interaction, scheme.penetration_correction,
-                                                 push_speed(scheme, smaller_radius(system, c.a, c.b), boundary_speed)));
-    if (problem.pulls && touches(system, c)) problem.contacts.back().pull = touch.pull;
+                                                 push_speed(scheme, system.smaller_radius(c.a, c.b), boundary_speed)));
+    if (problem.pulls && touches(system, c)) problem.contacts.back().pull = pull;
     scale += 1 / problem.contacts.back().inverse_w.inverse_n;
   }
   set_scale(problem, interaction, scale / std::max(1.0, static_cast<double>(problem.contacts.size())));
@@ -231,60 +108,82 @@ StepProblem<D> step_of_contacts(const GranularSystem& system, const GranularStat
 }
 
 template <int D>
-void set_scale(StepProblem<D>& problem, const Interaction& interaction, double scale) {
-  problem.scale = scale;
-  problem.law = contact_law(interaction, problem.h, scale);
+StepProblem<D> prepare_step(const StepStart& start, bool warm_start, bool shallow) {
+  const Index grains = start.system.grains();
+  std::vector<StepContact> found;
+  found.reserve(at(3 * grains));
+  const auto considered = for_each_step_contact(start, [&](const StepContact& c) { found.push_back(c); });
+  if (shallow) check_overlaps(start, considered.deep);
+  std::vector<std::int32_t> numbers(at(grains));
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return step_of_contacts<D>(start, sorted_by_bodies(found, grains), considered.boundary_speed, std::move(numbers),
+                             warm_start ? start.state.impulses : std::vector<RememberedImpulse>{});
 }
 
 template <int D>
-StepProblem<D> prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
-                            const TimeStepping& scheme, bool warm_start, bool shallow) {
-  std::vector<StepContact> found;
-  found.reserve(at(3 * system.grains()));
-  const auto considered =
-      for_each_step_contact<D>(system, state, interaction, scheme, [&](const StepContact& c) { found.push_back(c); });
-  if (shallow) check_overlaps<D>(system, state, interaction, scheme, considered.deep);
-  std::vector<std::int32_t> grains(at(system.grains()));
-  std::iota(grains.begin(), grains.end(), 0);
-  return step_of_contacts<D>(system, state, interaction, scheme, sorted_by_bodies(found, system.grains()),
-                             considered.boundary_speed, std::move(grains),
-                             warm_start ? state.impulses : std::vector<RememberedImpulse>{});
+ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& c,
+                    const std::vector<GrainVelocity<D>>& velocities) {
+  ContactWork work;
+  if (!carries(c.impulse)) return work;
+  work.dissipation = -dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
+  // Work of the impulses -r on a, r on b at the velocities of those that are driven.
+  for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
+    const GrainVelocity<D>& v = velocities[static_cast<std::size_t>(body)];
+    if (v.inverse_mass > 0) continue;
+    const GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse), u = unknowns(v);
+    work.boundary -= std::inner_product(impulse.begin(), impulse.end(), u.begin(), 0.0);
+  }
+  return work;
 }
 
-template GrainVelocity<2> free_velocity(const GranularSystem&, const GranularState&, const TimeStepping&,
-                                        const std::vector<RigidVelocity>&, Index);
-template ConsideredContacts for_each_step_contact<2>(const GranularSystem&, const GranularState&, const Interaction&,
-                                                     const TimeStepping&,
-                                                     const std::function<void(const StepContact&)>&);
-template StepProblem<2> step_of_contacts(const GranularSystem&, const GranularState&, const Interaction&,
-                                         const TimeStepping&, std::vector<StepContact>, double,
-                                         std::vector<std::int32_t>, const std::vector<RememberedImpulse>&);
-template void set_scale(StepProblem<2>&, const Interaction&, double);
-template StepProblem<2> prepare_step(const GranularSystem&, const GranularState&, const Interaction&,
-                                     const TimeStepping&, bool, bool);
-template GrainVelocity<3> free_velocity(const GranularSystem&, const GranularState&, const TimeStepping&,
-                                        const std::vector<RigidVelocity>&, Index);
-template ConsideredContacts for_each_step_contact<3>(const GranularSystem&, const GranularState&, const Interaction&,
-                                                     const TimeStepping&,
-                                                     const std::function<void(const StepContact&)>&);
-template StepProblem<3> step_of_contacts(const GranularSystem&, const GranularState&, const Interaction&,
-                                         const TimeStepping&, std::vector<StepContact>, double,
-                                         std::vector<std::int32_t>, const std::vector<RememberedImpulse>&);
-template void set_scale(StepProblem<3>&, const Interaction&, double);
-template StepProblem<3> prepare_step(const GranularSystem&, const GranularState&, const Interaction&,
-                                     const TimeStepping&, bool, bool);
-Interpenetration interpenetration(const GranularSystem& system, const std::vector<StepContact>& contacts) {
-  Interpenetration result;
-  Index overlaps = 0;
-  for (const StepContact& c : contacts) {
-    if (c.gap >= 0) continue;
-    result.maximum = std::max(result.maximum, -c.gap);
-    result.relative = std::max(result.relative, -c.gap / smaller_radius(system, c.a, c.b));
-    result.mean -= c.gap;
-    ++overlaps;
+template <int D>
+GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodies,
+                                       const std::vector<GrainContact<D>>& contacts, std::span<const double> radius) {
+  std::vector<BodyRows> rows_of(bodies.size());  // lever arms are radii; walls, which have none, are driven
+  std::vector<double> inertia, momentum;
+  std::vector<GrainVelocity<D>> driven = bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].inverse_mass == 0) continue;
+    rows_of[i] = {count(inertia), radius[i]};
+    const double m = 1 / bodies[i].inverse_mass;
+    const GrainUnknowns<D> v = unknowns(bodies[i]);
+    for (Index k = 0; k < unknowns_of_grain<D>; ++k) {
+      const double mass = m * inertia_ratio<D>(k), arm = k < D ? 1 : radius[i];  // v is the speed of the rim
+      inertia.push_back(mass * arm * arm);
+      momentum.push_back(mass * arm * v[at(k)]);
+    }
+    driven[i] = with_unknowns(GrainUnknowns<D>{}, bodies[i].inverse_mass);
   }
-  if (overlaps > 0) result.mean /= static_cast<double>(overlaps);
-  return result;
+  const Index rows = count(inertia), size = static_cast<Index>(contacts.size());
+  GlobalFrictionProblem problem;
+  problem.dimension = D;
+  problem.mass = SparseMatrix(Vector::Map(inertia.data(), rows).asDiagonal());
+  problem.f = Vector::Map(momentum.data(), rows);
+  problem.w.resize(D * size);
+  problem.friction.resize(size);
+  ConnectivityBuilder<D> h(rows, D * contacts.size());
+  for (Index c = 0; c < size; ++c) {
+    const GrainContact<D>& k = contacts[at(c)];
+    for (const LocalVector<D>& direction : contact_directions<D>())
+      h.add(k.normal, rows_of[at(k.a)], rows_of[at(k.b)], direction);
+    set_component<D>(problem.w, c, relative_velocity(k, driven) + k.bias);
+    problem.friction[c] = k.friction;
+  }
+  problem.h = h.matrix();
+  return problem;
 }
+
+template StepProblem<2> step_of_contacts(const StepStart&, std::vector<StepContact>, double, std::vector<std::int32_t>,
+                                         const std::vector<RememberedImpulse>&);
+template StepProblem<3> step_of_contacts(const StepStart&, std::vector<StepContact>, double, std::vector<std::int32_t>,
+                                         const std::vector<RememberedImpulse>&);
+template StepProblem<2> prepare_step(const StepStart&, bool, bool);
+template StepProblem<3> prepare_step(const StepStart&, bool, bool);
+template ContactWork work_of(const StepProblem<2>&, const GrainContact<2>&, const std::vector<GrainVelocity<2>>&);
+template ContactWork work_of(const StepProblem<3>&, const GrainContact<3>&, const std::vector<GrainVelocity<3>>&);
+template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<2>>&,
+                                                const std::vector<GrainContact<2>>&, std::span<const double>);
+template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<3>>&,
+                                                const std::vector<GrainContact<3>>&, std::span<const double>);
 
 }  // namespace nscdd

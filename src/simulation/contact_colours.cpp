@@ -13,17 +13,16 @@ ContactColours contact_colours(const Simulation& simulation, const StepProblem<D
   const GranularSystem& system = simulation.system;
   GreedyColours taken(system.grains());
   std::vector<Index> ends;
-  for_each_step_contact<D>(system, simulation.state, simulation.dynamics.interaction, simulation.dynamics.time,
-                           [&](const StepContact& contact) {
-                             ends.clear();
-                             for (const Index end : {contact.a, contact.b})
-                               if (end < system.grains() && system.free(end)) ends.push_back(end);
-                             const Index colour = taken.take_least(ends, ends);
-                             colours.number = std::max(colours.number, colour + 1);
-                             const auto found = std::ranges::lower_bound(own, ends_of(contact), {}, ends_of);
-                             if (found != own.end() && ends_of(*found) == ends_of(contact))
-                               colours.of_contact[static_cast<std::size_t>(found - own.begin())] = colour;
-                           });
+  for_each_step_contact(start_of(simulation), [&](const StepContact& contact) {
+    ends.clear();
+    for (const Index end : {contact.a, contact.b})
+      if (end < system.grains() && system.free(end)) ends.push_back(end);
+    const Index colour = taken.take_least(ends, ends);
+    colours.number = std::max(colours.number, colour + 1);
+    const auto found = std::ranges::lower_bound(own, ends_of(contact), {}, ends_of);
+    if (found != own.end() && ends_of(*found) == ends_of(contact))
+      colours.of_contact[static_cast<std::size_t>(found - own.begin())] = colour;
+  });
   return colours;
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mechanics/granular_system.hpp"
-#include "mechanics/time_stepping.hpp"
+#include "mechanics/step_problem.hpp"
 #include "two_stage/step_solver.hpp"
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/processes.hpp>
@@ -92,6 +91,11 @@ struct Simulation {
   Processes processes = {};    ///< share the subdomains of a step; all have the same system and state
   InertiaMethod inertia = {};  ///< what factorises for Stage 2, see stage_two_inertia
 };
+
+/// What the next step begins with.
+inline StepStart start_of(const Simulation& simulation) {
+  return {simulation.system, simulation.state, simulation.dynamics.interaction, simulation.dynamics.time};
+}
 
 /// Whether the subdomains of a run are switched. A single one is not: it is plain Gauss-Seidel.
 inline bool switches_models(const Simulation& simulation) {

@@ -20,23 +20,24 @@ StepRoom room_of(const Simulation& before, const SolvedStep<D>& step, double pus
   double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;  // of all free grains
   double speed_squared = 0;                                        // of the fastest driven body or push
   for (Index i = 0; i < before.system.grains(); ++i) {
-    const GrainVelocity<D> free = free_velocity<D>(before.system, before.state, scheme, motions, i);
+    const GrainMotion motion = free_motion(start_of(before), motions, i);
+    const GrainVelocity<D> free = with_motion<D>(motion, before.system.inverse_mass(i));
     if (free.inverse_mass == 0) {
       speed_squared = std::max(speed_squared, squared_velocity(free) + squared_rim(free));
       continue;
     }
-    const auto kinetic = [&](const GrainUnknowns<D>& v) { return kinetic_energy(with_unknowns(v, free.inverse_mass)); };
+    const auto kinetic = [&](const GrainMotion& v) { return kinetic_energy(with_motion<D>(v, free.inverse_mass)); };
     mass += 1 / free.inverse_mass;
-    at_first += kinetic(unknowns_of<D>(before.state, at(i), before.system.radius[at(i)]));
-    free_flight += kinetic(unknowns(free));
+    at_first += kinetic(motion_of(before.state, at(i), before.system.radius[at(i)]));
+    free_flight += kinetic(motion);
     in_the_end += kinetic(step.all_grains[at(i)]);
   }
   for (const GrainVelocity<D>& v : step.problem.start)
     if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, squared_velocity(v) + squared_rim(v));
   for (const GrainContact<D>& c : step.contacts) speed_squared = std::max(speed_squared, squared(c.bias));
   speed_squared = before.processes.maximum(speed_squared);
-  const Direction<D> gravity = gravity_of<D>(scheme);
-  const double weight = mass * std::sqrt(std::inner_product(gravity.begin(), gravity.end(), gravity.begin(), 0.0));
+  const Place gravity = gravity_of(scheme, D);
+  const double weight = mass * std::sqrt(dot(gravity, gravity));
   return {.motion = at_first + free_flight + mass * speed_squared / 2,
           .in_the_end = in_the_end,
           .lifting = weight * scheme.step * std::sqrt(speed_squared),

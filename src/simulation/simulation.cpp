@@ -186,7 +186,7 @@ SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink
                     .mean = sums[3] / std::max(1.0, sums[4]),
                     .relative = all.maximum(report.overlap.relative)};
   // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look well.
-  const auto finite = [](const GrainUnknowns<D>& v) {
+  const auto finite = [](const GrainMotion& v) {
     return std::ranges::all_of(v, [](double one) { return std::isfinite(one); });
   };
   if (!std::ranges::all_of(step.all_grains, finite)) report.status = SolverStatus::no_number;
@@ -207,9 +207,8 @@ template <int D>
 StepReport take_step(Simulation& simulation, const SolvedStep<D>& step) {
   StepReport report = step.report;
   GranularState& state = simulation.state;
-  check_end_of_step<D>(simulation.system, state, simulation.dynamics.interaction, simulation.dynamics.time,
-                       step.all_grains);
-  report.energy = finish_step<D>(simulation.system, state, simulation.dynamics.time, step.all_grains, step.work);
+  check_end_of_step(start_of(simulation), step.all_grains);
+  report.energy = finish_step(simulation.system, state, simulation.dynamics.time, step.all_grains, step.work);
   state.impulses = impulses_to_remember(step.problem, step.contacts);
   if (decomposes_afresh(simulation, report.step - 1)) {
     state.decomposed_at = report.step - 1;

@@ -42,10 +42,12 @@ std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& st
   const auto wrong = std::ranges::find_if_not(
       step.contacts, [](double size) { return std::isfinite(size); }, impulse);
   if (const auto words = said(wrong, 1, ": the impulse is not finite")) return *words;
-  for (std::size_t i = 0; i < step.all_grains.size(); ++i)
+  for (std::size_t i = 0; i < step.all_grains.size(); ++i) {
+    const Place centre = centre_of(before.state, i);
     if (!std::ranges::all_of(step.all_grains[i], [](double one) { return std::isfinite(one); }))
       return fmt::format("{} at {}: the velocity is not finite", body_name(before.system, static_cast<Index>(i)),
-                         place(centre_of<D>(before.state, i)));
+                         place(std::span(centre).first(D)));
+  }
   const auto largest = std::ranges::max_element(step.contacts, {}, impulse);
   const double size = largest == step.contacts.end() ? -infinity : impulse(*largest);
   return said(largest, size, fmt::format(": largest impulse, {:.6g} N s", size)).value_or("no contact");

@@ -16,7 +16,7 @@ struct SolvedStep {
   ShareOfStep share;                         ///< empty where this process has all of the step
   std::vector<GrainContact<D>> contacts;     ///< with their impulses
   std::vector<GrainVelocity<D>> velocities;  ///< of the bodies of the problem
-  std::vector<GrainUnknowns<D>> all_grains;  ///< velocities of all grains
+  std::vector<GrainMotion> all_grains;       ///< velocities of all grains
   ContactWork work;                          ///< of all contacts
   std::vector<Index> shared_grains;          ///< those that several subdomains hold, ascending
   std::vector<RememberedGluing> gluing;

@@ -47,7 +47,7 @@ SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
     return [cell](const StepContact& c) { return cell(c.point); };
   }
   // METIS partitions the graph of all contacts.
-  const auto problem = prepare_step<D>(system, state, dynamics.interaction, dynamics.time, false);
+  const auto problem = prepare_step<D>(start_of(simulation), false);
   const Partition of_contacts =
       partition(std::get<MetisPartitioner>(partitioner), normal_problem(problem, system.grains()));
   return [known = subdomains_to_remember(problem.geometry, of_contacts)](const StepContact& c) {
@@ -89,22 +89,16 @@ void check_system(const Simulation& simulation, Index dimension) {
 
 template <int D>
 StepProblem<D> checked_problem(const Simulation& simulation) {
-  const Dynamics& dynamics = simulation.dynamics;
   check_system(simulation, D);
-  return prepare_step<D>(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
-                         dynamics.solver.warm_start, true);
+  return prepare_step<D>(start_of(simulation), simulation.dynamics.solver.warm_start, true);
 }
 
 void check_next_step(const Simulation& simulation) {
   const GranularSystem& system = simulation.system;
   const Dynamics& dynamics = simulation.dynamics;
   check_system(simulation, system.dimension);
-  in_dimension(system, [&](auto dimension) {
-    constexpr int D = dimension();
-    const auto considered = for_each_step_contact<D>(system, simulation.state, dynamics.interaction, dynamics.time,
-                                                     [](const StepContact&) {});
-    check_overlaps<D>(system, simulation.state, dynamics.interaction, dynamics.time, considered.deep);
-  });
+  const StepStart start = start_of(simulation);
+  check_overlaps(start, for_each_step_contact(start, [](const StepContact&) {}).deep);
   const auto* grid = std::get_if<GridPartitioner>(&simulation.partitioner);
   if (grid != nullptr && decomposes(dynamics.solver.algorithm) && decomposes_afresh(simulation, simulation.state.step))
     cell_of_midpoint(*grid, free_grains(system, simulation.state, dynamics.time));

@@ -44,13 +44,12 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
     shared[at(known)].push_back(grain);
     shared[at(e)].push_back(grain);
   };
-  for_each_step_contact<D>(system, simulation.state, simulation.dynamics.interaction, simulation.dynamics.time,
-                           [&](const StepContact& c) {
-                             const Index e = subdomain(c);
-                             ++weight[at(e)];
-                             meet(c.a, e);
-                             meet(c.b, e);
-                           });
+  for_each_step_contact(start_of(simulation), [&](const StepContact& c) {
+    const Index e = subdomain(c);
+    ++weight[at(e)];
+    meet(c.a, e);
+    meet(c.b, e);
+  });
   std::vector<std::span<const Index>> held;
   for (std::vector<Index>& grains : shared) {
     std::ranges::sort(grains);
@@ -105,16 +104,16 @@ StepShare<D> share_step(const Simulation& simulation) {
   if (afresh) process_of = dealt_out<D>(simulation, subdomain);
   std::vector<StepContact> own;
   own.reserve(at(3 * system.grains() / all.size));
-  const ConsideredContacts considered = for_each_step_contact<D>(
-      system, state, dynamics.interaction, dynamics.time, [&, rank = all.rank](const StepContact& c) {
-        if (process_of.empty() || process_of[at(subdomain(c))] == rank) own.push_back(c);
-      });
+  const StepStart start = start_of(simulation);
+  const ConsideredContacts considered = for_each_step_contact(start, [&, rank = all.rank](const StepContact& c) {
+    if (process_of.empty() || process_of[at(subdomain(c))] == rank) own.push_back(c);
+  });
   // All processes must come to both numbers, also where some have found others.
   const Index kept = all.sum(count(own)), most = all.maximum(considered.number),
               least = -all.maximum(-considered.number);
   if (kept != considered.number || most != least)
     throw Error("processes: expected the same step in all of them, met others: their processors may differ");
-  check_overlaps<D>(system, state, dynamics.interaction, dynamics.time, considered.deep);
+  check_overlaps(start, considered.deep);
   own = sorted_by_bodies(own, system.grains());
   step.partition = partition_of(subdomain, subdomains, own);
   if (!all.alone()) step.share.impulses = state.impulses;
@@ -124,9 +123,8 @@ StepShare<D> share_step(const Simulation& simulation) {
     });
   std::vector<std::int32_t> grains = grains_of(own, system.grains(), all.alone());
   const std::vector<RememberedImpulse> none, &last = all.alone() ? state.impulses : step.share.impulses;
-  step.problem =
-      step_of_contacts<D>(system, state, dynamics.interaction, dynamics.time, std::move(own), considered.boundary_speed,
-                          std::move(grains), dynamics.solver.warm_start ? last : none);
+  step.problem = step_of_contacts<D>(start, std::move(own), considered.boundary_speed, std::move(grains),
+                                     dynamics.solver.warm_start ? last : none);
   set_scale(step, simulation, considered.number);
   return step;
 }
@@ -136,7 +134,7 @@ StepProblem<D> whole_step(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
   GranularState state = simulation.state;
   if (dynamics.solver.warm_start) state.impulses = impulses_of_all(simulation, [](const auto&) { return true; });
-  return prepare_step<D>(simulation.system, state, dynamics.interaction, dynamics.time, dynamics.solver.warm_start);
+  return prepare_step<D>({simulation.system, state, dynamics.interaction, dynamics.time}, dynamics.solver.warm_start);
 }
 
 std::vector<Index> shared_grains(const Interface& interface) {
@@ -177,22 +175,21 @@ ContactResidual residual_of_subdomains(const ContactLaw& law, const Partition& p
 }
 
 template <int D>
-std::vector<GrainUnknowns<D>> velocities_of_grains(const Simulation& before, const StepProblem<D>& problem,
-                                                   const std::vector<GrainVelocity<D>>& velocities,
-                                                   const Processes& processes) {
+std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const StepProblem<D>& problem,
+                                              const std::vector<GrainVelocity<D>>& velocities,
+                                              const Processes& processes) {
   const GranularSystem& system = before.system;
   const auto motions = step_motions(system, before.state, before.dynamics.time);
-  std::vector<GrainUnknowns<D>> result;
+  std::vector<GrainMotion> result;
   result.reserve(at(system.grains()));
-  for (Index i = 0; i < system.grains(); ++i)
-    result.push_back(unknowns(free_velocity<D>(system, before.state, before.dynamics.time, motions, i)));
+  for (Index i = 0; i < system.grains(); ++i) result.push_back(free_motion(start_of(before), motions, i));
   struct Moved {
     Index grain;
-    GrainUnknowns<D> velocity;
+    GrainMotion velocity;
   };
   std::vector<Moved> own;
   for (std::size_t body = 0; body < velocities.size(); ++body)
-    if (velocities[body].inverse_mass != 0) own.push_back({problem.numbers[body], unknowns(velocities[body])});
+    if (velocities[body].inverse_mass != 0) own.push_back({problem.numbers[body], motion_of(velocities[body])});
   processes.exchange(own, [&](std::span<const Moved> given) {
     for (const Moved& one : given) result[at(one.grain)] = one.velocity;
   });
@@ -206,8 +203,8 @@ template StepShare<2> share_step(const Simulation&);
 template StepProblem<2> whole_step(const Simulation&);
 template std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<2>&, const Partition&,
                                                                  const std::vector<Index>&, const Processes&);
-template std::vector<GrainUnknowns<2>> velocities_of_grains(const Simulation&, const StepProblem<2>&,
-                                                            const std::vector<GrainVelocity<2>>&, const Processes&);
+template std::vector<GrainMotion> velocities_of_grains(const Simulation&, const StepProblem<2>&,
+                                                       const std::vector<GrainVelocity<2>>&, const Processes&);
 template ContactResidual residual_of_subdomains(const ContactLaw&, const Partition&,
                                                 const std::vector<GrainContact<3>>&,
                                                 const std::vector<GrainVelocity<3>>&, const Processes&);
@@ -215,7 +212,7 @@ template StepShare<3> share_step(const Simulation&);
 template StepProblem<3> whole_step(const Simulation&);
 template std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<3>&, const Partition&,
                                                                  const std::vector<Index>&, const Processes&);
-template std::vector<GrainUnknowns<3>> velocities_of_grains(const Simulation&, const StepProblem<3>&,
-                                                            const std::vector<GrainVelocity<3>>&, const Processes&);
+template std::vector<GrainMotion> velocities_of_grains(const Simulation&, const StepProblem<3>&,
+                                                       const std::vector<GrainVelocity<3>>&, const Processes&);
 
 }  // namespace nscdd

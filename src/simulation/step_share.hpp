@@ -63,8 +63,8 @@ std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<D>& pr
 /// The velocities of all grains at the end of a step, those that touch nothing included. `velocities`: of the bodies of
 /// the problem. Each of several processes knows those of its own contacts.
 template <int D>
-std::vector<GrainUnknowns<D>> velocities_of_grains(const Simulation& before, const StepProblem<D>& problem,
-                                                   const std::vector<GrainVelocity<D>>& velocities,
-                                                   const Processes& processes);
+std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const StepProblem<D>& problem,
+                                              const std::vector<GrainVelocity<D>>& velocities,
+                                              const Processes& processes);
 
 }  // namespace nscdd

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mechanics/contact_residual.hpp"
-#include "mechanics/time_stepping.hpp"
+#include "mechanics/step_problem.hpp"
 #include "two_stage/contact_order.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 

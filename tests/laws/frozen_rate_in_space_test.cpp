@@ -198,8 +198,7 @@ TEST_CASE("frozen spheres in a plane have the rate of the disks, where contacts 
   dynamics.solver.algorithm = "generic";
   dynamics.interaction.friction = 0.3;
   const Simulation simulation = box_of_grains(40, dynamics, {2, 1});
-  const StepProblem<2> disks =
-      prepare_step<2>(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);
+  const StepProblem<2> disks = prepare_step<2>(start_of(simulation), false);
   const StepProblem<3> spheres = with_spheres(disks);
   const Partition partition = partition_step(simulation, disks);
   const auto flat = decompose(disks, partition, "natural", 1);

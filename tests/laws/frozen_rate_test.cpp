@@ -78,8 +78,7 @@ TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction o
   Dynamics dynamics = tight();
   dynamics.solver.algorithm = "generic";
   const Simulation simulation = shaken_lattice(6, 5, dynamics, {2, 2});
-  const StepProblem<2> problem = prepare_step<2>(simulation.system, simulation.state, simulation.dynamics.interaction,
-                                                 simulation.dynamics.time, false);
+  const StepProblem<2> problem = prepare_step<2>(start_of(simulation), false);
   const Partition partition = partition_step(simulation, problem);
   const GranularDecomposition<2> parts = decompose(problem, partition, "natural", 1);
   const Decomposition linear =
@@ -102,8 +101,7 @@ TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction o
 TEST_CASE("frozen iteration: many sweeps are an exact Stage 1, with sliding contacts too") {
   // Contacts of a deposit that touch are as many as it needs: no network is close to a dependent one.
   const Simulation simulation = sheared_box(30, {2, 1});
-  const StepProblem<2> problem = prepare_step<2>(simulation.system, simulation.state, simulation.dynamics.interaction,
-                                                 simulation.dynamics.time, false);
+  const StepProblem<2> problem = prepare_step<2>(start_of(simulation), false);
   const GranularDecomposition<2> parts = decompose(problem, partition_step(simulation, problem), "natural", 1);
   for (const auto& sliding : {std::vector<ContactStatus>{ContactStatus::slide_forward},
                               {ContactStatus::slide_forward, ContactStatus::slide_backward},

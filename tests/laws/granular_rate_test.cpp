@@ -29,7 +29,7 @@ struct LinearStep {
     dynamics.solver.algorithm = "generic";
     if (with_floor) dynamics.boundaries = {wall("floor", {0, -0.5}, {1, -0.5})};
     simulation = shaken_lattice(5, 5, dynamics, grid);
-    problem = prepare_step<2>(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);
+    problem = prepare_step<2>(start_of(simulation), false);
     for (GrainContact<2>& c : problem.contacts) c.bias.n = 0;
     partition = partition_step(simulation, problem);
     parts = decompose(reference_problem(problem, simulation.system.grains()), partition_of_columns(partition, 2));

@@ -312,7 +312,7 @@ TEST_CASE("rotations follow each other about axes that stand still in space, of 
       {.centre = {5, 0, 0}, .time = {0.999, 1.001}, .velocity = {{.spin_x = quarter}, {.spin_y = quarter}}})};
   Simulation simulation = simulation_of({Ball{.spin = Vector3(quarter, 0, 0)}, Ball{.centre = {5, 2, 0}}}, dynamics);
   advance_in_space(simulation, 100);
-  set_velocity<3>(simulation.state, 0, {0, 0, 0, 0, 0.5 * quarter, 0}, 0.5);
+  set_motion(simulation.state, 0, {0, 0, 0, 0, 0.5 * quarter, 0}, 0.5);
   advance_in_space(simulation, 100);
   const GranularState& s = simulation.state;
   // z goes to -y by the first, and stays there; y goes to z, then to x.

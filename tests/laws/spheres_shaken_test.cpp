@@ -3,7 +3,7 @@
 #include "../support/spheres.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
 #include "linalg/threads.hpp"
-#include "mechanics/time_stepping.hpp"
+#include "mechanics/step_problem.hpp"
 #include "two_stage/contact_order.hpp"
 
 #include <doctest/doctest.h>
@@ -196,7 +196,7 @@ TEST_CASE("spheres: the contact problem of a step, and of each subdomain, is sol
     REQUIRE(v.size() == 6 * count(grains));
     Index row = 0;
     for (const Index grain : grains) {
-      const GrainUnknowns<3> expected = unknowns_of<3>(after.state, at(grain), 1);
+      const GrainUnknowns<3> expected = motion_of(after.state, at(grain), 1);
       for (const double one : expected) CHECK(std::abs(v[row++] - one) < 1e-8);
     }
   }

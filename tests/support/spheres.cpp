@@ -35,7 +35,7 @@ Simulation simulation_of(const std::vector<Ball>& balls, const Dynamics& dynamic
   GranularScene made = scene(packing, dynamics);
   for (std::size_t i = 0; i < balls.size(); ++i) {
     const Vector3 &v = balls[i].velocity, rim = balls[i].radius * balls[i].spin;
-    set_velocity<3>(made.state, i, {v[0], v[1], v[2], rim[0], rim[1], rim[2]}, balls[i].radius);
+    set_motion(made.state, i, {v[0], v[1], v[2], rim[0], rim[1], rim[2]}, balls[i].radius);
   }
   return {made.system, made.state, dynamics, GridPartitioner{grid}};
 }

@@ -137,7 +137,7 @@ TEST_CASE("describe_breakdown names what is not finite") {
                                                   std::to_string(c.b) + " at ("));
   CHECK(describe_breakdown(s, broken).ends_with(") m: the impulse is not finite"));
   broken = step;
-  broken.all_grains[4][2] = infinity;
+  broken.all_grains[4][5] = infinity;
   s.state.x[4] = 1.5;
   s.state.y[4] = -2;
   CHECK(describe_breakdown(s, broken) == "disk 4 at (1.5, -2) m: the velocity is not finite");

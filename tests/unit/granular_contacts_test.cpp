@@ -14,9 +14,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-StepProblem<2> prepared(const Simulation& s) {
-  return prepare_step<2>(s.system, s.state, s.dynamics.interaction, s.dynamics.time, s.dynamics.solver.warm_start);
-}
+StepProblem<2> prepared(const Simulation& s) { return prepare_step<2>(start_of(s), s.dynamics.solver.warm_start); }
 
 std::set<std::pair<Index, Index>> pairs_of(const StepProblem<2>& problem) {
   std::set<std::pair<Index, Index>> result;
@@ -142,7 +140,7 @@ TEST_CASE("driven motion: rotation about a foot, translation and both, at exact 
     CHECK(std::abs(s.state.angle[i] - omega * t) < 1e-11);
     CHECK(s.state.spin[i] == doctest::Approx(omega).epsilon(1e-14));
   }
-  const Wall at_end = moved<2>(s.system.walls[0], s.system.boundaries[1].motion, s.state.poses[1]);
+  const Wall at_end = moved(s.system.walls[0], s.system.boundaries[1].motion, s.state.poses[1]);
   CHECK(at_end.normal[0] == doctest::Approx(std::cos(-omega * t)).epsilon(1e-12));
   CHECK(at_end.normal[1] == doctest::Approx(std::sin(-omega * t)).epsilon(1e-12));
   // The given point (-3, 1) turns about the foot, which rises.

@@ -19,7 +19,7 @@ StepProblem<D> next_problem(const Simulation& before) {
   const Interaction& interaction = before.dynamics.interaction;
   if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
     fail("interaction.law: expected coulomb or frictionless, the laws of FCLIB, met {}", law);
-  return prepare_step<D>(before.system, before.state, interaction, before.dynamics.time, false);
+  return prepare_step<D>(start_of(before), false);
 }
 
 template <int D>
@@ -47,7 +47,8 @@ Vector velocities_of_free(const GranularSystem& system, const GranularState& sta
   std::vector<double> v;
   for (Index i = 0; i < system.grains(); ++i) {
     if (!system.free(i)) continue;
-    const GrainUnknowns<D> own = unknowns_of<D>(state, at(i), 1);  // spins, as of a radius of 1 m
+    const GrainUnknowns<D> own =
+        unknowns(with_motion<D>(motion_of(state, at(i), 1), 0));  // spins, as of a radius of 1 m
     v.insert(v.end(), own.begin(), own.end());
   }
   return Vector::Map(v.data(), count(v));

@@ -128,9 +128,7 @@ Vector3 DatboxWriter::centre(const GranularState& state, std::size_t grain) cons
 }
 
 Vector3 DatboxWriter::velocity_at(const Vector3& point, const RigidVelocity& velocity, const Pose& pose) const {
-  if (space_) return datbox_vector(velocity_of_point(velocity, pose, Direction<3>{point[0], point[1], point[2]}));
-  const Direction<2> v = velocity_of_point(velocity, pose, Direction<2>{point[0], point[1]});
-  return {v[0], v[1], 0};
+  return datbox_vector(velocity_of_point(velocity, pose, {point[0], point[1], point[2]}));
 }
 
 // A plank lies behind the face that is the wall. Its node is the point that it turns about: a plank that turns is so
@@ -139,7 +137,7 @@ DatboxWriter::Node DatboxWriter::plank_node(std::size_t wall, const Pose& pose) 
   const Plank& plank = planks_[wall];
   const Motion& motion = first_.system.boundaries[at(first_.system.walls[wall].boundary)].motion;
   const Wall& still = first_.system.walls[wall];
-  const Wall now = space_ ? moved<3>(still, motion, pose) : moved<2>(still, motion, pose);
+  const Wall now = moved(still, motion, pose);
   Node node{{pose.x, pose.y, pose.z}, pose.turn.toRotationMatrix() * plank.frame};
   if (!space_) {
     node.angle = std::atan2(-now.normal[0], now.normal[1]);
@@ -230,13 +228,7 @@ std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
 }
 
 std::string DatboxWriter::bulk() const {
-  Vector3 gravity = Vector3::Zero();
-  if (space_) {
-    gravity = datbox_vector(gravity_of<3>(first_.dynamics.time));
-  } else {
-    const auto [x, y] = gravity_of<2>(first_.dynamics.time);
-    gravity << x, y, 0;
-  }
+  const auto gravity = gravity_of(first_.dynamics.time, space_ ? 3 : 2);
   return fmt::format("! File BEHAVIOUR\n\n$gravy\n{:17}{}\n\n$behav  lawty\n {}  {:30}{}\n", "",
                      datbox_named({{"grv1=", gravity[0]}, {"grv2=", gravity[1]}, {"grv3=", gravity[2]}}), datbox_grains,
                      "RIGID", datbox_named({{"Umas=", density_}}));

@@ -35,9 +35,7 @@ DrawnStep drawn(const Simulation& run, const TrajectoryStep& step) {
   DrawnStep result{state.step, state.time, state.x, state.y, state.z, {}, {}};
   for (const Wall& wall : run.system.walls) {
     const auto b = at(wall.boundary);
-    result.walls.push_back(in_dimension(run.system, [&](auto dimension) {
-      return moved<decltype(dimension)::value>(wall, run.system.boundaries[b].motion, state.poses[b]);
-    }));
+    result.walls.push_back(moved(wall, run.system.boundaries[b].motion, state.poses[b]));
   }
   std::ranges::copy_if(step.contacts, std::back_inserter(result.contacts), &TrajectoryContact::carries);
   return result;

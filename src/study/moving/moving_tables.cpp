@@ -120,13 +120,6 @@ const ResultColumns<ChainContact>& chain_columns(Index dimension) {
 }
 
 template <int D>
-std::array<double, 3> in_space(const Direction<D>& place) {
-  std::array<double, 3> result{};
-  std::copy(place.begin(), place.end(), result.begin());
-  return result;
-}
-
-template <int D>
 void chains_in(const ObservedCase& work, const Simulation& simulation, const Sink<ChainContact>& sink) {
   const GranularState& state = simulation.state;
   const SolvedStep<D> step = next_step<D>(simulation, work.table.lead_in);
@@ -137,8 +130,8 @@ void chains_in(const ObservedCase& work, const Simulation& simulation, const Sin
     const bool wall = place.b >= simulation.system.grains();
     ChainContact link{work.one.spec.name,
                       state.step,
-                      in_space<D>(centre_of<D>(state, at(place.a))),
-                      wall ? place.point : in_space<D>(centre_of<D>(state, at(place.b))),
+                      centre_of(state, at(place.a)),
+                      wall ? place.point : centre_of(state, at(place.b)),
                       c.impulse.n,
                       0,
                       status_of(step.problem.law, c),

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/step_contacts.hpp"
+
+namespace nscdd {
+
+struct GlobalFrictionProblem;
+
+/// The contact problem of one step. Bodies are grains, then one per wall contact, which moves as the wall there. If
+/// several processes share a step, the part of each has only the grains of its own contacts.
+template <int D>
+struct StepProblem {
+  ContactLaw law;                              ///< of all contacts
+  double scale = 0;                            ///< W, the mean of the W_nn of the contacts, 1/kg; 0 without contacts
+  double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one
+  bool tangential_bias = false;                ///< whether contacts have a bias_t (tangential restitution)
+  bool pulls = false;                          ///< whether the law pulls; then contacts that touch have a pull
+  double h = 0;                                ///< s
+  std::vector<StepContact> geometry;           ///< ascending by (a, b)
+  std::vector<GrainContact<D>> contacts;       ///< the same contacts for the solver, impulses to start from
+  std::vector<GrainVelocity<D>> start;         ///< V^- of the bodies (of driven ones: in this step)
+  std::vector<GrainVelocity<D>> free;          ///< V^- + h M^-1 F
+  /// What each body is: a grain by its number, ascending, or disks + k for the k-th body of a wall. Of a whole step
+  /// these are 0, 1, 2, ...
+  std::vector<std::int32_t> numbers;
+};
+
+/// The body that a grain is in a step, -1 if none of the contacts of this part of a step touches it.
+template <int D>
+Index body_of(const StepProblem<D>& problem, Index grain) {
+  const auto number = static_cast<std::int32_t>(grain);
+  if (grain < count(problem.numbers) && problem.numbers[at(grain)] == number) return grain;
+  const auto found = std::lower_bound(problem.numbers.begin(), problem.numbers.end(), number);
+  return found != problem.numbers.end() && *found == number ? found - problem.numbers.begin() : -1;
+}
+
+/// Finds contacts and sets the problem up, see for_each_step_contact. Impulses start from those of the last step if
+/// `warm_start`, otherwise from zero. Bodies that overlap too far are accepted unless `shallow`.
+template <int D>
+StepProblem<D> prepare_step(const StepStart& start, bool warm_start, bool shallow = false);
+
+/// Sets up the problem of the contacts in `geometry`, ascending by (a, b), with the grains `grains`, ascending, which
+/// must be those of these contacts at least. Impulses start from those in `last`, ascending by (a, b).
+template <int D>
+StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact> geometry, double boundary_speed,
+                                std::vector<std::int32_t> grains, const std::vector<RememberedImpulse>& last);
+
+/// Sets the scale W, 1/kg, and the law that depends on it; without this call W is that of the contacts of the problem.
+template <int D>
+void set_scale(StepProblem<D>& problem, const Interaction& interaction, double scale) {
+  problem.scale = scale;
+  problem.law = contact_law(interaction, problem.h, scale);
+}
+
+/// What was remembered of each contact, or null. Both lists ascend by (a, b).
+template <class Remembered>
+std::vector<const Remembered*> remembered(const std::vector<Remembered>& last,
+                                          const std::vector<StepContact>& contacts) {
+  std::vector<const Remembered*> result;
+  auto old = last.begin();
+  for (const StepContact& c : contacts) {
+    while (old != last.end() && std::pair(old->a, old->b) < std::pair(c.a, c.b)) ++old;
+    const bool known = old != last.end() && old->a == c.a && old->b == c.b;
+    result.push_back(known ? &*old : nullptr);
+  }
+  return result;
+}
+
+/// Speed at which two bodies that overlap are pushed apart at the most, m/s: `maximum_push_speed`, or where that is
+/// negative c (sqrt(g r) + w), c = natural_push_speed, with the smaller radius r, g = |gravity| and the speed w of the
+/// fastest boundary. A push of bodies at rest brings at most c^2/2 of the energy m g r that lifts a grain by its
+/// radius. Where N overlaps follow each other from a support, their speeds add up, and a column gains c^2 N/12 of its
+/// weight times its height: 0.3 % for a hundred grains, whatever the overlaps, the grains and the step. Without gravity
+/// and with boundaries at rest overlaps stay.
+double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed);
+inline constexpr double natural_push_speed = 0.02;
+
+/// V_free + M^-1 H r for the impulses of the contacts.
+template <int D>
+std::vector<GrainVelocity<D>> velocities_of(const StepProblem<D>& problem,
+                                            const std::vector<GrainContact<D>>& contacts) {
+  std::vector<GrainVelocity<D>> v = problem.free;
+  for (const GrainContact<D>& c : contacts) apply_impulse(c, c.impulse, v);
+  return v;
+}
+
+template <int D>
+ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& contact,
+                    const std::vector<GrainVelocity<D>>& velocities);
+
+/// The impulses that are not zero, to be kept for the next step; `contacts` are those of the problem.
+template <int D>
+std::vector<RememberedImpulse> impulses_to_remember(const StepProblem<D>& problem,
+                                                    const std::vector<GrainContact<D>>& contacts) {
+  std::vector<RememberedImpulse> impulses;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const GrainContact<D>& c = contacts[k];
+    const StepContact& g = problem.geometry[k];
+    if (carries(c.impulse)) impulses.push_back({g.a, g.b, to_remember<D>(c.impulse, c.normal)});
+  }
+  return impulses;
+}
+
+/// The contact problem of a step in the unknowns (v_x, v_y, spin) of its free bodies, three rows each in their order,
+/// in space (v, spin) with six, as other programs have it:
+///     M = diag(m, m, m R^2 / 2), in space diag(m, m, m, 2/5 m R^2 I_3),   f = M V_free,
+///     M v = H r + f,   u = H^T v + w.
+/// The law acts on u: w holds its biases (gap / h, restitution) and the velocities of driven bodies, which have no
+/// rows. In the rows of spin a tangential column has the lever arm, -R. `bodies`: V_free and inverse masses. `radius`:
+/// of each body, m; it may end before the driven bodies at the end (walls have no radius).
+template <int D>
+GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodies,
+                                       const std::vector<GrainContact<D>>& contacts, std::span<const double> radius);
+
+}  // namespace nscdd
