@@ -6,7 +6,7 @@
 // takes its place, whole or cut into subdomains.
 #pragma once
 
-#include "contact_solvers/stall_watch.hpp"
+#include "contact_solvers/solver_run.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd {

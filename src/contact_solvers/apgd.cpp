@@ -4,8 +4,6 @@
 // s = 0, which lifts sliding contacts. Here an outer loop renews s = mu |u_t|, so that the answer is Coulomb's.
 #include "contact_solvers/apgd.hpp"
 
-#include "contact_solvers/stall_watch.hpp"
-
 namespace nscdd {
 namespace {
 

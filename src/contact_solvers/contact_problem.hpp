@@ -2,10 +2,57 @@
 #pragma once
 
 #include "contact_solvers/contact_matrix.hpp"
-#include "contact_solvers/contact_sums.hpp"
+#include "core/sum_of_parts.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd {
+
+/// Sums over all contacts of a problem, and what else all of them decide together. Vectors have D entries per contact
+/// of this process. By default it has all contacts. Otherwise contacts belong to parts, the subdomains, and sums over
+/// these add up in their order, whoever has them: no bit depends on the number of processes, which ask together.
+class ContactSums {
+ public:
+  ContactSums() = default;
+  ContactSums(std::vector<Index> part_of_contact, Index parts, Processes processes)
+      : part_(std::move(part_of_contact)), parts_(parts), processes_(std::move(processes)) {}
+
+  /// So many sums: add(c, sums) adds what contact c brings to them, for c = 0 ... contacts - 1.
+  template <class Add>
+  Vector add_up(Index quantities, Index contacts, const Add& add) const {
+    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(quantities, std::max<Index>(parts_, 1));
+    for (Index c = 0; c < contacts; ++c) add(c, sums.col(parts_ == 0 ? 0 : part_[at(c)]));
+    return parts_ == 0 ? Vector(sums) : sum_of_parts(std::move(sums), processes_);
+  }
+  double dot(const Vector& a, const Vector& b) const {
+    if (parts_ == 0) return a.dot(b);
+    const Index size = part_.empty() ? 0 : a.size() / count(part_);
+    return add_up(1, count(part_),
+                  [&](Index c, auto&& sum) { sum[0] += a.segment(size * c, size).dot(b.segment(size * c, size)); })[0];
+  }
+  double squared_norm(const Vector& a) const { return parts_ == 0 ? a.squaredNorm() : dot(a, a); }
+  double norm(const Vector& a) const { return parts_ == 0 ? a.norm() : std::sqrt(dot(a, a)); }
+
+  Index total(Index own) const { return processes_.sum(own); }
+  bool any(bool own) const { return processes_.any(own); }
+  bool all_zero(const Vector& a) const { return !any(!a.isZero(0)); }
+  /// Of entries >= 0; infinite if one is not a number.
+  double largest(const Vector& entries) const {
+    double own = 0;
+    for (const double entry : entries) own = std::isnan(entry) ? infinity : std::max(own, entry);
+    return processes_.maximum(own);
+  }
+
+ private:
+  std::vector<Index> part_;
+  Index parts_ = 0;
+  Processes processes_;
+};
+
+/// The impulse that would bring a contact to rest, the others held:  r_c - W_c^-1 u_c.
+template <int D>
+LocalVector<D> stopping(const FullDelassus<D>& w, LocalVector<D> impulse, LocalVector<D> u) {
+  return impulse - w.solve(u);
+}
 
 /// The data of the contacts of a problem u = W r + q. Where several processes share the problem, each has some of the
 /// contacts; sums are over all of them. Vectors have D entries per contact.
@@ -23,7 +70,21 @@ struct ContactData {
   /// Sets the sums `alone`, `momenta` and `trace`. diagonal(c): the block of W of contact c. `speeds`: of
   /// each contact those of both bodies without contact impulses, or of q, m/s.
   template <int D, class Diagonal>
-  void set_sums(const Diagonal& diagonal, const Vector& speeds);
+  void set_sums(const Diagonal& diagonal, const Vector& speeds) {
+    const Vector totals = sums.add_up(3, contacts(), [&](Index c, auto&& sum) {
+      const FullDelassus<D> w = diagonal(c);
+      sum[0] += squared(Coulomb{}.impulse(stopping(w, {}, component<D>(q, c)), w, friction[c]));
+      const double momentum = speeds[c] / normal[D * c];
+      sum[1] += momentum * momentum;
+      if constexpr (D == 2)
+        sum[2] += w.nn + w.tt;
+      else
+        sum[2] += w.nn + w.tt.first + w.tt.second;
+    });
+    alone = std::sqrt(totals[0]);
+    momenta = std::sqrt(totals[1]);
+    trace = totals[2];
+  }
 };
 
 /// A contact problem as contact solvers use it, for any storage of W: a class with the functions below. If several
@@ -53,28 +114,5 @@ template <class P>
 concept StoredProblem = ContactProblem<P> && requires(const P& fixed) {
   { fixed.rows() } -> std::convertible_to<const ContactBlocks<P::dimension>&>;
 };
-
-/// The impulse that would bring a contact to rest, the others held:  r_c - W_c^-1 u_c.
-template <int D>
-LocalVector<D> stopping(const FullDelassus<D>& w, LocalVector<D> impulse, LocalVector<D> u) {
-  return impulse - w.solve(u);
-}
-
-template <int D, class Diagonal>
-void ContactData::set_sums(const Diagonal& diagonal, const Vector& speeds) {
-  const Vector totals = sums.add_up(3, contacts(), [&](Index c, auto&& sum) {
-    const FullDelassus<D> w = diagonal(c);
-    sum[0] += squared(Coulomb{}.impulse(stopping(w, {}, component<D>(q, c)), w, friction[c]));
-    const double momentum = speeds[c] / normal[D * c];
-    sum[1] += momentum * momentum;
-    if constexpr (D == 2)
-      sum[2] += w.nn + w.tt;
-    else
-      sum[2] += w.nn + w.tt.first + w.tt.second;
-  });
-  alone = std::sqrt(totals[0]);
-  momenta = std::sqrt(totals[1]);
-  trace = totals[2];
-}
 
 }  // namespace nscdd

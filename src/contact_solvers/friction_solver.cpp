@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact_solvers/solve_contacts.hpp"
 #include "contact_solvers/stored_contacts.hpp"
+#include "mechanics/contact_frame.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd {
-namespace {
-
-// What `function` returns, called as function.template operator()<D>() with the dimension of the problem.
-template <class Function>
-auto in_dimension_of(const LocalFrictionProblem& problem, const Function& function) {
-  return problem.dimension == 3 ? function.template operator()<3>() : function.template operator()<2>();
-}
-
-}  // namespace
-
 void check_options(Index dimension, Index contacts, const FrictionSolverOptions& options, const Vector& guess) {
   if (guess.size() != 0 && guess.size() != dimension * contacts)
     fail("guess of the impulses: expected {} x contacts = {} numbers, met {}", dimension, dimension * contacts,
@@ -25,7 +16,8 @@ void check_options(Index dimension, Index contacts, const FrictionSolverOptions&
 }
 
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {
-  return in_dimension_of(problem, [&]<int D>() {
+  return in_dimension(problem, [&](auto dimension) {
+    constexpr int D = dimension();
     const StoredContacts<D> stored(problem);
     return SolverRun<D>::state_of(stored.data, impulses, stored.product(impulses) + problem.q, impulses.norm(),
                                   infinity);
@@ -37,7 +29,8 @@ std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, c
   std::vector<std::pair<double, Index>> carried;  // squares, with a sign that sorts
   double sum = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const double square = in_dimension_of(problem, [&]<int D>() {
+    const double square = in_dimension(problem, [&](auto dimension) {
+      constexpr int D = dimension();
       return squared(natural_map(component<D>(solution.impulses, c), component<D>(solution.state.velocities, c),
                                  problem.friction[c], 1 / problem.w.coeff(D * c, D * c)));
     });
@@ -58,7 +51,8 @@ FrictionSolution solve_friction(const LocalFrictionProblem& problem, const Frict
                                 const Vector& guess, const FrictionObserver& observer) {
   if (problem.dimension != 2 && problem.dimension != 3) fail("dimension: expected 2 or 3, met {}", problem.dimension);
   check_options(problem.dimension, problem.contacts(), options, guess);
-  return in_dimension_of(problem, [&]<int D>() {
+  return in_dimension(problem, [&](auto dimension) {
+    constexpr int D = dimension();
     StoredContacts<D> stored(problem);
     return solve_contacts(stored, options, guess, observer);
   });

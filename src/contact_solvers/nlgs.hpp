@@ -2,7 +2,7 @@
 // Nonlinear Gauss-Seidel (Jean and Moreau) on W.
 #pragma once
 
-#include "contact_solvers/stall_watch.hpp"
+#include "contact_solvers/solver_run.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact_solvers/solver_run.hpp"
 
-#include "mechanics/impulse_scale.hpp"
+#include "mechanics/contact_residual.hpp"
 
 namespace nscdd {
 namespace {
@@ -88,25 +88,10 @@ SolverRun<D>::SolverRun(const ContactData& given, Product product, const Frictio
     expected_ = std::max(expected_, data.sums.norm(data.q) * static_cast<double>(D * contacts) / data.trace);
 }
 
-template <int D>
-double SolverRun<D>::natural_maps() const {
-  return now.state.residual * now.state.scale;
-}
-
-template <int D>
-bool SolverRun<D>::plausible(const Vector& impulses) const {
-  return plausible(data.sums.norm(impulses));
-}
-
 // A guess may be the state of a network at rest. One that grew without bound must not make room for more growth.
 template <int D>
 double SolverRun<D>::largest_plausible() const {
   return std::max(largest_impulses * expected_, drift_of_guess * guessed_);
-}
-
-template <int D>
-bool SolverRun<D>::plausible(double size) const {
-  return size <= largest_plausible();
 }
 
 template <int D>
@@ -150,7 +135,7 @@ bool SolverRun<D>::decide(const Vector& impulses, const FrictionStep& step) {
   const double maps = natural_maps();
   now.step = step;
   now.status_changes = changes_of_status();
-  if (plausible(size) && maps < best_maps_) {
+  if (size <= largest_plausible() && maps < best_maps_) {
     best_ = now;
     best_maps_ = maps;
   }

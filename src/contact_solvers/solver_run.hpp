@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact_solvers/contact_problem.hpp"
+#include "mechanics/gauss_seidel.hpp"
 
 #include <chrono>
 
@@ -28,7 +29,7 @@ class SolverRun {
   bool judge(const Vector& impulses, const FrictionStep& step = {});
   /// Whether impulses are finite and bounded. A nearly singular matrix, or a problem without a solution, produces huge
   /// ones.
-  bool plausible(const Vector& impulses) const;
+  bool plausible(const Vector& impulses) const { return data.sums.norm(impulses) <= largest_plausible(); }
   /// Impulses that obey the law for the velocities that the present ones cause: P(r - rho (u + mu |u_t| n)).
   Vector projected() const;
   /// The impulses that converged or, if none did, those whose natural maps were the smallest, || m || in N s, with the
@@ -36,7 +37,8 @@ class SolverRun {
   FrictionSolution best() const;
   /// Goes on from earlier impulses.
   void go_back(const FrictionSolution& earlier);
-  double natural_maps() const;  ///< || m || of the present impulses, N s
+  /// || m || of the present impulses, N s
+  double natural_maps() const { return now.state.residual * now.state.scale; }
   /// Contacts of this process whose status changed in the last 10 checks.
   std::vector<Index> unsettled() const;
   /// Evaluates impulses of the norm `size`, which cause `velocities` u = W r + q. Velocities that vanish under impulses
@@ -51,8 +53,7 @@ class SolverRun {
             const FrictionObserver& observer);
   bool decide(const Vector& impulses, const FrictionStep& step);
   double largest_plausible() const;  // norm of impulses, N s
-  bool plausible(double size) const;
-  Index changes_of_status();  // since the last call
+  Index changes_of_status();         // since the last call
 
   const Product product_;
   const FrictionObserver& observer_;
@@ -63,6 +64,63 @@ class SolverRun {
   double expected_ = 0, guessed_ = 0;  // N s: impulses that are to be expected, those of the guess
   double best_maps_ = infinity;        // N s
   std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
+};
+
+/// Decides whether iterations still make progress, from their impulses. If a soft mode drifts, the residual may
+/// stagnate for long, but the path of the impulses since its last progress is straight. If statuses cycle, or only
+/// rounding is left, the path returns.
+template <int D>
+class StallWatch {
+ public:
+  explicit StallWatch(const SolverRun<D>& run)
+      : sums_(run.data.sums),
+        scale_(std::max(run.data.alone, sums_.norm(run.now.impulses))),
+        watch_({.tolerance = -1,  // `judge` says what has converged
+                .growth = growth_allowed,
+                .fall = progress_wanted,
+                .patience = run.options.patience,
+                .longer = 1},
+               FrictionStatus::not_finite),
+        first_(run.now.impulses),
+        last_(first_) {}
+
+  /// To be called after every judgement that ends nothing. Returns whether the run is over and why it is, as its
+  /// status.
+  bool ends(SolverRun<D>& run) {
+    const Vector& impulses = run.now.impulses;
+    length_ += sums_.norm(impulses - last_);
+    last_ = impulses;
+    const auto over = watch_.judge(check_, run.now.state.residual, sums_.norm(impulses), scale_);
+    if (over == FrictionStatus::stalled && leads_on()) {
+      watch_.take_for_progress(check_);
+    } else if (over) {
+      run.now.status = *over;
+      return true;
+    }
+    if (watch_.last_progress() == check_++) {
+      first_ = impulses;
+      length_ = 0;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr double progress_wanted = 0.99;  // of the smallest residual, within `patience` checks
+  static constexpr double growth_allowed = 1e12;
+  static constexpr double straight = 0.25;         // part of the length of a way that its ends are apart ...
+  static constexpr double above_rounding = 1e-12;  // ... and over the impulses themselves, where it leads somewhere
+
+  bool leads_on() const {
+    const double gone = sums_.norm(last_ - first_);
+    return gone > straight * length_ && gone > above_rounding * sums_.norm(last_);
+  }
+
+  const ContactSums& sums_;
+  double scale_;
+  ProgressWatch<FrictionStatus> watch_;
+  Index check_ = 0;
+  Vector first_, last_;  // impulses at the last progress and now
+  double length_ = 0;    // of the way between
 };
 
 /// As solve_friction, for any ContactProblem. Processes that share the problem call it together. The solution and its

@@ -22,10 +22,10 @@ class StoredContacts {
   const ContactBlocks<D>& rows() const { return rows_; }
   Vector product(const Vector& r) const { return rows_ * r; }
   auto sweeps(const FrictionSolverOptions& options) const {
-    return [rows = sweep_rows<D>(problem_, options.order, options.seed), order = options.order,
-            omega = options.relaxation](const Vector& r, Index first, Index many) {
+    return [rows = SweepRows<D>(problem_, options.order, options.seed), omega = options.relaxation](
+               const Vector& r, Index first, Index many) {
       Vector impulses = rows.in_order(r);
-      for (Index number = first; number < first + many; ++number) sweep_once(rows, order, omega, number, impulses);
+      for (Index number = first; number < first + many; ++number) rows.sweep(omega, number, impulses);
       return rows.by_contact(impulses);
     };
   }

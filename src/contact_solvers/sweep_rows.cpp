@@ -72,43 +72,39 @@ Vector SweepRows<D>::by_contact(const Vector& impulses) const {
 }
 
 template <int D>
-SweepRows<D> sweep_rows(const LocalFrictionProblem& problem, SweepOrder order, Index seed) {
+SweepRows<D>::SweepRows(const LocalFrictionProblem& problem, SweepOrder sweep_order, Index seed) : order(sweep_order) {
   const Index contacts = problem.contacts();
-  SweepRows<D> rows;
-  rows.contact =
+  contact =
       order == SweepOrder::random ? random_order(contacts, static_cast<std::uint64_t>(seed)) : natural_order(contacts);
-  if (order == SweepOrder::reverse) std::ranges::reverse(rows.contact);
+  if (order == SweepOrder::reverse) std::ranges::reverse(contact);
   if (order == SweepOrder::interleaved)
-    sort_by_colour(rows.contact, colours_of<D>(problem, interleaved_block), interleaved_block);
+    sort_by_colour(contact, colours_of<D>(problem, interleaved_block), interleaved_block);
   if (order == SweepOrder::coloured) {
     const Index block = std::max<Index>(1, contacts);
     const std::vector<Index> colours = colours_of<D>(problem, block);
-    sort_by_colour(rows.contact, colours, block);
+    sort_by_colour(contact, colours, block);
     for (Index place = 0; place <= contacts; ++place)
-      if (place == 0 || place == contacts ||
-          colours[at(rows.contact[at(place)])] != colours[at(rows.contact[at(place - 1)])])
-        rows.first_of_colour.push_back(place);
+      if (place == 0 || place == contacts || colours[at(contact[at(place)])] != colours[at(contact[at(place - 1)])])
+        first_of_colour.push_back(place);
   }
-  rows.w = ContactBlocks<D>(problem.w, rows.contact);
-  rows.q = rows.in_order(problem.q);
-  rows.friction = problem.friction(rows.contact);
-  for (const Index c : rows.contact) rows.diagonal.push_back(diagonal_block<D>(problem, c));
+  w = ContactBlocks<D>(problem.w, contact);
+  q = in_order(problem.q);
+  friction = problem.friction(contact);
+  for (const Index c : contact) diagonal.push_back(diagonal_block<D>(problem, c));
   if constexpr (D == 3)
-    for (const FullDelassus<D>& w : rows.diagonal) rows.cones.emplace_back(w);
-  return rows;
+    for (const FullDelassus<D>& block : diagonal) cones.emplace_back(block);
 }
 
 template <int D>
-void sweep_once(const SweepRows<D>& rows, SweepOrder order, double relaxation, Index number, Vector& impulses) {
+void SweepRows<D>::sweep(double relaxation, Index number, Vector& impulses) const {
   const auto turns = [&](Index first, Index last, Index step) {
-    relaxation == 1 ? take_turns<false>(rows, relaxation, first, last, step, impulses)
-                    : take_turns<true>(rows, relaxation, first, last, step, impulses);
+    relaxation == 1 ? take_turns<false>(*this, relaxation, first, last, step, impulses)
+                    : take_turns<true>(*this, relaxation, first, last, step, impulses);
   };
   if (order != SweepOrder::coloured)
-    return order == SweepOrder::symmetric && number % 2 == 1 ? turns(rows.size() - 1, -1, -1)
-                                                             : turns(0, rows.size(), 1);
-  for (std::size_t k = 0; k + 1 < rows.first_of_colour.size(); ++k) {
-    const Index first = rows.first_of_colour[k], last = rows.first_of_colour[k + 1];
+    return order == SweepOrder::symmetric && number % 2 == 1 ? turns(size() - 1, -1, -1) : turns(0, size(), 1);
+  for (std::size_t k = 0; k + 1 < first_of_colour.size(); ++k) {
+    const Index first = first_of_colour[k], last = first_of_colour[k + 1];
     const Index parts = (last - first + places_at_a_time - 1) / places_at_a_time;
     if (parts == 1)
       turns(first, last, 1);
@@ -122,9 +118,5 @@ void sweep_once(const SweepRows<D>& rows, SweepOrder order, double relaxation, I
 
 template struct SweepRows<2>;
 template struct SweepRows<3>;
-template SweepRows<2> sweep_rows<2>(const LocalFrictionProblem&, SweepOrder, Index);
-template SweepRows<3> sweep_rows<3>(const LocalFrictionProblem&, SweepOrder, Index);
-template void sweep_once(const SweepRows<2>&, SweepOrder, double, Index, Vector&);
-template void sweep_once(const SweepRows<3>&, SweepOrder, double, Index, Vector&);
 
 }  // namespace nscdd

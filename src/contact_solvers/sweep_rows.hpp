@@ -9,11 +9,14 @@ namespace nscdd {
 /// "place" is a position in this order.
 template <int D>
 struct SweepRows {
+  SweepRows(const LocalFrictionProblem& problem, SweepOrder sweep_order, Index seed);
+
+  SweepOrder order;
   std::vector<Index> contact;  ///< at each place
   ContactBlocks<D> w;
   /// The diagonal blocks once more, for the law: in the plane as they are, in space ready for it, and as they are.
   std::vector<FullDelassus<D>> diagonal;
-  std::vector<ConeContact> cones{};  ///< in space alone
+  std::vector<ConeContact> cones{};  ///< in space only
   Vector q, friction;
   /// No two contacts of places first_of_colour[k] ... first_of_colour[k + 1] - 1 are coupled by W. Only where the order
   /// is `coloured`.
@@ -22,14 +25,9 @@ struct SweepRows {
   Index size() const { return count(contact); }
   Vector in_order(const Vector& impulses) const;    ///< D components per place
   Vector by_contact(const Vector& impulses) const;  ///< back again
+  /// One sweep, the `number`th from 0: each place in turn takes the impulse that its law gives while the others keep
+  /// theirs, relaxed by omega. Coloured rows are swept in threads; their number changes no bit.
+  void sweep(double relaxation, Index number, Vector& impulses) const;
 };
-
-template <int D>
-SweepRows<D> sweep_rows(const LocalFrictionProblem& problem, SweepOrder order, Index seed);
-
-/// One sweep, the `number`th from 0: each place in turn takes the impulse that its law gives while the others keep
-/// theirs, relaxed by omega. Coloured rows are swept in threads; their number changes no bit.
-template <int D>
-void sweep_once(const SweepRows<D>& rows, SweepOrder order, double relaxation, Index number, Vector& impulses);
 
 }  // namespace nscdd

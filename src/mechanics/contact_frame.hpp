@@ -5,6 +5,16 @@
 
 namespace nscdd {
 
+/// Calls work(std::integral_constant<int, D>) with the dimension D of a system or of a problem.
+template <class Problem, class Work>
+decltype(auto) in_dimension(const Problem& problem, Work&& work) requires requires {
+  problem.dimension;
+}
+{
+  if (problem.dimension == 3) return work(std::integral_constant<int, 3>());
+  return work(std::integral_constant<int, 2>());
+}
+
 /// A direction in the plane (D = 2) or in space (D = 3).
 template <int D>
 using Direction = std::array<double, D>;

@@ -5,11 +5,27 @@
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
+#include "mechanics/contact_frame.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
 #include <Eigen/Cholesky>
 
 namespace nscdd {
+
+template <int D>
+FullDelassus<D> diagonal_block(const LocalFrictionProblem& problem, Index contact) {
+  const Index n = D * contact, t = n + 1;
+  const auto mean = [&](Index i, Index j) { return (problem.w.coeff(i, j) + problem.w.coeff(j, i)) / 2; };
+  if constexpr (D == 2)
+    return {problem.w.coeff(n, n), mean(n, t), problem.w.coeff(t, t)};
+  else
+    return {problem.w.coeff(n, n),
+            {mean(n, t), mean(n, t + 1)},
+            {problem.w.coeff(t, t), mean(t, t + 1), problem.w.coeff(t + 1, t + 1)}};
+}
+template FullDelassus<2> diagonal_block<2>(const LocalFrictionProblem&, Index);
+template FullDelassus<3> diagonal_block<3>(const LocalFrictionProblem&, Index);
+
 namespace {
 
 void require_size(const std::string& what, Index met, const std::string& size, Index expected) {
@@ -142,24 +158,6 @@ void add_delassus(const PieceFactor& factor, const SparseMatrix& h, const std::v
   }
 }
 
-}  // namespace
-
-template <int D>
-FullDelassus<D> diagonal_block(const LocalFrictionProblem& problem, Index contact) {
-  const Index n = D * contact, t = n + 1;
-  const auto mean = [&](Index i, Index j) { return (problem.w.coeff(i, j) + problem.w.coeff(j, i)) / 2; };
-  if constexpr (D == 2)
-    return {problem.w.coeff(n, n), mean(n, t), problem.w.coeff(t, t)};
-  else
-    return {problem.w.coeff(n, n),
-            {mean(n, t), mean(n, t + 1)},
-            {problem.w.coeff(t, t), mean(t, t + 1), problem.w.coeff(t + 1, t + 1)}};
-}
-template FullDelassus<2> diagonal_block<2>(const LocalFrictionProblem&, Index);
-template FullDelassus<3> diagonal_block<3>(const LocalFrictionProblem&, Index);
-
-namespace {
-
 void require_dimension(const std::string& name, Index dimension) {
   if (dimension != 2 && dimension != 3) fail("{}: dimension: expected 2 or 3, met {}", name, dimension);
 }
@@ -198,7 +196,7 @@ void check(const LocalFrictionProblem& problem, const std::string& name) {
   require_finite(name + ": q", problem.q);
   require_friction(name, problem.friction);
   require_symmetric(name + ": W", problem.w, coupling_symmetry_tolerance);
-  problem.dimension == 3 ? require_definite_blocks<3>(problem, name) : require_definite_blocks<2>(problem, name);
+  in_dimension(problem, [&](auto dimension) { require_definite_blocks<dimension()>(problem, name); });
 }
 
 void check(const GlobalFrictionProblem& problem, const std::string& name) {

@@ -117,13 +117,6 @@ struct GranularSystem {
   double length(const Place& a) const { return dimension == 2 ? std::hypot(a[0], a[1]) : std::hypot(a[0], a[1], a[2]); }
 };
 
-/// Calls work(std::integral_constant<int, D>) with the dimension D of a system.
-template <class Work>
-decltype(auto) in_dimension(const GranularSystem& system, Work&& work) {
-  if (system.dimension == 3) return work(std::integral_constant<int, 3>());
-  return work(std::integral_constant<int, 2>());
-}
-
 /// Impulse that a contact carried, with its ends: grains by their number, wall w as grains() + w; a < b.
 struct RememberedImpulse {
   Index a = 0, b = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "contact_solvers/contact_sums.hpp"
+#include "contact_solvers/contact_problem.hpp"
 #include "simulation/step_partition.hpp"
 #include "simulation/step_report.hpp"
 

@@ -44,7 +44,7 @@ TEST_CASE("every order takes each contact once, and keeps its data") {
   const Vector values = Vector::LinSpaced(4600, 1, 4600);
   for (const std::string& name : all_names<SweepOrder>()) {
     CAPTURE(name);
-    const SweepRows<2> rows = sweep_rows<2>(problem, Choice<SweepOrder>(name), 3);
+    const SweepRows<2> rows(problem, Choice<SweepOrder>(name), 3);
     CHECK(std::set<Index>(rows.contact.begin(), rows.contact.end()).size() == 2300);
     CHECK(rows.size() == 2300);
     CHECK(rows.by_contact(rows.in_order(values)) == values);
@@ -105,7 +105,7 @@ TEST_CASE("random order: one permutation of its seed") {
   const LocalFrictionProblem problem = many_contacts();
   CHECK(swept(problem, SweepOrder::random, 20, 1) == swept(problem, SweepOrder::random, 20, 1));
   CHECK(swept(problem, SweepOrder::random, 20, 1) != swept(problem, SweepOrder::random, 20, 2));
-  const std::vector<Index> one = sweep_rows<2>(problem, SweepOrder::random, 1).contact;
+  const std::vector<Index> one = SweepRows<2>(problem, SweepOrder::random, 1).contact;
   Index ascents = 0;  // half of all in a permutation at random: 1150 +- 14
   for (std::size_t k = 1; k < one.size(); ++k) ascents += one[k] > one[k - 1];
   CHECK(ascents > 1050);
@@ -115,7 +115,7 @@ TEST_CASE("random order: one permutation of its seed") {
 
 TEST_CASE("contacts of one colour are not coupled, and the number of threads changes no bit") {
   const LocalFrictionProblem problem = many_contacts();
-  const SweepRows<2> rows = sweep_rows<2>(problem, SweepOrder::coloured, 1);
+  const SweepRows<2> rows(problem, SweepOrder::coloured, 1);
   REQUIRE(rows.first_of_colour.size() > 4);
   CHECK(rows.first_of_colour.size() < 30);
   CHECK(rows.first_of_colour.front() == 0);
@@ -148,14 +148,14 @@ TEST_CASE("a colour is kept where W is stored on one side of its diagonal only")
   problem.w = SparseMatrix((Matrix(4, 4) << 1, 0, 0, 0, 0, 1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1).finished().sparseView());
   problem.q = Vector::Constant(4, -1);
   problem.friction = Vector::Constant(2, 0.3);
-  CHECK(sweep_rows<2>(problem, SweepOrder::coloured, 1).first_of_colour == std::vector<Index>{0, 1, 2});
+  CHECK(SweepRows<2>(problem, SweepOrder::coloured, 1).first_of_colour == std::vector<Index>{0, 1, 2});
   problem.w = SparseMatrix(problem.w.transpose());
-  CHECK(sweep_rows<2>(problem, SweepOrder::coloured, 1).first_of_colour == std::vector<Index>{0, 1, 2});
+  CHECK(SweepRows<2>(problem, SweepOrder::coloured, 1).first_of_colour == std::vector<Index>{0, 1, 2});
 }
 
 TEST_CASE("interleaved: blocks of 256 contacts as numbered, coupled ones apart") {
   const LocalFrictionProblem problem = many_contacts();
-  const std::vector<Index> order = sweep_rows<2>(problem, SweepOrder::interleaved, 1).contact;
+  const std::vector<Index> order = SweepRows<2>(problem, SweepOrder::interleaved, 1).contact;
   const auto next_coupled = [&](const std::vector<Index>& contacts) {
     Index pairs = 0;
     for (std::size_t k = 1; k < contacts.size(); ++k) pairs += are_coupled(problem, contacts[k - 1], contacts[k]);

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "contact_solvers/smoothed_law.hpp"
+#include "contact_solvers/smoothed_curve.hpp"
 
 namespace nscdd {
-namespace {
 
 constexpr double least_rest = 1e-14;
-
-}  // namespace
 
 SmoothedLaw<2> smoothed_law(LocalVector<2> z, double friction, double t) {
   const auto length = [&](double x) { return std::sqrt(x * x + 4 * t); };
