@@ -79,7 +79,11 @@ struct Interaction {
 
 /// The law with its parameters; `h`: time step, s (a cohesive force acts through its impulse); `scale`: W, 1/kg, of
 /// which its flexibility may be a multiple.
-ContactLaw contact_law(const Interaction& interaction, double h, double scale);
+inline ContactLaw contact_law(const Interaction& interaction, double h, double scale) {
+  ContactLaw law = Alternatives<ContactLaw>::at(static_cast<std::size_t>(LawName{interaction.law}));
+  std::visit([&](auto& one) { one = one.of(interaction, h, scale); }, law);
+  return law;
+}
 
 /// Status of a contact under Coulomb's law, or under a cohesive one if the impulse is shifted. A contact slides if its
 /// impulse is within `tolerance` x friction r_n of the edge of the cone.

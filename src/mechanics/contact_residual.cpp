@@ -7,6 +7,8 @@ namespace {
 // Rounding of a sum of impulses may leave the edge of the cone by some units in the last place.
 constexpr double edge_tolerance = 1e-12;
 
+constexpr double largest_growth = 1e5;  // of impulses over those that drive the step
+
 constexpr double squared_rounding = 1e-28;  // of velocities of a step, relative to those that it begins with
 
 template <class Law, int D>
@@ -51,6 +53,27 @@ ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, GrainVeloc
 
 }  // namespace
 
+double natural_map_scale(double maps, double impulses, double alone, double momenta, bool squared, double believed) {
+  const auto power = [&](double factor) { return squared ? factor * factor : factor; };
+  if (maps <= power(rounding_of_sums) * std::max(std::min(impulses, believed), momenta))
+    return std::max({impulses, alone, momenta});
+  const double driving = std::max(alone, momenta);
+  return std::max(alone, driving > 0 ? std::min(impulses, power(largest_growth) * driving) : impulses);
+}
+
+template <int D>
+ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> free) {
+  const LocalVector<D> stop = -1.0 * contact.inverse_w.solve(relative_velocity(contact, free) + contact.bias);
+  const LocalVector<D> alone = std::visit(
+      [&](const auto& one) { return law_at(one, contact.pull).impulse(stop, contact.inverse_w, contact.friction); },
+      law);
+  const double speed = meeting_speed(contact, free), mass = contact.inverse_w.inverse_n;
+  return {.alone = squared(LocalVector<D>{alone.n + contact.pull, alone.t}),
+          .momenta = speed * speed * mass * mass,
+          .speeds = speed * speed,
+          .energies = speed * speed * mass};
+}
+
 ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
   using Sums = ContactResidual;
   for (const auto sum :
@@ -93,6 +116,8 @@ ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& contact) {
   return std::visit([&](const auto& one) { return status_under(one, contact); }, law);
 }
 
+template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>);
+template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<2>&, GrainVelocities<2>);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<3>&, GrainVelocities<3>);
 template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<2>>&, GrainVelocities<2>);

@@ -101,8 +101,7 @@ template <class Number, bool relaxed, bool tangential_bias, class Law>
 void take_impulses(const Law& law, ContactRows<3>& contacts, std::size_t first, GrainVelocity<3>* v, double relaxation,
                    LaneSums<Number>& sums) {
   using Grain = GrainVelocity<3>;
-  using Row = ContactRow<3>;
-  const Row* const row = contacts.rows.data() + first;
+  const ContactRow<3>* const row = contacts.rows.data() + first;
   AxesVector* const r = contacts.impulses.data() + first;
   std::array<Grain*, lanes<Number>> a, b;
   for_each_lane<Number>([&](std::size_t i) {
@@ -111,12 +110,14 @@ void take_impulses(const Law& law, ContactRows<3>& contacts, std::size_t first, 
   });
   const auto of_a = [&](double Grain::*number) { return each<Number>([&](std::size_t i) { return a[i]->*number; }); };
   const auto of_b = [&](double Grain::*number) { return each<Number>([&](std::size_t i) { return b[i]->*number; }); };
-  const auto of_row = [&](double Row::*number) { return each<Number>([&](std::size_t i) { return row[i].*number; }); };
+  const auto normal = [&](std::size_t axis) {
+    return each<Number>([&](std::size_t i) { return row[i].normal[axis]; });
+  };
   const auto of_r = [&](double AxesTangent::*number) {
     return each<Number>([&](std::size_t i) { return r[i].t.*number; });
   };
 
-  const Number nx = of_row(&Row::normal_x), ny = of_row(&Row::normal_y), nz = of_row(&Row::normal_z);
+  const Number nx = normal(0), ny = normal(1), nz = normal(2);
   const Number mass_a = of_a(&Grain::inverse_mass), mass_b = of_b(&Grain::inverse_mass);  // inverse
   const Number inverse_n = 1 / (mass_a + mass_b), inverse_t = inverse_n * (1 / (1 + rim_mass_ratio<3>));
   const Number dx = of_b(&Grain::x) - of_a(&Grain::x), sx = of_a(&Grain::rim_x) + of_b(&Grain::rim_x);
@@ -138,12 +139,13 @@ void take_impulses(const Law& law, ContactRows<3>& contacts, std::size_t first, 
   const Number tx = rx + along * nx - inverse_t * ux;
   const Number ty = ry + along * ny - inverse_t * uy;
   const Number tz = rz + along * nz - inverse_t * uz;
-  StoppedContact<Number> stopped{.n = r_n - inverse_n * (d_n + of_row(&Row::bias_n)),
-                                 .square_t = tx * tx + ty * ty + tz * tz,
-                                 .inverse_n = inverse_n,
-                                 .inverse_t = inverse_t,
-                                 .friction = {},
-                                 .pull = {}};
+  StoppedContact<Number> stopped{
+      .n = r_n - inverse_n * (d_n + each<Number>([&](std::size_t i) { return row[i].bias_n; })),
+      .square_t = tx * tx + ty * ty + tz * tz,
+      .inverse_n = inverse_n,
+      .inverse_t = inverse_t,
+      .friction = {},
+      .pull = {}};
   const double frictions[2] = {contacts.boundary_friction, contacts.friction};
   stopped.friction =
       each<Number>([&](std::size_t i) { return frictions[std::min(a[i]->inverse_mass, b[i]->inverse_mass) > 0]; });
@@ -207,6 +209,8 @@ SweepSums sweep(const Law& law, ContactRows<3>& contacts, std::span<GrainVelocit
 
 namespace {
 
+using spheres::sweep;
+
 // The choices are template parameters, so that the loop does not make them again for every contact.
 template <bool relaxed, bool tangential_bias, class Law>
 SweepSums sweep(const Law& law, ContactRows<2>& contacts, std::span<GrainVelocity<2>> velocities, double relaxation) {
@@ -220,8 +224,8 @@ SweepSums sweep(const Law& law, ContactRows<2>& contacts, std::span<GrainVelocit
     GrainVelocity<2>& a = v[c.a];
     GrainVelocity<2>& b = v[c.b];
     const double dx = b.x - a.x, dy = b.y - a.y;
-    const double v_n = c.normal_x * dx + c.normal_y * dy + c.bias_n;
-    double v_t = c.normal_x * dy - c.normal_y * dx - (a.rim + b.rim);
+    const double v_n = c.normal[0] * dx + c.normal[1] * dy + c.bias_n;
+    double v_t = c.normal[0] * dy - c.normal[1] * dx - (a.rim + b.rim);
     if constexpr (tangential_bias) v_t += contacts.bias_t[k];
     const DiagonalDelassus w = grain_delassus(a, b);
     const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
@@ -239,8 +243,8 @@ SweepSums sweep(const Law& law, ContactRows<2>& contacts, std::span<GrainVelocit
     }
     const double change_n = next.n - r.n, change_t = next.t - r.t;
     r = next;
-    const double px = c.normal_x * change_n - c.normal_y * change_t;
-    const double py = c.normal_y * change_n + c.normal_x * change_t;
+    const double px = c.normal[0] * change_n - c.normal[1] * change_t;
+    const double py = c.normal[1] * change_n + c.normal[0] * change_t;
     a.x -= a.inverse_mass * px;
     a.y -= a.inverse_mass * py;
     a.rim -= rim_mass_ratio<2> * a.inverse_mass * change_t;
@@ -253,11 +257,6 @@ SweepSums sweep(const Law& law, ContactRows<2>& contacts, std::span<GrainVelocit
   return sums;
 }
 
-template <bool relaxed, bool tangential_bias, class Law>
-SweepSums sweep(const Law& law, ContactRows<3>& contacts, std::span<GrainVelocity<3>> velocities, double relaxation) {
-  return spheres::sweep<relaxed, tangential_bias>(law, contacts, velocities, relaxation);
-}
-
 }  // namespace
 
 template <int D>
@@ -267,10 +266,10 @@ GrainContact<D> ContactRows<D>::contact(std::size_t k, std::span<const GrainVelo
   const GrainVelocity<D>& b = v[static_cast<std::size_t>(row.b)];
   return {.a = row.a,
           .b = row.b,
-          .normal = row.normal(),
+          .normal = row.normal,
           .inverse_w = grain_delassus(a, b),
           .bias = bias_t.empty() ? LocalVector<D>{row.bias_n, {}}
-                                 : in_frame(row.normal(), SweptVector<D>{row.bias_n, bias_t[k]}),
+                                 : in_frame(row.normal, SweptVector<D>{row.bias_n, bias_t[k]}),
           .friction = a.inverse_mass == 0 || b.inverse_mass == 0 ? boundary_friction : friction,
           .pull = pull.empty() ? 0.0 : pull[k],
           .impulse = impulse(k)};

@@ -17,12 +17,15 @@ Impulse take_impulse(Impulse& impulse, Impulse wanted, double relaxation = 1) {
 
 /// What a Gauss-Seidel sweep over contacts needs of a body of grains, prepared once.
 struct ContactSystem {
+  ContactSystem(const Vector& inertia, const SparseMatrix& connectivity)
+      : h(connectivity), response(inertia.cwiseInverse().asDiagonal() * h), delassus(Vector::Zero(h.cols())) {
+    for (Index c = 0; c < h.cols(); ++c) delassus[c] = h.col(c).dot(response.col(c));
+  }
+
   SparseMatrix h;         ///< H, d n x c
   SparseMatrix response;  ///< M^-1 H: velocity change of the grains per unit impulse
   Vector delassus;        ///< diagonal of W = H^T M^-1 H, c entries
 };
-
-ContactSystem prepare_contacts(const Vector& inertia, const SparseMatrix& h);
 
 /// One NonLinear Gauss-Seidel sweep in the order of the contacts: each takes the impulse its law gives for the present
 /// velocities, and its grains are updated at once: their velocities carry the off-diagonal part of W, which is never

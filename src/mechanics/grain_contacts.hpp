@@ -121,19 +121,11 @@ LocalVector<D> relative_velocity(const GrainContact<D>& c, GrainVelocities<D> v)
 }
 
 /// V += M^-1 p of one grain, for an impulse p on its unknowns, N s.
-inline void push(GrainVelocity<2>& grain, const GrainUnknowns<2>& p) {
-  grain.x += grain.inverse_mass * p[0];
-  grain.y += grain.inverse_mass * p[1];
-  grain.rim += rim_mass_ratio<2> * grain.inverse_mass * p[2];
-}
-inline void push(GrainVelocity<3>& grain, const GrainUnknowns<3>& p) {
-  const double rim = rim_mass_ratio<3> * grain.inverse_mass;
-  grain.x += grain.inverse_mass * p[0];
-  grain.y += grain.inverse_mass * p[1];
-  grain.z += grain.inverse_mass * p[2];
-  grain.rim_x += rim * p[3];
-  grain.rim_y += rim * p[4];
-  grain.rim_z += rim * p[5];
+template <int D>
+void push(GrainVelocity<D>& grain, const std::type_identity_t<GrainUnknowns<D>>& p) {
+  GrainUnknowns<D> v = unknowns(grain);
+  for (std::size_t k = 0; k < v.size(); ++k) v[k] += (k < D ? 1 : rim_mass_ratio<D>)*grain.inverse_mass * p[k];
+  grain = with_unknowns(v, grain.inverse_mass);
 }
 
 /// V += M^-1 H_c r: the velocities of both grains of a contact after an impulse r on b and -r on a.
@@ -151,22 +143,10 @@ LocalVector<D> stopping_impulse(const GrainContact<D>& c, GrainVelocities<D> v) 
 
 /// A contact as a sweep reads it, 32 bytes in the plane and 40 in space.
 template <int D>
-struct ContactRow;
-template <>
-struct ContactRow<2> {
+struct ContactRow {
   std::int32_t a = 0, b = 0;  ///< positions in the array of velocities
-  double normal_x = 1, normal_y = 0;
+  Direction<D> normal{1};
   double bias_n = 0;  ///< m/s
-
-  Direction<2> normal() const { return {normal_x, normal_y}; }
-};
-template <>
-struct ContactRow<3> {
-  std::int32_t a = 0, b = 0;
-  double normal_x = 1, normal_y = 0, normal_z = 0;
-  double bias_n = 0;
-
-  Direction<3> normal() const { return {normal_x, normal_y, normal_z}; }
 };
 
 /// Contacts as a sweep reads them. At 10^5 grains memory limits its speed: what never changes is stored apart from the
@@ -181,8 +161,8 @@ struct ContactRows {
   double boundary_friction = 0;                     ///< if one of both bodies is driven
 
   std::size_t size() const { return rows.size(); }
-  LocalVector<D> impulse(std::size_t k) const { return in_frame(rows[k].normal(), impulses[k]); }
-  void set_impulse(std::size_t k, const LocalVector<D>& r) { impulses[k] = swept(rows[k].normal(), r); }
+  LocalVector<D> impulse(std::size_t k) const { return in_frame(rows[k].normal, impulses[k]); }
+  void set_impulse(std::size_t k, const LocalVector<D>& r) { impulses[k] = swept(rows[k].normal, r); }
   GrainContact<D> contact(std::size_t k, std::span<const GrainVelocity<D>> v) const;
 };
 

@@ -3,7 +3,7 @@
 
 #include "contact_solvers/solve_contacts.hpp"
 #include "linalg/threads.hpp"
-#include "mechanics/impulse_scale.hpp"
+#include "mechanics/contact_residual.hpp"
 
 namespace nscdd {
 namespace {
@@ -121,8 +121,8 @@ CopiesOfGrains<D> DividedContacts<D>::caused(const Vector& r) const {
     for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
       const ContactRow<D>& row = colour.contacts.rows[k];
       const LocalVector<D> impulse = component<D>(r, colour.numbers[k]);
-      push(own[static_cast<std::size_t>(row.a)], impulse_on_grain(row.normal(), -1, impulse));
-      push(own[static_cast<std::size_t>(row.b)], impulse_on_grain(row.normal(), 1, impulse));
+      push(own[static_cast<std::size_t>(row.a)], impulse_on_grain(row.normal, -1, impulse));
+      push(own[static_cast<std::size_t>(row.b)], impulse_on_grain(row.normal, 1, impulse));
     });
   });
   shared_.add_up(velocities);
@@ -153,7 +153,7 @@ Vector DividedContacts<D>::relative_velocities(const CopiesOfGrains<D>& velociti
       const ContactRow<D>& row = colour.contacts.rows[k];
       set_component(
           u, colour.numbers[k],
-          relative_velocity(row.normal(), own[static_cast<std::size_t>(row.a)], own[static_cast<std::size_t>(row.b)]));
+          relative_velocity(row.normal, own[static_cast<std::size_t>(row.a)], own[static_cast<std::size_t>(row.b)]));
     });
   });
   return u;

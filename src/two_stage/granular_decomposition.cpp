@@ -40,10 +40,7 @@ void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice
   for (const Index k : contact_order(order, natural, problem.free, seed, points)) {
     const GrainContact<D>& c = natural[at(k)];
     const std::int32_t a = number(c.a), b = number(c.b);
-    if constexpr (D == 2)
-      rows.rows.push_back({a, b, c.normal[0], c.normal[1], c.bias.n});
-    else
-      rows.rows.push_back({a, b, c.normal[0], c.normal[1], c.normal[2], c.bias.n});
+    rows.rows.push_back({a, b, c.normal, c.bias.n});
     rows.impulses.push_back(swept(c.normal, c.impulse));
     if (problem.tangential_bias) rows.bias_t.push_back(swept(c.normal, c.bias).t);
     if (problem.pulls) rows.pull.push_back(c.pull);

@@ -40,7 +40,7 @@ TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const Law& 
   const OneBlasThread serial_blas;
   if (sweeps && *sweeps < 1) fail("Gauss-Seidel sweeps: expected an integer >= 1, met {}", *sweeps);
   for (const Subdomain& subdomain : parts_.subdomains) {
-    contacts_.push_back(prepare_contacts(subdomain.inertia, subdomain.h));
+    contacts_.emplace_back(subdomain.inertia, subdomain.h);
     if (!sweeps) exact_.push_back(exact_stage_one(contacts_.back(), flexibility(law)));
   }
 }

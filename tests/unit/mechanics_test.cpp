@@ -159,7 +159,7 @@ TEST_CASE("active contacts push, by more than rounding next to the largest impul
 TEST_CASE("Gauss-Seidel sweeps converge to the linear solution and keep velocities consistent") {
   const Model model = build(random_lattice(1, 6, 5, {1, 1}));
   const Dense h = model.problem.h;
-  const ContactSystem contacts = prepare_contacts(model.problem.inertia, model.problem.h);
+  const ContactSystem contacts(model.problem.inertia, model.problem.h);
   const LinearViscous law{0.5};
   Vector r = Vector::Zero(h.cols()), v = model.problem.arriving_velocity;
   for (int sweep = 0; sweep < 400; ++sweep) gauss_seidel_sweep(contacts, law, r, v);

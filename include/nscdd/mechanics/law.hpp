@@ -17,6 +17,7 @@ inline TangentVector operator+(TangentVector a, TangentVector b) { return {a.fir
 inline TangentVector operator-(TangentVector a, TangentVector b) { return {a.first - b.first, a.second - b.second}; }
 inline TangentVector operator-(TangentVector a) { return {-a.first, -a.second}; }
 inline TangentVector operator*(double factor, TangentVector a) { return {factor * a.first, factor * a.second}; }
+inline TangentVector operator/(TangentVector a, double divisor) { return (1 / divisor) * a; }
 inline double dot(TangentVector a, TangentVector b) { return a.first * b.first + a.second * b.second; }
 inline double norm(TangentVector a) { return std::hypot(a.first, a.second); }
 /// The nearest point of the disk of that radius >= 0.
@@ -86,10 +87,7 @@ struct DiagonalDelassus {
 
   template <int D>
   LocalVector<D> apply(LocalVector<D> r) const {
-    if constexpr (D == 2)
-      return {r.n / inverse_n, r.t / inverse_t};
-    else
-      return {r.n / inverse_n, (1 / inverse_t) * r.t};
+    return {r.n / inverse_n, r.t / inverse_t};
   }
   template <int D>
   LocalVector<D> solve(LocalVector<D> v) const {
@@ -98,10 +96,7 @@ struct DiagonalDelassus {
   /// (W + epsilon I)^-1 W r
   template <int D>
   LocalVector<D> soften(LocalVector<D> r, double epsilon) const {
-    if constexpr (D == 2)
-      return {r.n / (1 + epsilon * inverse_n), r.t / (1 + epsilon * inverse_t)};
-    else
-      return {r.n / (1 + epsilon * inverse_n), (1 / (1 + epsilon * inverse_t)) * r.t};
+    return {r.n / (1 + epsilon * inverse_n), r.t / (1 + epsilon * inverse_t)};
   }
 };
 
@@ -127,7 +122,7 @@ struct FullDelassus {
       const double determinant = nn * tt - nt * nt;
       return {(tt * v.n - nt * v.t) / determinant, (nn * v.t - nt * v.n) / determinant};
     } else {  // by elimination, first of the normal component
-      const TangentVector over = (1 / nn) * nt, rest = v.t - v.n * over;
+      const TangentVector over = nt / nn, rest = v.t - v.n * over;
       const TangentMatrix s = schur_complement();
       const double lower = s.mixed / s.first, second = s.second - s.mixed * lower;
       const double t2 = (rest.second - lower * rest.first) / second;
@@ -137,7 +132,7 @@ struct FullDelassus {
   }
   /// W_tt - W_nt W_nt^T / W_nn: what a tangential impulse meets while v_n stays as it is.
   TangentMatrix schur_complement() const requires(D == 3) {
-    const TangentVector over = (1 / nn) * nt;
+    const TangentVector over = nt / nn;
     return {tt.first - nt.first * over.first, tt.mixed - nt.first * over.second, tt.second - nt.second * over.second};
   }
   LocalVector<D> soften(LocalVector<D> r, double epsilon) const {
