@@ -57,14 +57,10 @@ template <int D>
 ContactRelation<D> ContactRelation<D>::of(const FrozenContact<D>& frozen, double proximal, double rho) {
   ContactRelation<D> relation;
   if (frozen.status == ContactStatus::open) return relation;
+  if (frozen.status == ContactStatus::stick) return {proximal * Block::Identity(), Block::Identity()};
   relation.p(0, 0) = proximal;
   relation.q(0, 0) = 1;
-  if (frozen.status == ContactStatus::stick) {
-    for (Index k = 1; k < D; ++k) {
-      relation.p(k, k) = proximal;
-      relation.q(k, k) = 1;
-    }
-  } else if constexpr (D == 2) {
+  if constexpr (D == 2) {
     relation.p(1, 0) = -frozen.slope;
   } else {
     const Eigen::Vector2d slope(frozen.slope.first, frozen.slope.second);

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 
 #include <map>
-#include <numeric>
 
 namespace nscdd {
 namespace {
@@ -23,19 +22,16 @@ bool hold(const Matrix& rows) { return rows.rows() >= rows.cols() && gram_holds(
 class ClusterSearch {
  public:
   ClusterSearch(const Matrix& centres, const std::vector<Bar>& bars)
-      : centres_(centres), bars_(bars), d_(centres.rows()), cluster_(at(centres.cols()), -1) {
-    start_.assign(at(centres.cols() + 1), 0);
-    for (const Bar& bar : bars)
-      for (const Index end : {bar.a, bar.b}) ++start_[at(end + 1)];
-    std::partial_sum(start_.begin(), start_.end(), start_.begin());
-    neighbours_.resize(at(start_.back()));
-    std::vector<Index> next(start_.begin(), start_.end() - 1);
+      : centres_(centres),
+        bars_(bars),
+        d_(centres.rows()),
+        cluster_(at(centres.cols()), -1),
+        neighbours_(cluster_.size()) {
     for (const Bar& bar : bars) {
-      neighbours_[at(next[at(bar.a)]++)] = bar.b;
-      neighbours_[at(next[at(bar.b)]++)] = bar.a;
+      neighbours_[at(bar.a)].push_back(bar.b);
+      neighbours_[at(bar.b)].push_back(bar.a);
     }
-    for (Index i = 0; i < centres.cols(); ++i)
-      std::sort(neighbours_.begin() + start_[at(i)], neighbours_.begin() + start_[at(i + 1)]);
+    for (std::vector<Index>& own : neighbours_) std::ranges::sort(own);
   }
 
   std::vector<Index> run() {
@@ -46,9 +42,7 @@ class ClusterSearch {
   }
 
  private:
-  std::span<const Index> neighbours(Index i) const {
-    return {neighbours_.data() + start_[at(i)], at(start_[at(i + 1)] - start_[at(i)])};
-  }
+  const std::vector<Index>& neighbours(Index i) const { return neighbours_[at(i)]; }
   bool loose(Index i) const { return cluster_[at(i)] < 0; }
   bool tied(Index i, Index j) const { return std::ranges::binary_search(neighbours(i), j); }
   Vector direction(Index from, Index to) const { return (centres_.col(to) - centres_.col(from)).normalized(); }
@@ -207,7 +201,8 @@ class ClusterSearch {
   const Matrix& centres_;
   const std::vector<Bar>& bars_;
   Index d_, clusters_ = 0;
-  std::vector<Index> cluster_, start_, neighbours_;
+  std::vector<Index> cluster_;
+  std::vector<std::vector<Index>> neighbours_;  // of each point, ascending
 };
 
 }  // namespace
