@@ -60,10 +60,6 @@ inline double squared_rim(const GrainVelocity<2>& v) { return v.rim * v.rim; }
 inline double squared_rim(const GrainVelocity<3>& v) {
   return v.rim_x * v.rim_x + v.rim_y * v.rim_y + v.rim_z * v.rim_z;
 }
-template <int D>
-bool is_finite(const GrainVelocity<D>& v) {
-  return std::ranges::all_of(unknowns(v), [](double one) { return std::isfinite(one); });
-}
 
 /// Kinetic energy of a free grain, J.
 template <int D>

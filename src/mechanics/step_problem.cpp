@@ -19,6 +19,19 @@ Direction<D> narrowed(const Place& a) {
     return a;
 }
 
+// Speed at which two bodies that overlap are pushed apart at the most, m/s: `maximum_push_speed`, or where that is
+// negative c (sqrt(g r) + w), c = natural_push_speed, with the smaller radius r, g = |gravity| and the speed w of the
+// fastest boundary. A push of bodies at rest brings at most c^2/2 of the energy m g r that lifts a grain by its
+// radius. Where N overlaps follow each other from a support, their speeds add up, and a column gains c^2 N/12 of its
+// weight times its height: 0.3 % for a hundred grains, whatever the overlaps, the grains and the step. Without gravity
+// and with boundaries at rest overlaps stay.
+double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed) {
+  constexpr double natural_push_speed = 0.02;
+  if (scheme.maximum_push_speed >= 0) return scheme.maximum_push_speed;
+  const double gravity = std::hypot(scheme.gravity[0], scheme.gravity[1], scheme.gravity[2]);
+  return natural_push_speed * (std::sqrt(gravity * smaller_radius) + boundary_speed);
+}
+
 // Adds one body per wall contact, which moves as the wall does under the grain. Returns the bodies of each contact.
 template <int D>
 std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const GranularSystem& system,
@@ -62,12 +75,6 @@ GrainContact<D> solver_contact(const StepContact& c, const std::array<Index, 2>&
 }
 
 }  // namespace
-
-double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed) {
-  if (scheme.maximum_push_speed >= 0) return scheme.maximum_push_speed;
-  const double gravity = std::hypot(scheme.gravity[0], scheme.gravity[1], scheme.gravity[2]);
-  return natural_push_speed * (std::sqrt(gravity * smaller_radius) + boundary_speed);
-}
 
 template <int D>
 StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact> geometry, double boundary_speed,

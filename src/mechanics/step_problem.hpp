@@ -67,15 +67,6 @@ std::vector<const Remembered*> remembered(const std::vector<Remembered>& last,
   return result;
 }
 
-/// Speed at which two bodies that overlap are pushed apart at the most, m/s: `maximum_push_speed`, or where that is
-/// negative c (sqrt(g r) + w), c = natural_push_speed, with the smaller radius r, g = |gravity| and the speed w of the
-/// fastest boundary. A push of bodies at rest brings at most c^2/2 of the energy m g r that lifts a grain by its
-/// radius. Where N overlaps follow each other from a support, their speeds add up, and a column gains c^2 N/12 of its
-/// weight times its height: 0.3 % for a hundred grains, whatever the overlaps, the grains and the step. Without gravity
-/// and with boundaries at rest overlaps stay.
-double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed);
-inline constexpr double natural_push_speed = 0.02;
-
 /// V_free + M^-1 H r for the impulses of the contacts.
 template <int D>
 std::vector<GrainVelocity<D>> velocities_of(const StepProblem<D>& problem,

@@ -20,7 +20,7 @@ struct TimeStepping {
   Components<double> gravity{0, -9.81};  ///< see gravity_of
   double alert = 0.05;
   double penetration_correction = 1;
-  double maximum_push_speed = -1;  ///< m/s; see push_speed
+  double maximum_push_speed = -1;  ///< m/s; see step_problem.cpp
   double rest_speed = 0;           ///< m/s
 
   template <class Self, class Visitor>
