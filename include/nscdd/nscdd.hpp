@@ -28,8 +28,6 @@
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/generators/deposit.hpp>
 #include <nscdd/packing/generators/lattice.hpp>
-#include <nscdd/packing/generators/sphere_deposit.hpp>
-#include <nscdd/packing/generators/sphere_lattice.hpp>
 #include <nscdd/packing/packing.hpp>
 #include <nscdd/spectra/optimal_eta.hpp>
 #include <nscdd/spectra/spectral_radius.hpp>

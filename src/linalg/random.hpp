@@ -19,6 +19,11 @@ class RandomStream {
   }
   /// Uniform in [0, 1).
   double uniform() { return gsl_rng_uniform(generator_.get()); }
+  std::vector<double> uniforms(Index n) {
+    std::vector<double> numbers(at(n));
+    for (double& number : numbers) number = uniform();
+    return numbers;
+  }
   double normal() { return gsl_ran_gaussian_ziggurat(generator_.get(), 1.0); }
   Vector normal_vector(Index n) {
     return Vector::NullaryExpr(n, [this] { return normal(); });

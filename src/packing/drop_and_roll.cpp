@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "packing/drop_and_roll.hpp"
 
-#include <numbers>
-
 namespace nscdd {
 namespace {
 
 // Added to sizes, relative to them: far more than coordinates lose by rounding.
 constexpr double margin = 1e-6;
-// Smaller grains per cell of the largest beyond which they get their own level. Measured: 4 to 16 serve equally.
-constexpr double crowded = 4;
 
 // > 0 where q is met after p by a disk that rolls over the pivot to that side, less than half a turn apart.
 double later(const Disk& pivot, const Point& p, const Point& q, Side side) {
@@ -41,92 +37,38 @@ std::optional<Point> roll_against(const Disk& pivot, const Disk& other, double r
   return Point{base.x + (towards * dx - beside * dy) / d, base.y + (towards * dy + beside * dx) / d};
 }
 
-double disk_area(std::span<const double> radii) {
-  double area = 0;
-  for (const double radius : radii) area += std::numbers::pi * radius * radius;
-  return area;
-}
-
-Heap::Heap(double width, double largest_radius, std::vector<double> radii) : width_(width) {
-  disks_.reserve(radii.size());
-  next_.reserve(radii.size());
-  const auto cells_for = [](std::size_t grains) { return 2.0 * static_cast<double>(grains) + 64; };
-  // A box far wider than its grains can fill is cut into fewer, wider columns.
-  add_level(largest_radius, std::max(2 * largest_radius, width / cells_for(radii.size())));
-  std::sort(radii.begin(), radii.end());
-  const double room = std::max(disk_area(radii), 2 * largest_radius * width);  // about the area of the bed
-  while (true) {
-    const double largest = levels_.back().largest;
-    const auto half = std::lower_bound(radii.begin(), radii.end(), largest / 2);
-    radii.erase(half, radii.end());
-    if (radii.empty() || static_cast<double>(radii.size()) * 4 * largest * largest <= crowded * room) return;
-    // The bound is a little above the largest of them, so that rounding hides no grain beyond the border of a
-    // cell. Where the grains are few, cells are wider than that: they stay about as many as the grains.
-    const double bound = radii.back() * (1 + margin);
-    add_level(bound, std::max(2 * bound, std::sqrt(room / cells_for(radii.size()))));
-  }
-}
-
-void Heap::add_level(double largest, double side) {
-  Level level{.largest = largest, .side = side, .columns = static_cast<std::size_t>(width_ / side) + 1};
-  level.filled.assign(level.columns, 0);
-  levels_.push_back(std::move(level));
-}
-
-std::size_t Heap::Level::column_of(double x) const {
-  return std::min(columns - 1, static_cast<std::size_t>(std::max(0.0, x) / side));
-}
-
-std::size_t Heap::Level::row_of(double y) const { return static_cast<std::size_t>(std::max(0.0, y) / side); }
-
-template <class Visit>
-void Heap::visit_row(const Level& level, std::size_t row, double left, double right, Visit&& visit) const {
-  const std::size_t end = row * level.columns + level.column_of(right) + 1;
-  for (std::size_t cell = row * level.columns + level.column_of(left); cell < end; ++cell)
-    for (std::int32_t i = level.first[cell]; i >= 0; i = next_[at(i)]) visit(i, disks_[at(i)]);
-}
-
 // Whether a disk meets grain i before `met`: if `lead` is positive. If it is 0, the disk meets both at one place, and a
 // fixed order of the grains decides, so that the bed does not depend on the order of search:
 // by rows of cells of the coarsest level, in a row from left to right, in a cell from the latest grain to the first.
-bool Heap::first_met(double lead, std::int32_t i, const Meeting& met, Rows rows) const {
+bool Heap::first_met(double lead, Index i, const Meeting& met, Rows rows) const {
   if (lead != 0 || met.with != Meeting::With::grain) return lead > 0;
-  const auto cell = [&](std::int32_t grain) {
+  const BedCells::Level& coarsest = cells_.levels().front();
+  const auto cell = [&](Index grain) {
     const Disk& disk = disks_[at(grain)];
-    const std::size_t row = levels_.front().row_of(disk.y);
-    return std::pair(rows == Rows::upwards ? row : ~row, levels_.front().column_of(disk.x));
+    const std::size_t row = coarsest.layer_of(disk.y);
+    return std::pair(rows == Rows::upwards ? row : ~row, coarsest.column_of(disk.x));
   };
   const auto cell_i = cell(i), cell_met = cell(met.grain);
   return cell_i != cell_met ? cell_i < cell_met : i > met.grain;
 }
 
 void Heap::add(const Disk& disk) {
-  auto level = levels_.rbegin();
-  while (level->largest < disk.radius) ++level;
-  const std::size_t column = level->column_of(disk.x), row = level->row_of(disk.y);
-  level->rows = std::max(level->rows, row + 1);
-  level->first.resize(std::max(level->first.size(), level->rows * level->columns), -1);
-  level->filled[column] = std::max(level->filled[column], row + 1);
-  std::int32_t& first = level->first[row * level->columns + column];
-  next_.push_back(first);
-  first = static_cast<std::int32_t>(disks_.size());
+  cells_.add({disk.x, 0, disk.y}, disk.radius);
   disks_.push_back(disk);
 }
 
 Heap::Meeting Heap::fall(const Point& from, double radius) const {
   const double x = from[0];
   Meeting met{Meeting::With::floor, {x, radius}};
-  for (const Level& level : levels_) {
-    const double left = x - radius - level.largest, right = x + radius + level.largest;
-    const auto highest =
-        std::max_element(level.filled.begin() + static_cast<std::ptrdiff_t>(level.column_of(left)),
-                         level.filled.begin() + static_cast<std::ptrdiff_t>(level.column_of(right)) + 1);
-    std::size_t rows = *highest;
-    if (std::isfinite(from[1])) rows = std::min(rows, level.row_of(from[1]) + 1);
+  for (const BedCells::Level& level : cells_.levels()) {
+    const Eigen::Vector3d left(x - radius - level.largest, 0, 0), right(x + radius + level.largest, 0, 0);
+    std::size_t rows = level.highest(left, right);
+    if (std::isfinite(from[1])) rows = std::min(rows, level.layer_of(from[1]) + 1);
     for (std::size_t row = rows; row-- > 0;) {
       // A grain in this row or below stops a disk no higher than this.
       if (met.centre[1] >= static_cast<double>(row + 1) * level.side + radius + level.largest) break;
-      visit_row(level, row, left, right, [&](std::int32_t i, const Disk& disk) {
+      cells_.visit(level, row, row + 1, left, right, [&](Index i) {
+        const Disk& disk = disks_[at(i)];
         if (disk.y >= from[1]) return;
         const auto height = fall_onto(disk, x, radius);
         if (height && first_met(*height - met.centre[1], i, met, Rows::downwards))
@@ -159,13 +101,13 @@ Heap::Meeting Heap::roll(const Disk& pivot, const Point& from, double radius, Si
     const double above = std::clamp(y - pivot.y, 0.0, arc);
     return std::sqrt((arc - above) * (arc + above));
   };
-  for (const Level& level : levels_) {
+  for (const BedCells::Level& level : cells_.levels()) {
     const double reach = radius + level.largest, wide = reach * (1 + margin);
     const double leftmost = std::min(from[0], end.centre[0]) - reach;
     const double rightmost = std::max(from[0], end.centre[0]) + reach;
     const bool many_columns = rightmost - leftmost > 8 * level.side;
-    const std::size_t last_row = level.row_of(end.centre[1] - reach);
-    for (std::size_t row = std::min(level.rows, level.row_of(from[1] + reach) + 1); row-- > last_row;) {
+    const std::size_t last_row = level.layer_of(end.centre[1] - reach);
+    for (std::size_t row = std::min(level.layers, level.layer_of(from[1] + reach) + 1); row-- > last_row;) {
       // The centre is between these heights when it meets a grain of this row.
       const double low = static_cast<double>(row) * level.side - wide;
       const double high = static_cast<double>(row + 1) * level.side + wide;
@@ -176,7 +118,8 @@ Heap::Meeting Heap::roll(const Disk& pivot, const Point& from, double radius, Si
         left = std::max(left, side == Side::right ? pivot.x + near : pivot.x - far);
         right = std::min(right, side == Side::right ? pivot.x + far : pivot.x - near);
       }
-      visit_row(level, row, left, right, [&](std::int32_t i, const Disk& disk) {
+      cells_.visit(level, row, row + 1, {left, 0, 0}, {right, 0, 0}, [&](Index i) {
+        const Disk& disk = disks_[at(i)];
         // Only grains ahead are obstacles; the pivot itself and a pivot just left are not.
         if (later(pivot, from, {disk.x, disk.y}, side) <= 0) return;
         const auto centre = roll_against(pivot, disk, radius, side);

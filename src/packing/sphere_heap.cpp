@@ -8,8 +8,6 @@ namespace {
 
 // Added to sizes, relative to them: far more than coordinates lose by rounding.
 constexpr double margin = 1e-6;
-// Smaller grains per cell of the largest beyond which they get their own level.
-constexpr double crowded = 8;
 // Far more motions than a drop takes: 4 on average for equal sizes, and at most 230 for 10^5 small ones among some ten
 // to a hundred times as large.
 constexpr Index most_motions = 5000;
@@ -24,52 +22,8 @@ SpacePoint tangent(const SpacePoint& direction, const SpacePoint& normal) {
 
 }  // namespace
 
-SphereHeap::SphereHeap(double width, double depth, double largest_radius, std::vector<double> radii)
-    : width_(width), depth_(depth) {
-  spheres_.reserve(radii.size());
-  next_.reserve(radii.size());
-  const auto cells_for = [](std::size_t grains) { return 2.0 * static_cast<double>(grains) + 64; };
-  const double base = width * depth;
-  // A box far wider than its grains can fill is cut into fewer, wider columns.
-  const auto side_for = [&](double largest, std::size_t grains) {
-    return std::max(2 * largest, std::sqrt(base / cells_for(grains)));
-  };
-  add_level(largest_radius, side_for(largest_radius, radii.size()));
-  std::sort(radii.begin(), radii.end());
-  double volume = 0;
-  for (const double r : radii) volume += 4 * std::numbers::pi / 3 * r * r * r;
-  const double room = std::max(volume, 2 * largest_radius * base);  // about the volume of the bed
-  while (true) {
-    const double largest = levels_.back().largest;
-    radii.erase(std::lower_bound(radii.begin(), radii.end(), largest / 2), radii.end());
-    if (radii.empty() || static_cast<double>(radii.size()) * 8 * largest * largest * largest <= crowded * room) return;
-    // The bound is a little above the largest of them, so that rounding hides no grain beyond the border of a
-    // cell. Where the grains are few, cells are wider than that: they stay about as many as the grains.
-    const double bound = radii.back() * (1 + margin);
-    add_level(bound, std::max(side_for(bound, radii.size()), std::cbrt(room / cells_for(radii.size()))));
-  }
-}
-
-void SphereHeap::add_level(double largest, double side) {
-  Level level{.largest = largest,
-              .side = side,
-              .columns = static_cast<std::size_t>(width_ / side) + 1,
-              .rows = static_cast<std::size_t>(depth_ / side) + 1};
-  level.filled.assign(level.columns * level.rows, 0);
-  levels_.push_back(std::move(level));
-}
-
 void SphereHeap::add(const Sphere& sphere) {
-  auto level = levels_.rbegin();
-  while (level->largest < sphere.radius) ++level;
-  const std::size_t column = level->row_of(sphere.centre.y()) * level->columns + level->column_of(sphere.centre.x());
-  const std::size_t layer = level->layer_of(sphere.centre.z());
-  level->layers = std::max(level->layers, layer + 1);
-  level->first.resize(std::max(level->first.size(), level->layers * level->filled.size()), -1);
-  level->filled[column] = std::max(level->filled[column], layer + 1);
-  std::int32_t& first = level->first[layer * level->filled.size() + column];
-  next_.push_back(first);
-  first = static_cast<std::int32_t>(spheres_.size());
+  cells_.add(sphere.centre, sphere.radius);
   spheres_.push_back(sphere);
 }
 
@@ -79,38 +33,18 @@ double SphereHeap::rounding(double height) const {
 }
 
 Obstacle SphereHeap::wall(Index number, double radius) const {
-  switch (number) {
-    case Obstacle::floor:
-      return {.number = number, .plane = true, .at = SpacePoint::UnitZ(), .reach = radius};
-    case Obstacle::floor - 1:
-      return {.number = number, .plane = true, .at = SpacePoint::UnitX(), .reach = radius};
-    case Obstacle::floor - 2:
-      return {.number = number, .plane = true, .at = -SpacePoint::UnitX(), .reach = radius - width_};
-    case Obstacle::floor - 3:
-      return {.number = number, .plane = true, .at = SpacePoint::UnitY(), .reach = radius};
-    default:
-      return {.number = number, .plane = true, .at = -SpacePoint::UnitY(), .reach = radius - depth_};
-  }
+  const std::array<std::pair<SpacePoint, double>, 5> planes{{{SpacePoint::UnitZ(), radius},
+                                                             {SpacePoint::UnitX(), radius},
+                                                             {-SpacePoint::UnitX(), radius - width_},
+                                                             {SpacePoint::UnitY(), radius},
+                                                             {-SpacePoint::UnitY(), radius - depth_}}};
+  const auto& [normal, offset] = planes[at(Obstacle::floor - number)];
+  return {.number = number, .plane = true, .at = normal, .reach = offset};
 }
 
 Obstacle SphereHeap::around(Index grain, double radius) const {
   const Sphere& sphere = spheres_[at(grain)];
   return {.number = grain, .plane = false, .at = sphere.centre, .reach = radius + sphere.radius};
-}
-
-// Visits the grains whose centre is in a box, and some next to it.
-template <class Visit>
-void SphereHeap::visit_box(const Level& level, const SpacePoint& low, const SpacePoint& high, Visit&& visit) {
-  const std::size_t left = level.column_of(low.x()), right = level.column_of(high.x());
-  const std::size_t back = level.row_of(high.y()), bottom = level.layer_of(low.z());
-  const std::size_t top = std::min(level.layers, level.layer_of(high.z()) + 1);
-  for (std::size_t row = level.row_of(low.y()); row <= back; ++row)
-    for (std::size_t column = row * level.columns + left; column <= row * level.columns + right; ++column)
-      for (std::size_t layer = std::min(top, level.filled[column]); layer-- > bottom;)
-        for (std::int32_t i = level.first[layer * level.filled.size() + column]; i >= 0; i = next_[at(i)]) {
-          ++work_.candidates;
-          visit(static_cast<Index>(i), spheres_[at(i)]);
-        }
 }
 
 void SphereHeap::fall(Traveller& one) {
@@ -119,19 +53,17 @@ void SphereHeap::fall(Traveller& one) {
   const SpacePoint from = one.centre;
   Index met = Obstacle::floor;
   double height = one.radius;
-  for (const Level& level : levels_) {
+  for (const BedCells::Level& level : cells_.levels()) {
     const double reach = one.radius + level.largest;
-    SpacePoint low = from.array() - reach, high = from.array() + reach;
-    std::size_t top = 0;
-    for (std::size_t row = level.row_of(low.y()); row <= level.row_of(high.y()); ++row)
-      for (std::size_t column = level.column_of(low.x()); column <= level.column_of(high.x()); ++column)
-        top = std::max(top, level.filled[row * level.columns + column]);
+    const SpacePoint low = from.array() - reach, high = from.array() + reach;
+    std::size_t top = level.highest(low, high);
     if (std::isfinite(from.z())) top = std::min(top, level.layer_of(from.z()) + 1);
     for (std::size_t layer = top; layer-- > 0;) {
       // A grain in this layer or below stops a sphere no higher than this.
       if (height >= static_cast<double>(layer + 1) * level.side + reach) break;
-      low.z() = high.z() = (static_cast<double>(layer) + 0.5) * level.side;
-      visit_box(level, low, high, [&](Index i, const Sphere& sphere) {
+      cells_.visit(level, layer, layer + 1, low, high, [&](Index i) {
+        ++work_.candidates;
+        const Sphere& sphere = spheres_[at(i)];
         if (sphere.centre.z() >= from.z()) return;
         const double r = one.radius + sphere.radius;
         const double d = std::hypot(from.x() - sphere.centre.x(), from.y() - sphere.centre.y());
@@ -232,7 +164,7 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
     const double deepest = arc.radius * std::hypot(u, w) - plane.gap(arc.centre);
     if (deepest > graze) meet(number, first_crossing(u, w, deepest / arc.radius));
   }
-  for (const Level& level : levels_) {
+  for (const BedCells::Level& level : cells_.levels()) {
     const double reach = (one.radius + level.largest) * (1 + margin);
     const double piece = reach / arc.radius;
     SpacePoint here = one.centre;
@@ -240,16 +172,18 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
       const double to = std::min(end, from + piece);
       const SpacePoint there = arc.at(to);
       const double room = reach + arc.radius * (1 - std::cos(0.5 * (to - from)));
-      visit_box(level, here.cwiseMin(there).array() - room, here.cwiseMax(there).array() + room,
-                [&](Index i, const Sphere& sphere) {
-                  const SpacePoint q = sphere.centre - arc.centre;
-                  const double reach_i = one.radius + sphere.radius, u = q.dot(arc.outwards), w = q.dot(arc.ahead);
-                  const double h = q.dot(axis), in_plane = std::sqrt(u * u + w * w), d = in_plane - arc.radius;
-                  const double room_squared = reach_i * reach_i - h * h - d * d;
-                  // Nowhere nearer than reach_i - graze, to first order.
-                  if (room_squared <= 2 * reach_i * graze || is_pivot(i)) return;
-                  meet(i, first_crossing(u, w, room_squared / (2 * arc.radius)));
-                });
+      const SpacePoint low = here.cwiseMin(there).array() - room, high = here.cwiseMax(there).array() + room;
+      cells_.visit(level, level.layer_of(low.z()), level.layer_of(high.z()) + 1, low, high, [&](Index i) {
+        ++work_.candidates;
+        const Sphere& sphere = spheres_[at(i)];
+        const SpacePoint q = sphere.centre - arc.centre;
+        const double reach_i = one.radius + sphere.radius, u = q.dot(arc.outwards), w = q.dot(arc.ahead);
+        const double h = q.dot(axis), in_plane = std::sqrt(u * u + w * w), d = in_plane - arc.radius;
+        const double room_squared = reach_i * reach_i - h * h - d * d;
+        // Nowhere nearer than reach_i - graze, to first order.
+        if (room_squared <= 2 * reach_i * graze || is_pivot(i)) return;
+        meet(i, first_crossing(u, w, room_squared / (2 * arc.radius)));
+      });
       here = there;
     }
   }

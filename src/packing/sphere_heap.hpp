@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "packing/bed_cells.hpp"
 #include "packing/sphere_supports.hpp"
+#include <nscdd/packing/packing.hpp>
 
 namespace nscdd {
 
@@ -17,12 +19,12 @@ struct RollingWork {
   Index abandoned = 0;   ///< drops without an end, see SphereHeap::settle
 };
 
-/// A bed of spheres in a box, built by drop and roll: floor z = 0, walls x = 0, x = width, y = 0, y = depth. Grains lie
-/// in cubic cells, level by level as in Heap: a motion searches only the cells along its path.
+/// A bed of spheres in a box, built by drop and roll: floor z = 0, walls x = 0, x = width, y = 0, y = depth.
 class SphereHeap {
  public:
   /// Sizes in m. Cells suit the `radii` of the grains to come.
-  SphereHeap(double width, double depth, double largest_radius, std::vector<double> radii);
+  SphereHeap(double width, double depth, double largest_radius, std::vector<double> radii)
+      : width_(width), depth_(depth), cells_(width, depth, largest_radius, std::move(radii)) {}
 
   /// Only the floor; or three supports of a sphere, with its centre above the triangle of the points of contact.
   using Supports = std::vector<Index>;
@@ -41,19 +43,6 @@ class SphereHeap {
   const RollingWork& work() const { return work_; }
 
  private:
-  struct Level {
-    double largest, side;  ///< m
-    std::size_t columns, rows, layers = 0;
-    std::vector<std::int32_t> first = {};  ///< latest grain of each cell, layer by layer; -1 for none
-    std::vector<std::size_t> filled = {};  ///< of each column of cells: layers up to its highest grain
-
-    std::size_t column_of(double x) const { return along(x, columns); }
-    std::size_t row_of(double y) const { return along(y, rows); }
-    std::size_t layer_of(double z) const { return static_cast<std::size_t>(std::max(0.0, z) / side); }
-    std::size_t along(double offset, std::size_t cells) const {
-      return std::min(cells - 1, static_cast<std::size_t>(std::max(0.0, offset) / side));
-    }
-  };
   /// A circle that the centre moves on: centre + radius (cos(angle) outwards + sin(angle) ahead), from angle 0.
   struct Arc {
     SpacePoint centre, outwards, ahead;
@@ -75,7 +64,6 @@ class SphereHeap {
     std::size_t count = 0;
   };
 
-  void add_level(double largest, double side);
   double rounding(double height) const;
   Obstacle wall(Index number, double radius) const;
   Obstacle around(Index grain, double radius) const;
@@ -86,14 +74,22 @@ class SphereHeap {
                                 std::span<const SpacePoint> normals) const;
   SpacePoint in_box(const Traveller& one) const;
   Rest at_rest(Traveller& one, const Carried& carried) const;
-  template <class Visit>
-  void visit_box(const Level& level, const SpacePoint& low, const SpacePoint& high, Visit&& visit);
 
   double width_, depth_;
-  std::vector<Level> levels_;  ///< coarsest first
+  BedCells cells_;
   std::vector<Sphere> spheres_;
-  std::vector<std::int32_t> next_;  ///< of each grain: the previous one in its cell, or -1
   RollingWork work_;
 };
+
+struct SphereDeposit;
+
+/// A deposit of spheres with the supports of each sphere, and the work of its generation.
+struct SphereBed {
+  Packing packing;
+  double width = 0, depth = 0;  ///< m
+  std::vector<SphereHeap::Supports> supports;
+  RollingWork work;
+};
+SphereBed sphere_bed(const SphereDeposit& deposit, const Monitor& monitor = {});
 
 }  // namespace nscdd

@@ -2,7 +2,7 @@
 #include "packing/statistics.hpp"
 
 #include "linalg/scalar.hpp"
-#include "packing/drop_and_roll.hpp"
+#include "packing/bed_cells.hpp"
 
 #include <numbers>
 
@@ -10,11 +10,6 @@ namespace nscdd {
 namespace {
 
 using std::numbers::pi;
-
-struct Rectangle {
-  double left, right, low, high;
-  double area() const { return (right - left) * (high - low); }
-};
 
 // From the lowest to the highest point of grains along one direction.
 struct Extent {
@@ -33,9 +28,9 @@ Extent extent_of(const std::vector<double>& centres, const std::vector<double>& 
 double cap_area(double a) { return 0.5 * pi + a * std::sqrt((1 - a) * (1 + a)) + std::asin(a); }
 
 // Area of a disk in a rectangle, by inclusion and exclusion of its four corners.
-double area_in(const Rectangle& box, double x, double y, double radius) {
-  const double left = (box.left - x) / radius, right = (box.right - x) / radius;
-  const double low = (box.low - y) / radius, high = (box.high - y) / radius;
+double area_in(const Extent& width, const Extent& height, double x, double y, double radius) {
+  const double left = (width.low - x) / radius, right = (width.high - x) / radius;
+  const double low = (height.low - y) / radius, high = (height.high - y) / radius;
   const double share = left <= -1 && low <= -1 && right >= 1 && high >= 1
                            ? pi
                            : disk_corner_area(right, high) - disk_corner_area(left, high) -
@@ -71,9 +66,10 @@ double sphere_box_volume(const std::array<double, 3>& low, const std::array<doub
   if (std::ranges::all_of(low, [](double a) { return a <= -1; }) &&
       std::ranges::all_of(high, [](double a) { return a >= 1; }))
     return 4 * pi / 3;
-  const Rectangle plane{low[0], high[0], low[1], high[1]};
   // z = sin t: the disk at z has the radius cos t.
-  const auto slice = [&](double t) { return std::cos(t) * area_in(plane, 0, 0, std::cos(t)); };
+  const auto slice = [&](double t) {
+    return std::cos(t) * area_in({low[0], high[0]}, {low[1], high[1]}, 0, 0, std::cos(t));
+  };
   // The area has a kink where the disk begins to reach over a side or a corner: the integral is taken between them.
   const double from = std::asin(std::max(low[2], -1.0)), to = std::asin(std::min(high[2], 1.0));
   std::vector<double> ends{from, to};
@@ -110,11 +106,11 @@ SolidFraction solid_fraction(const Packing& packing) {
   const Extent x = extent_of(packing.x, packing.radius), y = extent_of(packing.y, packing.radius);
   if (packing.dimension() == 3) return solid_fraction_in_space(packing, {x, y, extent_of(packing.z, packing.radius)});
   const Extent half_x = x.middle_half(), half_y = y.middle_half();
-  const Rectangle middle{half_x.low, half_x.high, half_y.low, half_y.high};
   double in_middle = 0;
   for (std::size_t i = 0; i < packing.x.size(); ++i)
-    in_middle += area_in(middle, packing.x[i], packing.y[i], packing.radius[i]);
-  return {disk_area(packing.radius) / (x.length() * y.length()), in_middle / middle.area()};
+    in_middle += area_in(half_x, half_y, packing.x[i], packing.y[i], packing.radius[i]);
+  return {total_measure(packing.radius, false) / (x.length() * y.length()),
+          in_middle / (half_x.length() * half_y.length())};
 }
 
 std::vector<char> rattlers(const ContactNetwork& network) {

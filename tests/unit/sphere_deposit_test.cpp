@@ -2,7 +2,7 @@
 // Spheres dropped into a box: what carries them, exact tangencies, three supports each, work that does not grow.
 #include "../support/sanitized.hpp"
 #include "linalg/random.hpp"
-#include "packing/generators/sphere_bed.hpp"
+#include "packing/sphere_heap.hpp"
 #include "packing/statistics.hpp"
 #include <nscdd/packing/generator.hpp>
 

@@ -3,8 +3,6 @@
 
 #include <nscdd/packing/generators/deposit.hpp>
 #include <nscdd/packing/generators/lattice.hpp>
-#include <nscdd/packing/generators/sphere_deposit.hpp>
-#include <nscdd/packing/generators/sphere_lattice.hpp>
 
 #include <variant>
 

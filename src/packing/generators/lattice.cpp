@@ -1,16 +1,81 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "packing/generators/lattice_sites.hpp"
+#include "core/fail.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/packing/generators/lattice.hpp>
 
 #include <numbers>
+#include <numeric>
 
 namespace nscdd {
+namespace {
+
+using std::numbers::sqrt3;
+
+constexpr Index most_sites = 10'000'000;
+
+// Vacant sites, as flags: those of the smallest numbers, nested from fraction to fraction.
+std::vector<char> vacant_sites(const std::vector<double>& numbers, double fraction) {
+  const auto sites = static_cast<double>(numbers.size());
+  const auto vacant = static_cast<std::ptrdiff_t>(std::min(std::round(fraction * sites), sites - 1));
+  std::vector<std::size_t> order(numbers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::nth_element(order.begin(), order.begin() + vacant, order.end(),
+                   [&](std::size_t i, std::size_t j) { return std::pair(numbers[i], i) < std::pair(numbers[j], j); });
+  std::vector<char> flags(numbers.size(), 0);
+  std::for_each(order.begin(), order.begin() + vacant, [&](std::size_t site) { flags[site] = 1; });
+  return flags;
+}
+
+// The grains of `rows` rows of sites, in any number of layers, without vacant sites, with shrunk radii.
+// `add_centre(packing, column, row)` puts the centre of a site there.
+template <class Sites, class AddCentre>
+Packing occupied_sites(const Sites& lattice, Index rows, const AddCentre& add_centre, const Monitor& monitor) {
+  const Index sites = lattice.columns * rows;
+  std::vector<double> shrinking;
+  std::vector<char> vacant;
+  if (lattice.vacancies > 0 || lattice.disorder > 0) {
+    RandomStream random(static_cast<std::uint64_t>(lattice.seed));
+    shrinking = random.uniforms(sites);
+    vacant = vacant_sites(random.uniforms(sites), lattice.vacancies);
+  }
+  Packing packing;
+  for (Index row = 0; row < rows; ++row) {
+    if (!report(monitor, row * lattice.columns, sites)) break;
+    for (Index column = 0; column < lattice.columns; ++column) {
+      const std::size_t site = at(row * lattice.columns + column);
+      if (!vacant.empty() && vacant[site] != 0) continue;
+      add_centre(packing, column, row);
+      packing.radius.push_back(shrinking.empty() ? lattice.radius
+                                                 : lattice.radius * (1 - lattice.disorder * shrinking[site]));
+    }
+  }
+  return packing;
+}
+
+double real(Index whole) { return static_cast<double>(whole); }
+
+// The centre of a site, in radii.
+std::array<double, 3> centre_of(Stacking stacking, Index column, Index row, Index layer) {
+  const Index shift = layer % 2;
+  switch (stacking) {
+    case Stacking::cubic:
+      return {real(2 * column), real(2 * row), real(2 * layer)};
+    case Stacking::fcc:
+      return {real(2 * column + shift), real(2 * row + shift), real(layer) * std::numbers::sqrt2};
+    case Stacking::hcp:
+      break;
+  }
+  return {real(2 * column + row % 2 + shift), real(3 * row + shift) / sqrt3, real(layer) * std::sqrt(8.0 / 3)};
+}
+
+}  // namespace
+
 Packing generate(const TriangularStrip& strip, const Monitor& monitor) {
   Packing packing;
   for (Index i = 0; i < strip.grains; ++i) {
     if (i % 4096 == 0 && !report(monitor, i, strip.grains)) break;
-    packing.x.push_back(static_cast<double>(i) * strip.radius);
-    packing.y.push_back(i % 2 == 0 ? 0.0 : std::numbers::sqrt3 * strip.radius);
+    packing.x.push_back(real(i) * strip.radius);
+    packing.y.push_back(i % 2 == 0 ? 0.0 : sqrt3 * strip.radius);
     packing.radius.push_back(strip.radius);
   }
   return packing;
@@ -20,10 +85,23 @@ Packing generate(const HexagonalLattice& lattice, const Monitor& monitor) {
   if (lattice.columns * lattice.rows > most_sites)
     fail("packing: expected at most {} disks, met {} columns x {} rows", most_sites, lattice.columns, lattice.rows);
   const auto add_centre = [&](Packing& packing, Index column, Index row) {
-    packing.x.push_back(static_cast<double>(2 * column + row % 2) * lattice.radius);
-    packing.y.push_back(static_cast<double>(row) * std::numbers::sqrt3 * lattice.radius);
+    packing.x.push_back(real(2 * column + row % 2) * lattice.radius);
+    packing.y.push_back(real(row) * sqrt3 * lattice.radius);
   };
   return occupied_sites(lattice, lattice.rows, add_centre, monitor);
+}
+
+Packing generate(Stacking stacking, const SphereSites& sites, const Monitor& monitor) {
+  if (sites.columns * sites.rows > most_sites || sites.columns * sites.rows * sites.layers > most_sites)
+    fail("packing: expected at most {} spheres, met {} columns x {} rows x {} layers", most_sites, sites.columns,
+         sites.rows, sites.layers);
+  const auto add_centre = [&](Packing& packing, Index column, Index row) {
+    const std::array<double, 3> centre = centre_of(stacking, column, row % sites.rows, row / sites.rows);
+    packing.x.push_back(centre[0] * sites.radius);
+    packing.y.push_back(centre[1] * sites.radius);
+    packing.z.push_back(centre[2] * sites.radius);
+  };
+  return occupied_sites(sites, sites.rows * sites.layers, add_centre, monitor);
 }
 
 }  // namespace nscdd

@@ -52,6 +52,23 @@ struct SizeDistribution {
 /// Throws Error for radius_min > radius_max, and if no lognormal radius lies between them in double precision.
 std::function<double(double u)> radius_quantile(const SizeDistribution& sizes);
 
+/// The fields of a deposit, in the plane or in space.
+template <class AnyDeposit, class Visitor>
+void visit_deposit(AnyDeposit& deposit, Visitor& visit) {
+  constexpr bool in_space = requires { deposit.depth; };
+  visit("grains", deposit.grains, Field{.description = "number of grains", .minimum = 1, .maximum = 1e7});
+  visit("width", deposit.width,
+        Field{.description = in_space ? "width of the box, along x; 0 for a bed about as high as wide"
+                                      : "width of the box; 0 for a bed about as high as wide",
+              .unit = "m",
+              .minimum = 0});
+  if constexpr (in_space)
+    visit("depth", deposit.depth,
+          Field{.description = "depth of the box, along y; 0 for that of the width", .unit = "m", .minimum = 0});
+  SizeDistribution::fields(deposit.sizes, visit);
+  visit("seed", deposit.seed, Field{.description = "seed of sizes and places", .minimum = 0, .maximum = 4294967295.0});
+}
+
 /// Grains dropped one by one at random places into a box with a floor (y = 0) and two walls (x = 0, x = width), each
 /// rolling downhill over earlier grains until it rests on two supports (grains, wall) with its centre between
 /// them, or on the floor (Visscher & Bolsterli, Nature 239 (1972) 504-507). A placed grain never moves again. Every
@@ -71,18 +88,38 @@ struct Deposit {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("grains", self.grains, Field{.description = "number of grains", .minimum = 1, .maximum = 1e7});
-    visit("width", self.width,
-          Field{.description = "width of the box; 0 for a bed about as high as wide", .unit = "m", .minimum = 0});
-    SizeDistribution::fields(self.sizes, visit);
-    visit("seed", self.seed, Field{.description = "seed of sizes and places", .minimum = 0, .maximum = 4294967295.0});
+    visit_deposit(self, visit);
   }
 };
 
-/// Generates a deposit in O(N). Sizes far apart cost more: 1 : 100 some five times as much as equal sizes. The
-/// first `grains` numbers of the stream are the sizes, the next ones the places, so that equal seeds give equal sizes
-/// in boxes of any width. Throws Error for sizes that radius_quantile refuses, and for a box narrower than the largest
-/// grain or wider than 10^7 radius_min (where rounding would drown the tangencies).
+/// Deposit in space: spheres dropped into a box with a floor (z = 0) and four walls (x = 0, x = width, y = 0,
+/// y = depth). Each falls, rolls over one sphere, then in the groove between two, always by steepest descent, until
+/// three (spheres, walls) hold it with its centre above the triangle of the points of contact, or the floor does. Its
+/// path consists of vertical lines and arcs of circles, whose ends are roots in closed form. The network has at most 3
+/// contacts per grain.
+struct SphereDeposit {
+  static constexpr std::string_view name = "sphere_deposit";
+  static constexpr std::string_view summary =
+      "spheres of random sizes dropped into a box, each rolled to rest on three supports";
+  static constexpr Index dimension = 3;
+  Index grains = 1000;
+  double width = 0;  ///< along x, m; 0 for a bed about as high as wide
+  double depth = 0;  ///< along y, m; 0 for the width
+  SizeDistribution sizes = {};
+  Index seed = 1;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit_deposit(self, visit);
+  }
+};
+
+/// Generate a deposit in O(N). Sizes far apart cost more: in the plane 1 : 100 some five times as much as equal sizes.
+/// The first `grains` numbers of the stream are the sizes, the next ones the places (x, in space x and y of each drop),
+/// so that equal seeds give equal sizes in boxes of any width. Throw Error for fields out of bounds, for sizes that
+/// radius_quantile refuses, and for a box narrower or less deep than the largest grain, or wider or deeper than
+/// 10^7 radius_min (where rounding would drown the tangencies).
 Packing generate(const Deposit& deposit, const Monitor& monitor = {});
+Packing generate(const SphereDeposit& deposit, const Monitor& monitor = {});
 
 }  // namespace nscdd
