@@ -2,7 +2,6 @@
 #pragma once
 
 #include "contact_solvers/contact_matrix.hpp"
-#include "core/sum_of_parts.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd {
@@ -21,7 +20,7 @@ class ContactSums {
   Vector add_up(Index quantities, Index contacts, const Add& add) const {
     Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(quantities, std::max<Index>(parts_, 1));
     for (Index c = 0; c < contacts; ++c) add(c, sums.col(parts_ == 0 ? 0 : part_[at(c)]));
-    return parts_ == 0 ? Vector(sums) : sum_of_parts(std::move(sums), processes_);
+    return parts_ == 0 ? Vector(sums) : processes_.sum_of_parts(std::move(sums));
   }
   double dot(const Vector& a, const Vector& b) const {
     if (parts_ == 0) return a.dot(b);

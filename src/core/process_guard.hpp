@@ -12,28 +12,20 @@ template <auto take, auto restore>
 class ProcessGuard {
  public:
   ProcessGuard() {
-    State& s = state();
-    const std::lock_guard lock(s.mutex);
-    if (s.guards++ == 0) s.before = take();
+    const std::lock_guard lock(mutex_);
+    if (guards_++ == 0) before_ = take();
   }
   ~ProcessGuard() {
-    State& s = state();
-    const std::lock_guard lock(s.mutex);
-    if (--s.guards == 0) restore(s.before);
+    const std::lock_guard lock(mutex_);
+    if (--guards_ == 0) restore(before_);
   }
   ProcessGuard(const ProcessGuard&) = delete;
   ProcessGuard& operator=(const ProcessGuard&) = delete;
 
  private:
-  struct State {
-    std::mutex mutex;
-    long guards = 0;
-    decltype(take()) before{};
-  };
-  static State& state() {
-    static State one;
-    return one;
-  }
+  inline static std::mutex mutex_;
+  inline static long guards_ = 0;
+  inline static decltype(take()) before_{};
 };
 
 }  // namespace nscdd

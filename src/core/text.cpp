@@ -56,6 +56,11 @@ std::size_t utf8_length(std::string_view text) {
   return overlong || beyond || (first == 0xC2 && byte(1) < 0xA0) ? 0 : length;
 }
 
+std::string_view without_brackets(std::string_view text) {
+  text = trimmed(text);
+  return text.size() >= 2 && text.front() == '[' && text.back() == ']' ? text.substr(1, text.size() - 2) : text;
+}
+
 bool read_all(std::string_view text, double& value) {
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
   return status == std::errc() && end == text.data() + text.size();
@@ -140,17 +145,15 @@ void parse_value(std::string_view text, bool& value, std::string_view key) {
   value = text == "true";
 }
 
-std::array<std::string_view, 2> pair_of(std::string_view text, std::string_view key) {
-  std::string_view body = trimmed(text);
-  if (body.size() >= 2 && body.front() == '[' && body.back() == ']') body = body.substr(1, body.size() - 2);
+void parse_value(std::string_view text, std::array<Index, 2>& value, std::string_view key) {
+  const std::string_view body = without_brackets(text);
   const auto comma = body.find(',');
   if (comma == std::string_view::npos) fail("{}: expected two numbers 'a,b', met '{}'", key, text);
-  return {body.substr(0, comma), body.substr(comma + 1)};
+  value = {parse_integer(body.substr(0, comma), key), parse_integer(body.substr(comma + 1), key)};
 }
 
 std::vector<std::string_view> components_of(std::string_view text, std::string_view key) {
-  std::string_view body = trimmed(text);
-  if (body.size() >= 2 && body.front() == '[' && body.back() == ']') body = body.substr(1, body.size() - 2);
+  std::string_view body = without_brackets(text);
   std::vector<std::string_view> parts;
   for (auto comma = body.find(','); comma != std::string_view::npos; comma = body.find(',')) {
     parts.push_back(body.substr(0, comma));

@@ -195,7 +195,7 @@ class StrictTable {
     if (array->size() != 2 && array->size() != 3) fail(key, expected, fmt::format("an array of {}", array->size()));
     std::array<Number, 3> numbers{};
     for (std::size_t i = 0; i < array->size(); ++i) get((*array)[i], key, numbers[i]);
-    value = array->size() == 3 ? Components<Number>(numbers) : Components<Number>(numbers[0], numbers[1]);
+    value = {numbers, array->size()};
   }
 
   const toml::table* table_;

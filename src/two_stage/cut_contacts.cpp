@@ -2,7 +2,6 @@
 #include "two_stage/cut_contacts.hpp"
 
 #include "core/fail.hpp"
-#include "core/sum_of_parts.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 
@@ -70,7 +69,7 @@ Decomposition CutContacts<D>::stage_two() const {
   for (Index i = 0; i < count(own_); ++i)
     for (Index k = 0; k < count(own_[at(i)]); k += D)
       if (const double e = e_[at(own_[at(i)][at(k)] / D)](0, 0); e > 0) normal.col(i) += Eigen::Vector2d(e, 1);
-  const Vector sum = sum_of_parts(std::move(normal), processes());
+  const Vector sum = processes().sum_of_parts(std::move(normal));
   const double mean = sum[1] > 0 ? sum[0] / sum[1] : 0;
   Blocks roots;
   for (const auto& block : e_)

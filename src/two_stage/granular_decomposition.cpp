@@ -2,7 +2,6 @@
 #include "two_stage/granular_decomposition.hpp"
 
 #include "core/memory.hpp"
-#include "core/sum_of_parts.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/connectivity.hpp"
 
@@ -88,7 +87,7 @@ ImpulseScale impulse_scale(const StepProblem<D>& problem, const Partition& parti
     const ImpulseScale one = impulse_scale<D>(problem.law, problem.contacts[c], problem.free);
     sums.col(partition.subdomain_of_contact[c]) += Eigen::Vector4d(one.alone, one.momenta, one.speeds, one.energies);
   }
-  const Vector sum = sum_of_parts(std::move(sums), processes);
+  const Vector sum = processes.sum_of_parts(std::move(sums));
   return {.alone = sum[0], .momenta = sum[1], .speeds = sum[2], .energies = sum[3]};
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "two_stage/granular_two_stage.hpp"
 
-#include "core/sum_of_parts.hpp"
 #include "linalg/threads.hpp"
 
 #include <numeric>
@@ -33,7 +32,7 @@ ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, cons
     numbers.col(e) << one.natural_map, one.impulses, one.violation, one.work, one.scale_work, one.scale_velocity,
         static_cast<double>(one.active), static_cast<double>(one.stick), static_cast<double>(one.slide);
   }
-  const Vector sum = sum_of_parts(std::move(numbers), processes);
+  const Vector sum = processes.sum_of_parts(std::move(numbers));
   return {.natural_map = sum[0],
           .impulses = sum[1],
           .violation = sum[2],
@@ -116,7 +115,7 @@ Index GranularTwoStage<D>::contact_updates() const {
 
 template <int D>
 Vector GranularTwoStage<D>::summed(Eigen::MatrixXd parts) const {
-  return sum_of_parts(std::move(parts), parts_.interface.processes());
+  return parts_.interface.processes().sum_of_parts(std::move(parts));
 }
 
 template <int D>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/names.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
 #include <algorithm>

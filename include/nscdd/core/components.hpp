@@ -3,10 +3,6 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <array>
-#include <string>
-#include <string_view>
-
 namespace nscdd {
 
 /// A number per direction: two (x, y) or three (x, y, z). The packing fixes the count later, see `require_components`.
@@ -17,7 +13,8 @@ class Components {
   constexpr Components(Number x, Number y) : values_{x, y} {}
   constexpr Components(Number x, Number y, Number z) : values_{x, y, z}, size_(3) {}
   constexpr Components(const std::array<Number, 2>& values) : Components(values[0], values[1]) {}
-  constexpr Components(const std::array<Number, 3>& values) : Components(values[0], values[1], values[2]) {}
+  /// Of two numbers the third is 0.
+  constexpr Components(const std::array<Number, 3>& values, std::size_t size = 3) : values_(values), size_(size) {}
 
   constexpr std::size_t size() const { return size_; }
   /// The number along x, y or z; `Number{}` along z if there are two.
@@ -31,12 +28,5 @@ class Components {
   std::array<Number, 3> values_{};
   std::size_t size_ = 2;
 };
-
-/// Error text for a dimension: "two integers for a packing in the plane".
-template <class Number>
-std::string expected_components(Index dimension) {
-  return std::string(dimension == 2 ? "two " : "three ") + (std::is_same_v<Number, Index> ? "integers" : "numbers") +
-         " for a packing in " + (dimension == 2 ? "the plane" : "space");
-}
 
 }  // namespace nscdd

@@ -11,8 +11,8 @@
 /// A parameter struct P with defaults in place has
 ///     template <class Self, class Visitor> static void fields(Self& self, Visitor&& visit);
 /// which calls visit(key, self.member, Field{...}) once per parameter. Members are double, Index, bool,
-/// std::string, Choice<Enum>, pairs std::array<double, 2> and std::array<Index, 2>, Components<double> and
-/// Components<Index>, or a type with its own parse_value, field_text and check_bounds, which is a text in TOML.
+/// std::string, Choice<Enum>, std::array<Index, 2>, Components<double> and Components<Index>, or a type with its own
+/// parse_value, field_text and check_bounds, which is a text in TOML.
 namespace nscdd {
 
 struct Field {
@@ -41,13 +41,7 @@ inline void parse_value(std::string_view text, Index& value, std::string_view ke
 inline void parse_value(std::string_view text, std::string& value, std::string_view) { value = text; }
 void parse_value(std::string_view text, bool& value, std::string_view key);
 
-/// The two parts of "a,b" or "[a, b]".
-std::array<std::string_view, 2> pair_of(std::string_view text, std::string_view key);
-template <class Number>
-void parse_value(std::string_view text, std::array<Number, 2>& value, std::string_view key) {
-  const auto parts = pair_of(text, key);
-  for (std::size_t i = 0; i < 2; ++i) parse_value(parts[i], value[i], key);
-}
+void parse_value(std::string_view text, std::array<Index, 2>& value, std::string_view key);
 
 /// The two or three parts of "a,b", "a,b,c" or the like in brackets.
 std::vector<std::string_view> components_of(std::string_view text, std::string_view key);
@@ -56,7 +50,7 @@ void parse_value(std::string_view text, Components<Number>& value, std::string_v
   std::array<Number, 3> numbers{};
   const std::vector<std::string_view> parts = components_of(text, key);
   for (std::size_t i = 0; i < parts.size(); ++i) parse_value(parts[i], numbers[i], key);
-  value = parts.size() == 3 ? Components<Number>(numbers) : Components<Number>(numbers[0], numbers[1]);
+  value = {numbers, parts.size()};
 }
 template <Named Enum>
 void parse_value(std::string_view text, Choice<Enum>& value, std::string_view key) {
@@ -69,15 +63,12 @@ inline std::string field_text(Index value) { return std::to_string(value); }
 inline std::string field_text(bool value) { return value ? "true" : "false"; }
 std::string field_text(const std::string& value);
 template <class Number>
-std::string field_text(const std::array<Number, 2>& value) {
-  return "[" + field_text(value[0]) + ", " + field_text(value[1]) + "]";
-}
-template <class Number>
 std::string field_text(const Components<Number>& value) {
   std::string text;
   for (const Number component : value) text += (text.empty() ? "[" : ", ") + field_text(component);
   return text + "]";
 }
+inline std::string field_text(const std::array<Index, 2>& value) { return field_text(Components<Index>(value)); }
 template <Named Enum>
 std::string field_text(Choice<Enum> value) {
   return field_text(std::string(to_string(value)));
@@ -88,7 +79,6 @@ constexpr std::string_view field_type() {
   if (std::is_same_v<Value, double>) return "number";
   if (std::is_same_v<Value, Index>) return "integer";
   if (std::is_same_v<Value, bool>) return "boolean";
-  if (std::is_same_v<Value, std::array<double, 2>>) return "pair of numbers";
   if (std::is_same_v<Value, std::array<Index, 2>>) return "pair of integers";
   if (std::is_same_v<Value, Components<double>>) return "two or three numbers";
   if (std::is_same_v<Value, Components<Index>>) return "two or three integers";
@@ -104,12 +94,11 @@ inline void check_bounds(Index value, const Field& field, std::string_view key) 
   check_bounds(static_cast<double>(value), field, key);
 }
 template <class Number>
-void check_bounds(const std::array<Number, 2>& value, const Field& field, std::string_view key) {
-  for (const Number component : value) check_bounds(component, field, key);
-}
-template <class Number>
 void check_bounds(const Components<Number>& value, const Field& field, std::string_view key) {
   for (const Number component : value) check_bounds(component, field, key);
+}
+inline void check_bounds(const std::array<Index, 2>& value, const Field& field, std::string_view key) {
+  check_bounds(Components<Index>(value), field, key);
 }
 inline void check_bounds(bool, const Field&, std::string_view) {}
 inline void check_bounds(const std::string&, const Field&, std::string_view) {}
@@ -120,8 +109,12 @@ void check_bounds(Choice<Enum>, const Field&, std::string_view) {}
 /// numbers.
 template <class Number>
 void require_components(const Components<Number>& value, Index dimension, std::string_view key) {
-  if (static_cast<Index>(value.size()) != dimension)
-    throw Error(std::string(key), "expected " + expected_components<Number>(dimension) + ", met " + field_text(value));
+  if (static_cast<Index>(value.size()) == dimension) return;
+  const std::string numbers = std::is_same_v<Number, Index> ? " integers" : " numbers";
+  throw Error(std::string(key), "expected " +
+                                    (dimension == 2 ? "two" + numbers + " for a packing in the plane"
+                                                    : "three" + numbers + " for a packing in space") +
+                                    ", met " + field_text(value));
 }
 
 /// Every parameter of a struct with its present value.

@@ -71,6 +71,14 @@ struct Processes {
   }
   /// Whether any of them says so.
   bool any(bool own) const { return maximum(own ? 1 : 0) > 0; }
+  /// Sums over parts, one column each, in their order, so that no bit depends on the number of ranks. Columns of other
+  /// ranks are 0.
+  Vector sum_of_parts(Matrix parts) const {
+    add_up({parts.data(), at(parts.size())});
+    Vector sum = Vector::Zero(parts.rows());
+    for (Index e = 0; e < parts.cols(); ++e) sum += parts.col(e);
+    return sum;
+  }
 
   /// The items of all processes, one process after the other. Items hold no pointers.
   template <std::ranges::contiguous_range Items>
