@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/least_squares.hpp"
 
-#include "linalg/saddle_point.hpp"
+#include "linalg/range_projector.hpp"
 #include "linalg/threads.hpp"
 
 #include <lapacke.h>
@@ -13,27 +13,6 @@ constexpr double damping = 1e-6;  // tau^2 over the largest squared length of a 
 constexpr int most_iterations = 500;
 constexpr int patience = 50;  // iterations without a smaller residual
 constexpr double least_squares_tolerance = 1e-13;
-
-// x -> (A^T A + tau^2 I)^-1 x by [I A; A^T -tau^2 I] [v; y] = [0; -x].
-class DampedInverse {
- public:
-  explicit DampedInverse(const SparseMatrix& a) : rows_(a.rows()) {
-    double longest = 0;
-    for (Index j = 0; j < a.cols(); ++j) longest = std::max(longest, a.col(j).squaredNorm());
-    const SparseMatrix matrix = saddle_point(a, -damping * longest);
-    factor_.emplace(saddle_point_analysis(matrix, a), matrix);
-  }
-  Vector operator()(const Vector& x) const {
-    Vector right = Vector::Zero(rows_ + x.size());
-    right.tail(x.size()) = -x;
-    return factor_->solve(right).tail(x.size());
-  }
-  bool regular() const { return factor_->regular(); }
-
- private:
-  Index rows_ = 0;
-  std::optional<SymmetricFactor> factor_;
-};
 
 }  // namespace
 
@@ -55,10 +34,18 @@ LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolera
 // the x with the smallest of these residuals is kept, and the iteration ends when it no longer improves.
 Vector minimum_norm_least_squares(const SparseMatrix& a, const Vector& b) {
   Vector x = Vector::Zero(a.cols()), best = x;
-  const DampedInverse damped(a);
+  double longest = 0;
+  for (Index j = 0; j < a.cols(); ++j) longest = std::max(longest, a.col(j).squaredNorm());
+  const SymmetricFactor factor = saddle_point_factor(a, -damping * longest);
+  // y -> (A^T A + tau^2 I)^-1 y by [I A; A^T -tau^2 I] [v; z] = [0; -y].
+  const auto damped = [&](const Vector& y) -> Vector {
+    Vector right = Vector::Zero(a.rows() + y.size());
+    right.tail(y.size()) = -y;
+    return factor.solve(right).tail(y.size());
+  };
   Vector s = a.transpose() * b;
   const double first = s.norm();
-  if (!damped.regular() || !(first > 0)) return best;
+  if (!factor.regular() || !(first > 0)) return best;
   Vector direction = damped(s);
   double product = s.dot(direction), smallest = first;
   for (int k = 0, beaten = 0; k < most_iterations && k - beaten < patience; ++k) {

@@ -13,13 +13,30 @@ struct Moebius {
 };
 
 /// 1 - factor m, and factor / m - 1.
-Moebius one_minus(double factor, const Moebius& m);
-Moebius over_minus_one(double factor, const Moebius& m);
+inline Moebius one_minus(double factor, const Moebius& m) { return {m.c - factor * m.a, m.d - factor * m.b, m.c, m.d}; }
+inline Moebius over_minus_one(double factor, const Moebius& m) {
+  return {factor * m.c - m.a, factor * m.d - m.b, m.a, m.b};
+}
 
-/// Every x > 0, at most two, where m(x) - slope log x is stationary.
-std::vector<double> stationary_places(const Moebius& m, double slope);
+/// Positive roots of a x^2 + b x + c. Rounding may lose or move a root; bounds stay valid then.
+inline std::vector<double> positive_roots(double a, double b, double c) {
+  const double discriminant = b * b - 4 * a * c;
+  if (!(discriminant >= 0)) return {};
+  const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+  std::vector<double> roots;
+  for (const double root : {q / a, c / q})
+    if (std::isfinite(root) && root > 0) roots.push_back(root);
+  return roots;
+}
+
+/// Every x > 0, at most two, where m(x) - slope log x is stationary: x m'(x) = (a d - b c) x / (c x + d)^2 = slope.
+inline std::vector<double> stationary_places(const Moebius& m, double slope) {
+  return positive_roots(slope * m.c * m.c, 2 * slope * m.c * m.d - (m.a * m.d - m.b * m.c), slope * m.d * m.d);
+}
 
 /// Every x > 0, at most two, where m(x) = n(x).
-std::vector<double> crossings(const Moebius& m, const Moebius& n);
+inline std::vector<double> crossings(const Moebius& m, const Moebius& n) {
+  return positive_roots(m.a * n.c - n.a * m.c, m.a * n.d + m.b * n.c - n.a * m.d - n.b * m.c, m.b * n.d - n.b * m.d);
+}
 
 }  // namespace nscdd

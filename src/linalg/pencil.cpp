@@ -28,14 +28,14 @@ Tridiagonal tridiagonalise(Matrix c) {
   return t;
 }
 
-SymmetricEigen eigen_of(const SymmetricSolver& solver, Eigenvectors vectors) {
+ValuesAndVectors eigen_of(const SymmetricSolver& solver, Eigenvectors vectors) {
   const Index n = solver.eigenvalues().size();
   if (solver.info() != Eigen::Success) return {Vector::Constant(n, not_a_number), Matrix::Zero(n, n)};
   return {solver.eigenvalues(), vectors == Eigenvectors::wanted ? solver.eigenvectors() : Matrix()};
 }
 
 // Largest || T v - lambda v || of pairs of a tridiagonal matrix T.
-double residual_of(const SymmetricEigen& pairs, const Tridiagonal& t) {
+double residual_of(const ValuesAndVectors& pairs, const Tridiagonal& t) {
   const Index n = t.diagonal.size();
   const auto off = t.off.head(n - 1).asDiagonal();
   Matrix r = t.diagonal.asDiagonal() * pairs.vectors - pairs.vectors * pairs.values.asDiagonal();
@@ -46,7 +46,7 @@ double residual_of(const SymmetricEigen& pairs, const Tridiagonal& t) {
 
 // Eigenvalues first ... last (from 1, ascending) of a tridiagonal matrix with unit eigenvectors, by bisection and
 // inverse iteration. Empty if LAPACK finds too few values, or no vectors, as may happen if many are equal.
-SymmetricEigen some_pairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
+ValuesAndVectors some_pairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
   const auto n = static_cast<lapack_int>(t.diagonal.size());
   const Index wanted = last - first + 1;
   lapack_int found = 0, blocks = 0;
@@ -64,14 +64,14 @@ SymmetricEigen some_pairs(const Tridiagonal& t, lapack_int first, lapack_int las
   std::vector<Index> order(at(wanted));
   std::iota(order.begin(), order.end(), Index{0});
   std::sort(order.begin(), order.end(), [&](Index i, Index j) { return value[i] < value[j]; });
-  SymmetricEigen pairs{value(order), vectors(Eigen::all, order)};
+  ValuesAndVectors pairs{value(order), vectors(Eigen::all, order)};
   const double largest = std::max(t.diagonal.cwiseAbs().maxCoeff(), t.off.cwiseAbs().maxCoeff());
   if (!(residual_of(pairs, t) <= 1e-14 * static_cast<double>(n) * largest)) return {};
   return pairs;
 }
 
 struct BothEnds {
-  SymmetricEigen low, high;
+  ValuesAndVectors low, high;
 };
 
 // The k first and last pairs. If bisection fails, the QR iteration computes all pairs.
@@ -79,7 +79,7 @@ BothEnds both_ends(const Tridiagonal& t, lapack_int k) {
   const auto n = static_cast<lapack_int>(t.diagonal.size());
   BothEnds ends{some_pairs(t, 1, k), some_pairs(t, n - k + 1, n)};
   if (ends.low.values.size() > 0 && ends.high.values.size() > 0) return ends;
-  const SymmetricEigen all = tridiagonal_eigen(t.diagonal, t.off.head(n - 1));
+  const ValuesAndVectors all = tridiagonal_eigen(t.diagonal, t.off.head(n - 1));
   if (!all.values.allFinite()) return {};
   return {{all.values.head(k), all.vectors.leftCols(k)}, {all.values.tail(k), all.vectors.rightCols(k)}};
 }
@@ -123,23 +123,23 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted) {
   return ends;
 }
 
-SymmetricEigen symmetric_eigen(const Matrix& a, Eigenvectors vectors) {
+ValuesAndVectors symmetric_eigen(const Matrix& a, Eigenvectors vectors) {
   const SymmetricSolver solver(a,
                                vectors == Eigenvectors::wanted ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
   return eigen_of(solver, vectors);
 }
 
-SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below) {
+ValuesAndVectors tridiagonal_eigen(const Vector& diagonal, const Vector& below) {
   SymmetricSolver solver;
   solver.computeFromTridiagonal(diagonal, below);
   return eigen_of(solver, Eigenvectors::wanted);
 }
 
 // A wide matrix is replaced by the L of its L Q, Q orthogonal.
-LeftSingular left_singular(Matrix a) {
+ValuesAndVectors left_singular(Matrix a) {
   const auto rows = static_cast<lapack_int>(a.rows()), all = static_cast<lapack_int>(a.cols());
   const lapack_int columns = std::min(rows, all);
-  LeftSingular result{Vector::Zero(rows), Matrix::Identity(rows, rows)};
+  ValuesAndVectors result{Vector::Zero(rows), Matrix::Identity(rows, rows)};
   if (columns == 0) return result;
   if (all > rows) {
     Vector scale(rows);

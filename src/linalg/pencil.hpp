@@ -28,26 +28,23 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted = 1);
 double pair_residual(const Matrix& a, const Matrix& p, const Matrix& lower, const Vector& values,
                      const Matrix& vectors);
 
-/// All eigenvalues of a symmetric matrix, ascending, and orthonormal eigenvectors as columns (none unless they are
-/// wanted). The values are NaN if the QR iteration fails. Eigen's decompositions are slow to compile: only this
-/// file does.
-struct SymmetricEigen {
+/// Eigenvalues or singular values, ascending, and their orthonormal vectors as columns.
+struct ValuesAndVectors {
   Vector values;
   Matrix vectors;
 };
 enum class Eigenvectors { wanted, not_wanted };
-SymmetricEigen symmetric_eigen(const Matrix& a, Eigenvectors vectors = Eigenvectors::wanted);
-/// The same of a tridiagonal matrix, given by its diagonal and the line below it.
-SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below);
 
-/// The n singular values of an n x c matrix, ascending, with n - c zeros if c < n, and the left singular vectors as
-/// columns (LAPACK dgesdd, or dgesvd if that fails). Unlike eigenvalues of A A^T, small values and their spaces keep
+/// All eigenvalues of a symmetric matrix, and its eigenvectors if they are wanted. The values are NaN if the QR
+/// iteration fails. Eigen's decompositions are slow to compile: only this file does.
+ValuesAndVectors symmetric_eigen(const Matrix& a, Eigenvectors vectors = Eigenvectors::wanted);
+/// The same of a tridiagonal matrix, given by its diagonal and the line below it.
+ValuesAndVectors tridiagonal_eigen(const Vector& diagonal, const Vector& below);
+
+/// The n singular values of an n x c matrix, with n - c zeros if c < n, and its left singular vectors (LAPACK dgesdd,
+/// or dgesvd if that fails). Unlike eigenvalues of A A^T, small values and their spaces keep
 /// their digits. There are no values if both fail.
-struct LeftSingular {
-  Vector values;
-  Matrix vectors;
-};
-LeftSingular left_singular(Matrix a);
+ValuesAndVectors left_singular(Matrix a);
 
 /// All eigenvalues of a general square matrix, n >= 1, and optionally its eigenvectors (LAPACK). There are no values if
 /// the iteration fails.

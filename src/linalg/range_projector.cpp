@@ -2,9 +2,10 @@
 #include "linalg/range_projector.hpp"
 
 #include "linalg/krylov.hpp"
+#include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
-#include "linalg/saddle_point.hpp"
 #include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
 
 #include <Eigen/QR>
 
@@ -13,6 +14,10 @@
 namespace nscdd {
 namespace {
 
+// Largest accepted error of coefficients of size 1: below 1 no pivot has a false sign.
+constexpr double reliable = 1e-2;
+constexpr Index dense_limit = 1500;  // columns up to which a dense spectrum decides if no factors do
+constexpr double margin = 0.3;       // of the square of the tolerance, for a clear rank
 constexpr int most_refinements = 20;
 constexpr double refined = 1e-15;      // of the projected vector: below, corrections are rounding
 constexpr double blurred = 1e-3;       // tau for choosing columns
@@ -26,10 +31,37 @@ constexpr Index oversampling = 10;      // random vectors beyond the number of m
 constexpr Index solved_at_once = 64;    // right-hand sides
 constexpr int power_iterations = 10;
 
-SymmetricFactor faint_factor(const SparseMatrix& b) {
-  const SparseMatrix matrix = saddle_point(b, -faint * faint);
-  return SymmetricFactor(saddle_point_analysis(matrix, b), matrix);
+// The lower triangle of [I B; B^T D], D = diagonal I.
+SparseMatrix saddle_point(const SparseMatrix& b, double diagonal) {
+  SparseEntries entries;
+  for (Index i = 0; i < b.rows(); ++i) entries.add(i, i, 1.0);
+  for (Index j = 0; j < b.cols(); ++j) entries.add(b.rows() + j, b.rows() + j, diagonal);
+  entries.add_block(b.transpose(), b.rows(), 0);
+  return entries.matrix(b.rows() + b.cols(), b.rows() + b.cols());
 }
+
+SymmetricAnalysis saddle_point_analysis(const SparseMatrix& matrix, const SparseMatrix& b) {
+  std::vector<Index> group(at(matrix.rows()), -1);
+  std::iota(group.begin(), group.begin() + b.rows(), Index{0});
+  Index next = b.rows();
+  for (Index j = 0; j < b.cols(); ++j)
+    if (b.col(j).nonZeros() == 0) group[at(b.rows() + j)] = next++;
+  return SymmetricAnalysis(matrix, group);
+}
+
+std::vector<Index> filled_columns(const SparseMatrix& a) {
+  std::vector<Index> filled;
+  for (Index j = 0; j < a.cols(); ++j)
+    if (a.col(j).norm() > 0) filled.push_back(j);
+  return filled;
+}
+
+SparseMatrix with_unit_columns(SparseMatrix a) {
+  for (Index j = 0; j < a.cols(); ++j) a.col(j) /= a.col(j).norm();
+  return a;
+}
+
+SymmetricFactor faint_factor(const SparseMatrix& b) { return saddle_point_factor(b, -faint * faint); }
 
 // The largest singular value of a map, from below, by the power method from a random vector.
 double norm_of(const LinearMap& map, const LinearMap& transposed, Index columns) {
@@ -95,12 +127,10 @@ ChosenBasis choose_basis(CountedRank rank, Tilt tilt) {
   ChosenBasis result{{.columns = {}, .others = Matrix(b.rows(), 0), .conclusive = rank.conclusive && rank.clear}, {}};
   RangeBasis& basis = result.basis;
   if (rank.value == 0) return result;
-  const auto inconclusive = [&] {
-    return ChosenBasis{{.columns = {}, .others = Matrix(b.rows(), 0), .conclusive = false}, {}};
-  };
-  if (!rank.factor->regular()) return inconclusive();
+  const ChosenBasis inconclusive{{.columns = {}, .others = result.basis.others, .conclusive = false}, {}};
+  if (!rank.factor->regular()) return inconclusive;
   rank.factor.emplace(*rank.analysis, saddle_point(b, -blurred * blurred));
-  if (!rank.factor->regular()) return inconclusive();
+  if (!rank.factor->regular()) return inconclusive;
   const Vector apart = (-rank.factor->pivots().tail(b.cols())).cwiseMax(0.0).cwiseSqrt();
   rank.factor.reset();
   rank.analysis.reset();
@@ -113,7 +143,7 @@ ChosenBasis choose_basis(CountedRank rank, Tilt tilt) {
   std::vector<Index> taken(order.begin(), unclear), others(unclear, order.end()), weak;
   if (const Index missing = rank.value - count(taken); missing > 0) {
     const Additions more = additions(selected_columns(b, taken), selected_columns(b, others), missing);
-    if (count(more.order) < missing) return inconclusive();
+    if (count(more.order) < missing) return inconclusive;
     for (Index k = 0; k < missing; ++k)
       (more.distance[k] > barely_apart || missing - k > most_full ? taken : weak)
           .push_back(others[at(more.order[at(k)])]);
@@ -122,7 +152,7 @@ ChosenBasis choose_basis(CountedRank rank, Tilt tilt) {
   std::sort(basis.columns.begin(), basis.columns.end());
   if (weak.empty() && rank.value == b.cols()) return result;
   Complement& complement = result.complement.emplace(selected_columns(b, taken));
-  if (!complement.regular()) return inconclusive();
+  if (!complement.regular()) return inconclusive;
   double least = 1;
   for (const Index j : weak) {
     Vector own = complement.apply(b.col(j));
@@ -144,12 +174,54 @@ ChosenBasis choose_basis(CountedRank rank, Tilt tilt) {
 
 }  // namespace
 
+SymmetricFactor saddle_point_factor(const SparseMatrix& b, double diagonal) {
+  const SparseMatrix matrix = saddle_point(b, diagonal);
+  return SymmetricFactor(saddle_point_analysis(matrix, b), matrix);
+}
+
+CountedRank::CountedRank(const SparseMatrix& a, double tolerance)
+    : filled(filled_columns(a)), b(with_unit_columns(selected_columns(a, filled))) {
+  if (b.cols() == 0) return;
+  SparseMatrix matrix = saddle_point(b, 1.0);
+  analysis.emplace(saddle_point_analysis(matrix, b));
+  // Two tolerances must agree: an eigenvalue of B^T B, or of a part of it, may lie next to one.
+  std::vector<Index> counts;
+  for (const double step : {1 / margin, margin, 1.0, 10.0, 0.1}) {
+    matrix.diagonal().tail(b.cols()).setConstant(step * tolerance * tolerance);
+    factor.emplace(*analysis, matrix);
+    if (!factor->regular() || !exact_enough(matrix)) continue;
+    const Index last = std::exchange(value, factor->negative_eigenvalues());
+    if (step == margin && !counts.empty()) clear = value == last;
+    if (std::find(counts.begin(), counts.end(), value) != counts.end()) return;
+    counts.push_back(value);
+  }
+  conclusive = false;
+}
+
+// The pivots of dependent columns are as small as tolerance^2. The reliability of their signs is estimated by solving
+// for known coefficients, one for each column.
+bool CountedRank::exact_enough(const SparseMatrix& matrix) const {
+  Vector x = Vector::Zero(matrix.rows());
+  for (Index j = 0; j < b.cols(); ++j) x[b.rows() + j] = std::cos(1.0 + 0.7 * static_cast<double>(j));
+  const Vector image = -symmetric_residual(matrix, x, Vector::Zero(x.size()));
+  return (factor->solve(image) - x).lpNorm<Eigen::Infinity>() < reliable;
+}
+
+MatrixRank sparse_rank(const SparseMatrix& a, double tolerance) {
+  const OneBlasThread serial_blas;
+  const CountedRank sparse(a, tolerance);
+  if (sparse.conclusive || sparse.b.cols() > dense_limit) return {sparse.value, sparse.conclusive && sparse.clear};
+  const Matrix gram = Matrix(sparse.b.transpose() * sparse.b);
+  const Vector squares = symmetric_eigen(gram, Eigenvectors::not_wanted).values;
+  const auto above = [&](double bound) { return (squares.array() > bound * bound).count(); };
+  return {above(tolerance),
+          squares.allFinite() && above(std::sqrt(margin) * tolerance) == above(tolerance / std::sqrt(margin))};
+}
+
 RangeBasis range_basis(const SparseMatrix& a, Tilt tilt) { return choose_basis(CountedRank(a), tilt).basis; }
 
 Complement::Complement(SparseMatrix b, std::optional<SymmetricFactor> factor)
-    : b_(std::move(b)), factor_(std::move(factor)), others_(b_.rows(), 0) {
-  if (!factor_) factor_ = faint_factor(b_);
-}
+    : b_(std::move(b)), factor_(factor ? std::move(*factor) : faint_factor(b_)), others_(b_.rows(), 0) {}
 
 void Complement::leave_out(const Vector& unit) {
   others_.conservativeResize(Eigen::NoChange, others_.cols() + 1);
@@ -160,13 +232,13 @@ Vector Complement::apply(const Vector& x) const {
   const Index rows = b_.rows();
   Vector right = Vector::Zero(rows + b_.cols());
   right.head(rows) = x;
-  Vector solution = factor_->solve(right);
+  Vector solution = factor_.solve(right);
   double last = infinity;
   for (int k = 0; k < most_refinements; ++k) {
     Vector residual(right.size());
     residual.head(rows) = x - solution.head(rows) - b_ * solution.tail(b_.cols());
     residual.tail(b_.cols()) = -(b_.transpose() * solution.head(rows));
-    const Vector correction = factor_->solve(residual);
+    const Vector correction = factor_.solve(residual);
     const double size = correction.head(rows).norm();
     if (!(size < 0.5 * last)) break;
     solution += correction;
@@ -183,7 +255,7 @@ double Complement::pseudo_inverse_norm() const {
   const auto solve = [&](const Vector& x, const Vector& y) {
     Vector right(rows + b_.cols());
     right << x, y;
-    return factor_->solve(right);
+    return factor_.solve(right);
   };
   return norm_of([&](const Vector& x) -> Vector { return solve(x, Vector::Zero(b_.cols())).tail(b_.cols()); },
                  [&](const Vector& y) -> Vector { return solve(Vector::Zero(rows), y).head(rows); }, rows);

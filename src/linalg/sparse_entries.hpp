@@ -22,16 +22,29 @@ class SparseEntries {
   void add_block(const SparseMatrix& block, Index row, Index column) {
     for_entries(block, [&](Index i, Index j, double value) { add(row + i, column + j, value); });
   }
-  SparseMatrix matrix(Index rows, Index columns) const;
+  SparseMatrix matrix(Index rows, Index columns) const {
+    SparseMatrix result(rows, columns);
+    result.setFromTriplets(entries_.begin(), entries_.end());
+    return result;
+  }
 
  private:
   std::vector<Eigen::Triplet<double>> entries_;
 };
 
 /// Selected columns of a matrix, in the given order.
-SparseMatrix selected_columns(const SparseMatrix& matrix, const std::vector<Index>& columns);
+inline SparseMatrix selected_columns(const SparseMatrix& matrix, const std::vector<Index>& columns) {
+  SparseEntries entries;
+  for (Index j = 0; j < count(columns); ++j)
+    for (SparseMatrix::InnerIterator e(matrix, columns[at(j)]); e; ++e) entries.add(e.row(), j, e.value());
+  return entries.matrix(matrix.rows(), count(columns));
+}
 
 /// The matrix with each row divided by its entry of `scale`.
-SparseMatrix over_rows(SparseMatrix matrix, const Vector& scale);
+inline SparseMatrix over_rows(SparseMatrix matrix, const Vector& scale) {
+  for (Index j = 0; j < matrix.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) e.valueRef() /= scale[e.row()];
+  return matrix;
+}
 
 }  // namespace nscdd

@@ -3,8 +3,8 @@
 
 #include "core/memory.hpp"
 #include "linalg/least_squares.hpp"
+#include "linalg/range_projector.hpp"
 #include "linalg/sparse_cholesky.hpp"
-#include "linalg/sparse_rank.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "../support/matrices.hpp"
 #include "linalg/multifrontal/dense_front.hpp"
 #include "linalg/multifrontal/factor.hpp"
-#include "linalg/multifrontal/last_groups.hpp"
+#include "linalg/multifrontal/group_order.hpp"
 #include "linalg/random.hpp"
 
 #include <doctest/doctest.h>

@@ -193,7 +193,7 @@ TEST_CASE("left singular vectors: tall, wide, square and without columns, small 
     CAPTURE(rows);
     CAPTURE(columns);
     const Dense a = random_matrix(rows, columns, 8);
-    const LeftSingular found = left_singular(a);
+    const ValuesAndVectors found = left_singular(a);
     REQUIRE(found.values.size() == rows);
     const Matrix& u = found.vectors;
     CHECK((u.transpose() * u - Matrix::Identity(rows, rows)).norm() < 1e-13);
@@ -204,7 +204,7 @@ TEST_CASE("left singular vectors: tall, wide, square and without columns, small 
   }
   const Matrix q = orthogonal_factor(random_matrix(5, 5, 1)), w = orthogonal_factor(random_matrix(7, 5, 2));
   const Vector values = (Vector(5) << 1e-13, 1e-9, 1e-5, 1e-2, 1).finished();
-  const LeftSingular small = left_singular(q * values.asDiagonal() * w.leftCols(5).transpose());
+  const ValuesAndVectors small = left_singular(q * values.asDiagonal() * w.leftCols(5).transpose());
   CHECK((small.values - values).norm() < 1e-15);
   CHECK(std::abs(std::abs(small.vectors.col(1).dot(q.col(1))) - 1) < 1e-12);
 }

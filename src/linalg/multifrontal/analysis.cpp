@@ -107,7 +107,6 @@ void lay_out_fronts(FrontTree& tree, const Supernodes& nodes, const RowGroups& g
     front.panels = cut_panels(ends);
     if (first + pivot_groups < end) front.parent = groups.supernode[at(nodes.rows[at(first + pivot_groups)])];
     front.subtree_flops += elimination_flops(front);
-    tree.factor_entries += factor_entries(front);
     if (front.parent >= 0) {
       tree.fronts[at(front.parent)].children.push_back(s);
       tree.fronts[at(front.parent)].subtree_flops += front.subtree_flops;
@@ -206,8 +205,6 @@ SymmetricAnalysis::SymmetricAnalysis(const SparseMatrix& pattern, const std::vec
   mark_border(*tree);
   tree_ = tree;
 }
-
-double SymmetricAnalysis::entries() const { return tree_->factor_entries; }
 
 double EliminationWork::solve_flops(Fronts up, Fronts down) const {
   double flops = 0;

@@ -29,6 +29,12 @@ struct FrontEntry {
   int row = 0, column = 0;  ///< in the front, row >= column
 };
 
+/// Over which fronts a walk goes.
+enum class Fronts {
+  all,
+  border,  ///< those on the way from a border row to the root
+};
+
 /// The elimination tree, and walks over it in parallel over subtrees with enough work for a task.
 struct FrontTree {
   Index rows = 0;                     ///< of the matrix
@@ -40,7 +46,6 @@ struct FrontTree {
   std::vector<int> front_of_row;      ///< the front that eliminates a row of the matrix
   std::vector<Index> border;          ///< rows of the matrix
   std::vector<Index> interior_roots;  ///< fronts off the border whose parents, if any, are on it
-  double factor_entries = 0;
 
   const Front& front(Index s) const { return fronts[at(s)]; }
   Index size() const { return count(fronts); }
@@ -49,21 +54,25 @@ struct FrontTree {
     return place_in_parent.data() + child.first_row + child.pivots;
   }
 
-  /// Calls visit(front) for all fronts of the subtree, or for those on the border only; children before parents.
+  /// Calls visit(front) for the fronts of the subtree, children before parents (down: after them).
   template <class Visit>
-  void up(Index s, bool border_only, const Visit& visit) const {
-    for_children(s, border_only, [&](Index c) { up(c, border_only, visit); });
+  void up(Index s, Fronts which, const Visit& visit) const {
+    for_children(s, which, [&](Index c) { up(c, which, visit); });
     visit(s);
   }
   template <class Visit>
-  void down(Index s, bool border_only, const Visit& visit) const {
+  void down(Index s, Fronts which, const Visit& visit) const {
     visit(s);
-    for_children(s, border_only, [&](Index c) { down(c, border_only, visit); });
+    for_children(s, which, [&](Index c) { down(c, which, visit); });
+  }
+  /// The same for the whole tree.
+  template <class Visit>
+  void up(Fronts which, const Visit& visit) const {
+    for_roots(which, [&](Index root) { up(root, which, visit); });
   }
   template <class Visit>
-  void for_roots(bool border_only, const Visit& visit) const {
-    for (Index s = 0; s < size(); ++s)
-      if (front(s).parent < 0 && (!border_only || front(s).on_border)) visit(s);
+  void down(Fronts which, const Visit& visit) const {
+    for_roots(which, [&](Index root) { down(root, which, visit); });
   }
 
   /// Whether the subtrees of its children are tasks of their own.
@@ -75,9 +84,14 @@ struct FrontTree {
   static constexpr double parallel_subtree_flops = 2e6;  // below, a task costs more than it brings
 
   template <class Visit>
-  void for_children(Index s, bool border_only, const Visit& visit) const {
+  void for_roots(Fronts which, const Visit& visit) const {
+    for (Index s = 0; s < size(); ++s)
+      if (front(s).parent < 0 && (which == Fronts::all || front(s).on_border)) visit(s);
+  }
+  template <class Visit>
+  void for_children(Index s, Fronts which, const Visit& visit) const {
     const auto one = [&](Index c) {
-      if (!border_only || front(c).on_border) visit(c);
+      if (which == Fronts::all || front(c).on_border) visit(c);
     };
     const std::vector<Index>& children = front(s).children;
     if (!in_parallel(front(s))) {
@@ -89,12 +103,6 @@ struct FrontTree {
     one(children[0]);
     tasks.wait();
   }
-};
-
-/// Over which fronts a solve goes.
-enum class Fronts {
-  all,
-  border,  ///< those on the way from a border row to the root
 };
 
 /// What the interior and the border of a matrix take: additions and multiplications of the elimination, and entries of
@@ -125,7 +133,7 @@ class SymmetricAnalysis {
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const GroupFlags& flags = {},
                     const std::vector<Index>& border = {}, const MergedColumns& merged = usually_merged);
 
-  double entries() const;  ///< of the factor
+  double entries() const { return work().interior_entries + work().border_entries; }  ///< of the factor
   EliminationWork work() const;
   std::vector<Index> kept_rows() const;  ///< in the order of their groups
   const std::shared_ptr<const FrontTree>& tree() const { return tree_; }
@@ -134,5 +142,17 @@ class SymmetricAnalysis {
   friend class SymmetricInterior;
   std::shared_ptr<const FrontTree> tree_;
 };
+
+/// Bytes that factors of one analysis take, from the sizes of its fronts.
+struct FactorMemory {
+  double held = 0;     ///< by a factor, its interior included
+  double border = 0;   ///< by another factor with the same interior
+  double at_once = 0;  ///< during the first factorisation at most, on as many threads as there may be
+};
+
+/// What a factor has of a front: the lower triangle, or both.
+enum class FactorShape { symmetric, full };
+
+FactorMemory factor_memory(const FrontTree& tree, FactorShape shape);
 
 }  // namespace nscdd

@@ -2,7 +2,6 @@
 #include "linalg/multifrontal/factor.hpp"
 
 #include "core/memory.hpp"
-#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/threads.hpp"
 
@@ -229,13 +228,13 @@ InteriorFronts::InteriorFronts(std::shared_ptr<const FrontTree> analysis, const 
   const Elimination elimination(*tree, lower, fronts, nullptr);
   const std::vector<Index>& roots = tree->interior_roots;
   tbb::parallel_for(Index{0}, count(roots),
-                    [&](Index k) { tree->up(roots[at(k)], false, [&](Index s) { elimination.eliminate(s); }); });
+                    [&](Index k) { tree->up(roots[at(k)], Fronts::all, [&](Index s) { elimination.eliminate(s); }); });
 }
 
 FactorFronts::FactorFronts(std::shared_ptr<const InteriorFronts> interior_fronts, const SparseMatrix& lower)
     : interior(std::move(interior_fronts)), tree(*interior->tree), border(tree, true, memory_of_factor(*interior)) {
   const Elimination elimination(tree, lower, border, &interior->fronts);
-  tree.for_roots(true, [&](Index root) { tree.up(root, true, [&](Index s) { elimination.eliminate(s); }); });
+  tree.up(Fronts::border, [&](Index s) { elimination.eliminate(s); });
   if (tree.keeps_rows) kept_block = std::move(border.updates.back());
   border.updates.clear();
 }

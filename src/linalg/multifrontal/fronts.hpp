@@ -65,19 +65,17 @@ void solve_diagonal(const Diagonal& diagonal, const double* e, Rows&& b) {
   }
 }
 
-/// Calls visit(first pivot, width, L with D on its diagonal, L below) for a panel of a front.
-template <class Visit>
-void visit_panel(const Front& front, const FrontFactor& factor, std::size_t k, const Visit& visit) {
-  const Index first = k == 0 ? 0 : front.panels[k - 1], width = front.panels[k] - first;
-  const double* start = factor.columns + first * front.rows + first;
-  const Eigen::OuterStride<> stride(front.rows);
-  visit(first, width, ConstBlock(start, width, width, stride),
-        ConstBlock(start + width, front.rows - first - width, width, stride));
-}
-
-template <class Visit>
+/// Calls visit(first pivot, width, L with D on its diagonal, L below) for the panels of a front.
+template <bool backwards = false, class Visit>
 void for_panels(const Front& front, const FrontFactor& factor, const Visit& visit) {
-  for (std::size_t k = 0; k < front.panels.size(); ++k) visit_panel(front, factor, k, visit);
+  for (std::size_t n = 0; n < front.panels.size(); ++n) {
+    const std::size_t k = backwards ? front.panels.size() - 1 - n : n;
+    const Index first = k == 0 ? 0 : front.panels[k - 1], width = front.panels[k] - first;
+    const double* start = factor.columns + first * front.rows + first;
+    const Eigen::OuterStride<> stride(front.rows);
+    visit(first, width, ConstBlock(start, width, width, stride),
+          ConstBlock(start + width, front.rows - first - width, width, stride));
+  }
 }
 
 /// Swaps two rows of the values of a panel.
@@ -100,15 +98,13 @@ void go_forward(const Front& front, const FrontFactor& factor, Values& local) {
 /// The same by L^-T D^-1.
 template <class Values>
 void go_back(const Front& front, const FrontFactor& factor, Values& local) {
-  for (std::size_t k = front.panels.size(); k > 0; --k)
-    visit_panel(front, factor, k - 1,
-                [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
-                  auto head = local.middleRows(first, width);
-                  solve_diagonal(diagonal, factor.off.data() + first, head);
-                  head.noalias() -= left.transpose() * local.bottomRows(left.rows());
-                  diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
-                  interchange_back(factor.swaps.data() + first, width, exchange_rows(head));
-                });
+  for_panels<true>(front, factor, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
+    auto head = local.middleRows(first, width);
+    solve_diagonal(diagonal, factor.off.data() + first, head);
+    head.noalias() -= left.transpose() * local.bottomRows(left.rows());
+    diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
+    interchange_back(factor.swaps.data() + first, width, exchange_rows(head));
+  });
 }
 
 /// Eliminates the pivots of a front whose entries are in `columns` (rows x pivots, which becomes L with D on its

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The multifrontal method on the elimination tree of the pattern of A + A^T. A front is a full matrix here:
-//     [ F_11 F_12 ]                     F_11 = P L_11 U_11,      U_12 = L_11^-1 P^T F_12,
-//     [ F_21 F_22 ], pivots first, and  L_21 = F_21 U_11^-1,     F_22 - L_21 U_12 goes to the parent.
-// U_12 is kept transposed: columns are exchanged and divided faster than rows.
+// See README.md, L U. U_12 is kept transposed: columns are exchanged and divided faster than rows.
 #include "linalg/multifrontal/lu.hpp"
 
 #include "core/fail.hpp"
 #include "core/memory.hpp"
 #include "linalg/multifrontal/factor.hpp"
-#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
@@ -265,10 +261,7 @@ bool SparseLu::factorise(const SparseMatrix& a) {
     fail("L U: expected the {} stored entries of the pattern, met {}", factors_->entries.size(), a.nonZeros());
   factors_->singular = false;
   factors_->operations += factors_->operations_of_factorisation;
-  with_threads([&] {
-    tree.for_roots(false,
-                   [&](Index root) { tree.up(root, false, [&](Index s) { factors_->eliminate(s, a.valuePtr()); }); });
-  });
+  with_threads([&] { tree.up(Fronts::all, [&](Index s) { factors_->eliminate(s, a.valuePtr()); }); });
   return !factors_->singular;
 }
 

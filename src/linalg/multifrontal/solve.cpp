@@ -43,24 +43,15 @@ void go_back(const FactorFronts& fronts, Index s, Values& x) {
 // L^-1 over all fronts, or over those on the border if b is zero elsewhere.
 template <class Values>
 Values forward(const FactorFronts& fronts, Values x, Fronts which) {
-  const FrontTree& tree = fronts.tree;
-  std::vector<Values> carried(at(tree.size()));  // updates for the parents
-  const bool border = which == Fronts::border;
-  with_threads([&] {
-    tree.for_roots(border,
-                   [&](Index root) { tree.up(root, border, [&](Index s) { go_forward(fronts, s, x, carried); }); });
-  });
+  std::vector<Values> carried(at(fronts.tree.size()));  // updates for the parents
+  with_threads([&] { fronts.tree.up(which, [&](Index s) { go_forward(fronts, s, x, carried); }); });
   return x;
 }
 
 // D^-1 and L^-T likewise.
 template <class Values>
 Values back(const FactorFronts& fronts, Values x, Fronts which) {
-  const FrontTree& tree = fronts.tree;
-  const bool border = which == Fronts::border;
-  with_threads([&] {
-    tree.for_roots(border, [&](Index root) { tree.down(root, border, [&](Index s) { go_back(fronts, s, x); }); });
-  });
+  with_threads([&] { fronts.tree.down(which, [&](Index s) { go_back(fronts, s, x); }); });
   return x;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "linalg/range_projector.hpp"
 #include "linalg/sparse_entries.hpp"
-#include "linalg/sparse_rank.hpp"
 #include "mechanics/active_set.hpp"
 #include "spectra/spectrum_memory.hpp"
 #include "study/linear/sweep_points.hpp"
