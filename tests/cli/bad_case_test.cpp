@@ -2,8 +2,6 @@
 // Malformed case files: refused with file, line and key.
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 using namespace nscdd::testing;
 
 namespace {
@@ -30,18 +28,17 @@ void check_spoilt(const std::string& from, const std::string& to, std::initializ
   const Session session;
   session.file("bad.toml", replaced(sound, from, to));
   CAPTURE(to);
-  check_refused(session, "sweep bad.toml --epsilon 1 --csv out.csv --hdf5 out.h5", parts);
-  check_refused(session, "inspect bad.toml", parts);
-  check_refused(session, "network bad.toml", parts);
-  check_refused(session, "optimum bad.toml", parts);
+  session.check_refused("sweep bad.toml --epsilon 1 --csv out.csv --hdf5 out.h5", parts);
+  session.check_refused("inspect bad.toml", parts);
+  session.check_refused("network bad.toml", parts);
+  session.check_refused("optimum bad.toml", parts);
 }
 
 }  // namespace
 
-TEST_CASE("case file: the sound one is accepted") {
-  const Session session;
-  session.file("sound.toml", sound);
-  CHECK(table(session, "sweep sound.toml --epsilon 1").text(0, "case") == "sound");
+TEST_CASE_FIXTURE(Session, "case file: the sound one is accepted") {
+  file("sound.toml", sound);
+  CHECK(table("sweep sound.toml --epsilon 1").text(0, "case") == "sound");
 }
 
 TEST_CASE("case file: broken syntax") {
@@ -136,30 +133,27 @@ TEST_CASE("case file: values that contradict each other") {
   check_spoilt("[-1.0, 0.0]\n", "[-1.0, 0.0]\n[[prescribed]]\ngrain = -1\nvelocity = [1, 0]\n", {"grain"});
 }
 
-TEST_CASE("case file: an empty one") {
-  const Session session;
-  session.file("empty.toml", "");
-  check_refused(session, "inspect empty.toml", {"empty.toml", "[packing]"});
+TEST_CASE_FIXTURE(Session, "case file: an empty one") {
+  file("empty.toml", "");
+  check_refused("inspect empty.toml", {"empty.toml", "[packing]"});
 }
 
-TEST_CASE("case file: its packing file is missing or malformed") {
-  const Session session;
-  session.file("cases/one.toml", case_text("grains.csv"));
-  check_refused(session, "inspect cases/one.toml", {"cases/one.toml:2", "packing.file", "grains.csv"});
-  session.file("cases/grains.csv", "x,y,radius\n0,0,-1\n");
-  check_refused(session, "inspect cases/one.toml", {"cases/one.toml:2", "grains.csv:2", "radius"});
-  session.file("cases/grains.csv", "x,y,radius\n0,0,1\n");  // beside the case, not where the program runs
-  answer(session, "inspect cases/one.toml");
+TEST_CASE_FIXTURE(Session, "case file: its packing file is missing or malformed") {
+  file("cases/one.toml", case_text("grains.csv"));
+  check_refused("inspect cases/one.toml", {"cases/one.toml:2", "packing.file", "grains.csv"});
+  file("cases/grains.csv", "x,y,radius\n0,0,-1\n");
+  check_refused("inspect cases/one.toml", {"cases/one.toml:2", "grains.csv:2", "radius"});
+  file("cases/grains.csv", "x,y,radius\n0,0,1\n");  // beside the case, not where the program runs
+  answer("inspect cases/one.toml");
 }
 
-TEST_CASE("case: none of that name") {
-  const Session session;
-  check_refused(session, "inspect disks5", {"disks5", "disks4", "disks12"});
-  check_refused(session, "inspect missing.toml", {"missing.toml"});
-  check_refused(session, std::vector<std::string>{"inspect", ""}, {"case"});
-  check_refused(session, "inspect .", {".toml", ".csv"});
-  session.file("packing.txt", row_of_three());
-  check_refused(session, "inspect packing.txt", {"packing.txt", ".toml", ".csv"});
-  std::filesystem::create_directory(session.folder / "folder.toml");
-  check_refused(session, "inspect folder.toml", {"folder.toml", "folder"});
+TEST_CASE_FIXTURE(Session, "case: none of that name") {
+  check_refused("inspect disks5", {"disks5", "disks4", "disks12"});
+  check_refused("inspect missing.toml", {"missing.toml"});
+  check_refused(std::vector<std::string>{"inspect", ""}, {"case"});
+  check_refused("inspect .", {".toml", ".csv"});
+  file("packing.txt", row_of_three());
+  check_refused("inspect packing.txt", {"packing.txt", ".toml", ".csv"});
+  std::filesystem::create_directory(folder / "folder.toml");
+  check_refused("inspect folder.toml", {"folder.toml", "folder"});
 }

@@ -2,8 +2,6 @@
 // Malformed packing files: refused with file and line, or with the grains.
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 using namespace nscdd::testing;
 
 namespace {
@@ -12,10 +10,10 @@ void check_bad(const std::string& text, std::initializer_list<std::string> parts
   const Session session;
   session.file("bad.csv", text);
   CAPTURE(text);
-  check_refused(session, "sweep bad.csv --epsilon 1 --csv out.csv --hdf5 out.h5 " + more, parts);
-  check_refused(session, "inspect bad.csv " + more, parts);
-  check_refused(session, "network bad.csv " + more, parts);
-  check_refused(session, "optimum bad.csv --contacts all " + more, parts);
+  session.check_refused("sweep bad.csv --epsilon 1 --csv out.csv --hdf5 out.h5 " + more, parts);
+  session.check_refused("inspect bad.csv " + more, parts);
+  session.check_refused("network bad.csv " + more, parts);
+  session.check_refused("optimum bad.csv --contacts all " + more, parts);
 }
 
 }  // namespace
@@ -101,21 +99,19 @@ TEST_CASE("packing: a duplicate grain is named whatever the tolerance") {
   check_bad(text, {"grains 1 and 3"}, "--overlap-tolerance 1");
 }
 
-TEST_CASE("packing: an accepted overlap is a contact") {
-  const Session session;
-  session.file("soft.csv", "x,y,radius\n0,0,1\n1.9999,0,1\n");
-  const CsvTable links = table(session, "network soft.csv --overlap-tolerance 1e-3 --prescribed 1:-1:0");
+TEST_CASE_FIXTURE(Session, "packing: an accepted overlap is a contact") {
+  file("soft.csv", "x,y,radius\n0,0,1\n1.9999,0,1\n");
+  const CsvTable links = table("network soft.csv --overlap-tolerance 1e-3 --prescribed 1:-1:0");
   REQUIRE(links.rows.size() == 1);
   CHECK(links.number(0, "gap") < 0);
 }
 
-TEST_CASE("packing file: what is legal beside plain rows") {
-  const Session session;
-  session.file("plain.csv", "x,y,radius\n0,0,0.5\n1,0,0.5\n2,0,0.5\n");
-  session.file("fancy.csv",
-               "\xEF\xBB\xBF# byte order mark, remarks, blank lines, CRLF, quotes, any order of columns\r\n"
-               "\"radius\" , y,x\r\n\r\n0.5,0,0\r\n # inside\r\n\"0.5\", +0 ,1e0\r\n0.5,0,2");
+TEST_CASE_FIXTURE(Session, "packing file: what is legal beside plain rows") {
+  file("plain.csv", "x,y,radius\n0,0,0.5\n1,0,0.5\n2,0,0.5\n");
+  file("fancy.csv",
+       "\xEF\xBB\xBF# byte order mark, remarks, blank lines, CRLF, quotes, any order of columns\r\n"
+       "\"radius\" , y,x\r\n\r\n0.5,0,0\r\n # inside\r\n\"0.5\", +0 ,1e0\r\n0.5,0,2");
   const std::string options = " --subdomains 2x1 --epsilon 0,1";
-  CHECK(table(session, "sweep fancy.csv" + options).text(1, "spectral_radius") ==
-        table(session, "sweep plain.csv" + options).text(1, "spectral_radius"));
+  CHECK(table("sweep fancy.csv" + options).text(1, "spectral_radius") ==
+        table("sweep plain.csv" + options).text(1, "spectral_radius"));
 }

@@ -2,8 +2,6 @@
 // Options that make no sense: refused with the option and what was expected of it.
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 using namespace nscdd::testing;
 
 namespace {
@@ -11,7 +9,7 @@ namespace {
 void check_usage(const std::vector<std::string>& arguments, std::initializer_list<std::string> parts) {
   const Session session;
   session.file("mine.csv", row_of_three());
-  check_refused(session, arguments, parts);
+  session.check_refused(arguments, parts);
 }
 
 void check_option(const std::string& option, const std::string& value, std::initializer_list<std::string> parts) {
@@ -111,34 +109,31 @@ TEST_CASE("usage: an unknown solver or contact set or tolerance") {
     check_option("--residual-tolerance", value, {"--residual-tolerance"});
 }
 
-TEST_CASE("usage: certificates and lists of eigenvalues are of an exact Stage 1") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "usage: certificates and lists of eigenvalues are of an exact Stage 1") {
   for (const std::string& option : Texts{"--certify", "--eigenvalues 3"})
     for (const std::string& sweeps : Texts{"1", "inf,2"})
-      check_refused(session, "sweep disks8 --epsilon 1 --csv - --gauss-seidel-sweeps " + sweeps + " " + option,
+      check_refused("sweep disks8 --epsilon 1 --csv - --gauss-seidel-sweeps " + sweeps + " " + option,
                     {"--gauss-seidel-sweeps: expected inf", "--certify"});
 }
 
-TEST_CASE("usage: a load that moves nothing is no missing load") {
-  const Session session;
-  session.file("one.csv", "x,y,radius\n0,0,1\n");
-  check_refused(session,
-                "sweep one.csv --subdomains 2x1 --epsilon 0 --contacts unilateral --csv - --set "
-                "loads.compression=1,1",
-                {"moves a grain", "what is given vanishes"});
+TEST_CASE_FIXTURE(Session, "usage: a load that moves nothing is no missing load") {
+  file("one.csv", "x,y,radius\n0,0,1\n");
+  check_refused(
+      "sweep one.csv --subdomains 2x1 --epsilon 0 --contacts unilateral --csv - --set "
+      "loads.compression=1,1",
+      {"moves a grain", "what is given vanishes"});
 }
 
-TEST_CASE("usage: the active set without a prescribed velocity") {
-  const Session session;
-  session.file("mine.csv", row_of_three());
-  check_refused(session, "sweep mine.csv --epsilon 0 --contacts active --csv -", {"prescribed", "--prescribed"});
-  check_refused(session, "sweep mine.csv --epsilon 0 --contacts active --csv out.csv --hdf5 out.h5", {"prescribed"});
-  check_refused(session, "sweep mine.csv --epsilon 0 --contacts unilateral --csv -", {"prescribed", "loads"});
-  check_refused(session, "network mine.csv --contacts all", {"--contacts", "unilateral"});
-  check_refused(session, "sweep mine.csv --epsilon 0 --csv - --set loads.compression=1", {"loads.compression"});
-  check_refused(session, "optimum mine.csv", {"prescribed"});
-  check_refused(session, "optimum mine.csv --csv -", {"prescribed"});
-  check_refused(session, "optimum mine.csv --csv out.csv", {"prescribed"});
+TEST_CASE_FIXTURE(Session, "usage: the active set without a prescribed velocity") {
+  file("mine.csv", row_of_three());
+  check_refused("sweep mine.csv --epsilon 0 --contacts active --csv -", {"prescribed", "--prescribed"});
+  check_refused("sweep mine.csv --epsilon 0 --contacts active --csv out.csv --hdf5 out.h5", {"prescribed"});
+  check_refused("sweep mine.csv --epsilon 0 --contacts unilateral --csv -", {"prescribed", "loads"});
+  check_refused("network mine.csv --contacts all", {"--contacts", "unilateral"});
+  check_refused("sweep mine.csv --epsilon 0 --csv - --set loads.compression=1", {"loads.compression"});
+  check_refused("optimum mine.csv", {"prescribed"});
+  check_refused("optimum mine.csv --csv -", {"prescribed"});
+  check_refused("optimum mine.csv --csv out.csv", {"prescribed"});
 }
 
 TEST_CASE("usage: a prescribed velocity that makes no sense") {
@@ -180,12 +175,11 @@ TEST_CASE("usage: what is refused of the command line itself says what was met a
   check_usage({"export", "run.h5", "--vtk", "a", "--lmgc90", "b"}, {"--lmgc90: expected no --vtk with it, met --vtk"});
 }
 
-TEST_CASE("usage: names and values in one word, arguments behind --, and numbers as Fortran writes them") {
-  const Session session;
-  const std::string expected = answer(session, "sweep disks4 --epsilon 1 --csv -");
-  CHECK(answer(session, "sweep --epsilon=1.0D+00 --csv=- -- disks4") == expected);
-  answer(session, "generate disks4 -odisks.csv");
-  CHECK(contains(session.read("disks.csv"), "\nx,y,radius"));
+TEST_CASE_FIXTURE(Session, "usage: names and values in one word, arguments behind --, numbers of Fortran") {
+  const std::string expected = answer("sweep disks4 --epsilon 1 --csv -");
+  CHECK(answer("sweep --epsilon=1.0D+00 --csv=- -- disks4") == expected);
+  answer("generate disks4 -odisks.csv");
+  CHECK(contains(read("disks.csv"), "\nx,y,radius"));
 }
 
 TEST_CASE("usage: densities and tolerances and settings that make no sense") {

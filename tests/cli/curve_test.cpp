@@ -2,8 +2,6 @@
 // nscdd sweep --curve: its table, and what it refuses.
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -15,15 +13,14 @@ namespace {
 const std::string curve = "sweep disks8 --epsilon 1e-2:1e2 --curve 1e-2 --csv -";
 
 void check_curve_refused(const std::string& options, std::initializer_list<std::string> parts) {
-  check_refused(Session{}, "sweep disks8 --csv - " + options, parts);
+  Session{}.check_refused("sweep disks8 --csv - " + options, parts);
 }
 
 }  // namespace
 
-TEST_CASE("curve: the table is that of a sweep with the band at the end") {
-  const Session session;
-  const CsvTable plain = table(session, "sweep disks8 --epsilon 1e-2,1e2");
-  const CsvTable result = table(session, "sweep disks8 --epsilon 1e-2:1e2 --curve 1e-2");
+TEST_CASE_FIXTURE(Session, "curve: the table is that of a sweep with the band at the end") {
+  const CsvTable plain = table("sweep disks8 --epsilon 1e-2,1e2");
+  const CsvTable result = table("sweep disks8 --epsilon 1e-2:1e2 --curve 1e-2");
   auto expected = plain.columns;
   expected.insert(expected.end(), {"curve_low", "curve_high"});
   CHECK(result.columns == expected);
@@ -46,7 +43,7 @@ TEST_CASE("curve: the table is that of a sweep with the band at the end") {
 }
 
 TEST_CASE("curve: the closed form of 4 disks lies in the band between the rows") {
-  const CsvTable result = table(Session{}, "sweep disks4 --epsilon 1e-3:1e3 --curve 1e-3");
+  const CsvTable result = Session{}.table("sweep disks4 --epsilon 1e-3:1e3 --curve 1e-3");
   for (std::size_t row = 1; row < result.rows.size(); ++row)
     for (const double t : {0.1, 0.3, 0.5, 0.7, 0.9}) {
       const double from = result.number(row - 1, "epsilon"), to = result.number(row, "epsilon");
@@ -61,21 +58,20 @@ TEST_CASE("curve: the closed form of 4 disks lies in the band between the rows")
     }
 }
 
-TEST_CASE("curve: one for every value of the other list, equal bytes twice, relative values, HDF5") {
-  const Session session;
-  const CsvTable result = table(session, "sweep disks8 --epsilon 0,1 --eta 0.1:10 --curve 0.05 --contacts active");
+TEST_CASE_FIXTURE(Session, "curve: one for every value of the other list, equal bytes twice, relative values, HDF5") {
+  const CsvTable result = table("sweep disks8 --epsilon 0,1 --eta 0.1:10 --curve 0.05 --contacts active");
   std::size_t starts = 0;
   for (std::size_t row = 0; row < result.rows.size(); ++row) starts += result.number(row, "eta") == 0.1;
   CHECK(starts == 2);
-  CHECK(answer(session, curve) == answer(session, curve));
-  const CsvTable relative = table(session, "sweep disks8 --epsilon 0.01:10W --curve 0.05 --certify");
+  CHECK(answer(curve) == answer(curve));
+  const CsvTable relative = table("sweep disks8 --epsilon 0.01:10W --curve 0.05 --certify");
   CHECK(relative.number(0, "epsilon_relative") == 0.01);
   CHECK(relative.text(0, "certified") == "true");
   CHECK(relative.columns.back() == "curve_high");
-  answer(session, "sweep disks8 --epsilon 1:10 --curve 0.05 --csv a.csv --hdf5 a.h5");
-  CHECK(session.has("a.csv"));
-  CHECK(session.has("a.h5"));
-  CHECK(!session.has("a.csv.record"));
+  answer("sweep disks8 --epsilon 1:10 --curve 0.05 --csv a.csv --hdf5 a.h5");
+  CHECK(has("a.csv"));
+  CHECK(has("a.h5"));
+  CHECK(!has("a.csv.record"));
 }
 
 TEST_CASE("curve: what is not one range, and what cannot be proved, is refused by name") {
@@ -94,22 +90,17 @@ TEST_CASE("curve: what is not one range, and what cannot be proved, is refused b
   check_curve_refused("--epsilon 1:2", {"epsilon", "FROM:TO:COUNT"});
 }
 
-TEST_CASE("curve: one that is not proved tells so, with exit code 1") {
-  const Session session;
-  const auto outcome = session.run(words(curve + " --residual-tolerance 1e-300"));
+TEST_CASE_FIXTURE(Session, "curve: one that is not proved tells so, with exit code 1") {
+  const auto outcome = run(curve + " --residual-tolerance 1e-300");
   CHECK(outcome.exit_code == 1);
   CHECK(contains(outcome.standard_error, "1 of 1 curves"));
   CHECK(contains(outcome.standard_error, "did not converge"));
   CHECK(contains(outcome.standard_output, ",nan,nan"));
 }
 
-TEST_CASE("curve: an interrupted run leaves no file, because it is not resumed") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "curve: an interrupted run leaves no file, because it is not resumed") {
   // The signal comes while the first curve is written, so the second one is not begun.
-  const Outcome outcome = session.run(words("sweep disks8 --epsilon 1e-4:1e4 --eta inf,0.3 --curve 1e-5 --csv x.csv"),
-                                      {.signal_at = SignalAt{"x.csv.partial", 8000, SIGINT}});
-  CHECK(outcome.exit_code == 130);
-  CHECK(contains(outcome.standard_error, "x.csv: interrupted"));
-  CHECK(contains(outcome.standard_error, "not resumed"));
-  for (const std::string name : {"x.csv", "x.csv.partial", "x.csv.record"}) CHECK(!session.has(name));
+  ended(130, "sweep disks8 --epsilon 1e-4:1e4 --eta inf,0.3 --curve 1e-5 --csv x.csv",
+        {"x.csv: interrupted", "not resumed"}, {.signal_at = SignalAt{"x.csv.partial", 8000, SIGINT}});
+  for (const std::string name : {"x.csv", "x.csv.partial", "x.csv.record"}) CHECK(!has(name));
 }

@@ -6,10 +6,7 @@
 #include "session.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
-#include <doctest/doctest.h>
-
 #include <cmath>
-#include <cstdlib>
 
 using namespace nscdd;
 using namespace nscdd::testing;
@@ -18,9 +15,7 @@ namespace {
 
 // By a writer of its own, which knows the formats of LMGC90 but nothing of this program but its trajectories.
 void write_datbox(const Session& session, const std::string& run, const std::string& folder) {
-  const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/cli/write_datbox.py").string() + "' '" +
-                              session.path(run) + "' '" + session.path(folder) + "'";
-  REQUIRE(std::system(command.c_str()) == 0);
+  REQUIRE(run_script("cli/write_datbox.py", {session.path(run), session.path(folder)}) == 0);
 }
 
 // A box with a floor and a side of disks that turns, and a side wall that is pushed in.
@@ -73,102 +68,92 @@ std::array<double, 2> difference(const Session& session, const std::string& one,
 // A step of a case is exported as OUTBOX without a DATBOX, and standard error says why.
 void check_no_datbox(const Session& session, const std::string& text, const std::string& why) {
   session.file("case.toml", text);
-  answer(session, "simulate case.toml --steps 1 -o run.h5 --force");
-  const Outcome outcome = session.run(words("export run.h5 --lmgc90 out --force"));
-  CHECK(outcome.exit_code == 0);
-  CHECK(contains(outcome.standard_error, "no DATBOX is written: " + why));
+  session.answer("simulate case.toml --steps 1 -o run.h5 --force");
+  session.ended(0, "export run.h5 --lmgc90 out --force", {"no DATBOX is written: " + why});
   CHECK_FALSE(session.has("out/DATBOX/BODIES.DAT"));
   CHECK(session.has("out/OUTBOX/DOF.OUT.1"));
 }
 
 }  // namespace
 
-TEST_CASE("DATBOX: a run from it is that of the case it was written from, to its seven digits") {
-  const Session session;
-  session.file("box.toml", box_case());
-  answer(session, "simulate box.toml -o run.h5");
-  write_datbox(session, "run.h5", "box/DATBOX");
-  answer(session, "simulate box/DATBOX --steps 15 -o back.h5");
-  const GranularSystem system = read_trajectory_header(session.path("back.h5")).system;
+TEST_CASE_FIXTURE(Session, "DATBOX: a run from it is that of the case it was written from, to its seven digits") {
+  file("box.toml", box_case());
+  answer("simulate box.toml -o run.h5");
+  write_datbox(*this, "run.h5", "box/DATBOX");
+  answer("simulate box/DATBOX --steps 15 -o back.h5");
+  const GranularSystem system = read_trajectory_header(path("back.h5")).system;
   CHECK(system.free_grains() == 60);
   CHECK(system.boundaries.size() == 3);
   CHECK(system.walls.size() == 1);
   for (const Index step : {0, 1, 5, 15}) {
     CAPTURE(step);
-    const auto [places, velocities] = difference(session, "run.h5", "back.h5", step);
+    const auto [places, velocities] = difference(*this, "run.h5", "back.h5", step);
     // A gap that is off by the seventh digit of a coordinate is off by that over the step as a speed.
     CHECK(places < 5e-6);
     CHECK(velocities < 1e-3);
   }
   // They do move, by far more than that.
-  const GranularState end = read_trajectory_step(session.path("run.h5"), 15).state;
-  const GranularState begin = read_trajectory_step(session.path("run.h5"), 0).state;
+  const GranularState end = read_trajectory_step(path("run.h5"), 15).state;
+  const GranularState begin = read_trajectory_step(path("run.h5"), 0).state;
   double moved = 0;
   for (std::size_t i = 0; i < end.x.size(); ++i) moved = std::max(moved, std::abs(end.x[i] - begin.x[i]));
   CHECK(moved > 1e-3);
 }
 
-TEST_CASE("DATBOX: restitution, initial velocities and no friction") {
-  const Session session;
-  session.file("ball.csv", "x,y,radius\n0,0.6,0.5\n3,0.55,0.5\n");
-  session.file("ball.toml",
-               case_text("ball.csv", "1, 1",
-                         "[masses]\ndensity = 1234.5\n"
-                         "[interaction]\nfriction = 0.25\nrestitution = 0.75\ntangential_restitution = 0.5\n"
-                         "[dynamics]\nstep = 0.01\nsteps = 30\ngravity = [0.5, -9.81]\n") +
-                   line_text("floor", "[-1, 0]", "[1, 0]") + "[[prescribed]]\ngrain = 0\nvelocity = [0.5, -1]\n");
-  answer(session, "simulate ball.toml -o run.h5");
-  write_datbox(session, "run.h5", "DATBOX");
-  answer(session, "simulate DATBOX/ --steps 30 --set dynamics.step=0.01 -o back.h5");
-  const GranularState end = read_trajectory_step(session.path("run.h5"), 30).state;
+TEST_CASE_FIXTURE(Session, "DATBOX: restitution, initial velocities and no friction") {
+  file("ball.csv", "x,y,radius\n0,0.6,0.5\n3,0.55,0.5\n");
+  file("ball.toml", case_text("ball.csv", "1, 1",
+                              "[masses]\ndensity = 1234.5\n"
+                              "[interaction]\nfriction = 0.25\nrestitution = 0.75\ntangential_restitution = 0.5\n"
+                              "[dynamics]\nstep = 0.01\nsteps = 30\ngravity = [0.5, -9.81]\n") +
+                        line_text("floor", "[-1, 0]", "[1, 0]") + "[[prescribed]]\ngrain = 0\nvelocity = [0.5, -1]\n");
+  answer("simulate ball.toml -o run.h5");
+  write_datbox(*this, "run.h5", "DATBOX");
+  answer("simulate DATBOX/ --steps 30 --set dynamics.step=0.01 -o back.h5");
+  const GranularState end = read_trajectory_step(path("run.h5"), 30).state;
   CHECK(end.velocity_y[0] > -1);  // it came back from the floor
   CHECK(end.spin[0] != 0);
   for (const Index step : {1, 10, 30}) {
-    const auto [places, velocities] = difference(session, "run.h5", "back.h5", step);
+    const auto [places, velocities] = difference(*this, "run.h5", "back.h5", step);
     CHECK(places < 1e-6);
     CHECK(velocities < 1e-6);
   }
 }
 
-TEST_CASE("DATBOX: read wherever a packing is") {
-  const Session session;
-  session.file("box.toml", box_case());
-  answer(session, "simulate box.toml --steps 1 -o run.h5");
-  write_datbox(session, "run.h5", "box/DATBOX");
-  const Packing packing = read_packing(session.path("box"));
-  const GranularSystem system = read_trajectory_header(session.path("run.h5")).system;
+TEST_CASE_FIXTURE(Session, "DATBOX: read wherever a packing is") {
+  file("box.toml", box_case());
+  answer("simulate box.toml --steps 1 -o run.h5");
+  write_datbox(*this, "run.h5", "box/DATBOX");
+  const Packing packing = read_packing(path("box"));
+  const GranularSystem system = read_trajectory_header(path("run.h5")).system;
   REQUIRE(packing.size() == 60);  // without what is driven
   for (std::size_t i = 0; i < 60; ++i) {
     CHECK(packing.mass[i] == doctest::Approx(system.mass[i]).epsilon(1e-6));
     CHECK(packing.radius[i] == doctest::Approx(system.radius[i]).epsilon(1e-6));
   }
   const std::string remark = "coordinates with 7 significant digits";
-  CHECK(contains(remarked(session, "inspect box/DATBOX", remark), "box"));
-  const CsvTable swept = read_table(remarked(session, "sweep box/DATBOX --subdomains 2x1 --epsilon 1 --csv -", remark));
+  CHECK(contains(remarked("inspect box/DATBOX", remark), "box"));
+  const CsvTable swept = read_table(remarked("sweep box/DATBOX --subdomains 2x1 --epsilon 1 --csv -", remark));
   CHECK(swept.text(0, "case") == "box");
   CHECK(swept.number(0, "grains") == static_cast<double>(packing.size()));
-  answer(session, "generate box/DATBOX -o packing.csv");
-  CHECK(read_packing(session.path("packing.csv")).x == packing.x);
-  session.file("mine.toml", case_text("box/DATBOX", "2, 1"));
-  CHECK(value(remarked(session, "inspect mine.toml", remark), "contacts") == swept.text(0, "contacts"));
+  answer("generate box/DATBOX -o packing.csv");
+  CHECK(read_packing(path("packing.csv")).x == packing.x);
+  file("mine.toml", case_text("box/DATBOX", "2, 1"));
+  CHECK(value(remarked("inspect mine.toml", remark), "contacts") == swept.text(0, "contacts"));
 }
 
-TEST_CASE("export --lmgc90: places, velocities and forces obey Newton's law by the files alone") {
-  const Session session;
-  session.file("box.toml", box_case());
-  answer(session, "simulate box.toml -o run.h5");
-  const Outcome outcome = session.run(words("export run.h5 --lmgc90 out --steps 10:15"));
+TEST_CASE_FIXTURE(Session, "export --lmgc90: places, velocities and forces obey Newton's law by the files alone") {
+  file("box.toml", box_case());
+  answer("simulate box.toml -o run.h5");
+  const Outcome outcome = run("export run.h5 --lmgc90 out --steps 10:15");
   CHECK(contains(outcome.standard_output, "out: 6 steps (10:15)"));
-  const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/cli/check_outbox.py").string() + "' '" +
-                              session.path("run.h5") + "' '" + session.path("out/OUTBOX") + "' 12";
-  CHECK(std::system(command.c_str()) == 0);
-  check_refused(session, "export run.h5 --lmgc90 out", {"out", "--force"});
-  check_refused(session, "export run.h5 --lmgc90 new --vtk pictures", {"--lmgc90"});
-  check_refused(session, "export run.h5 --lmgc90 new --vtkhdf new.vtkhdf", {"expected one of", "several"});
+  CHECK(run_script("cli/check_outbox.py", {path("run.h5"), path("out/OUTBOX"), "12"}) == 0);
+  check_refused("export run.h5 --lmgc90 out", {"out", "--force"});
+  check_refused("export run.h5 --lmgc90 new --vtk pictures", {"--lmgc90"});
+  check_refused("export run.h5 --lmgc90 new --vtkhdf new.vtkhdf", {"expected one of", "several"});
 }
 
-TEST_CASE("export --lmgc90: the folder reads back to the case that it was written from") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "export --lmgc90: the folder reads back to the case that it was written from") {
   std::string text = box_case();
   SUBCASE("a wall that is pushed in, and a side of disks that turns") {}
   SUBCASE("a wall that begins far from the grains") { text = replaced(text, "from = [3, 0]", "from = [3, -100]"); }
@@ -176,19 +161,19 @@ TEST_CASE("export --lmgc90: the folder reads back to the case that it was writte
     text = replaced(text, "friction = 0.3", "friction = 0.3\nrestitution = 0.4");
     text = replaced(text, "\npenetration_correction = 0", "");
   }
-  session.file("box.toml", text);
-  answer(session, "simulate box.toml -o run.h5");
-  answer(session, "export run.h5 --lmgc90 out");
+  file("box.toml", text);
+  answer("simulate box.toml -o run.h5");
+  answer("export run.h5 --lmgc90 out");
   for (const std::string file :
        {"BODIES.DAT", "BULK_BEHAV.DAT", "TACT_BEHAV.DAT", "DRV_DOF.DAT", "DOF.INI", "Vloc_Rloc.INI"})
-    CHECK(session.has("out/DATBOX/" + file));
-  CHECK(contains(session.read("out/DATBOX/DRV_DOF.DAT"), "evolution velocity_"));
-  answer(session, "simulate out --steps 15 -o back.h5");
-  const GranularSystem before = read_trajectory_header(session.path("run.h5")).system,
-                       after = read_trajectory_header(session.path("back.h5")).system;
+    CHECK(has("out/DATBOX/" + file));
+  CHECK(contains(read("out/DATBOX/DRV_DOF.DAT"), "evolution velocity_"));
+  answer("simulate out --steps 15 -o back.h5");
+  const GranularSystem before = read_trajectory_header(path("run.h5")).system,
+                       after = read_trajectory_header(path("back.h5")).system;
   REQUIRE(after.boundaries.size() == before.boundaries.size());
   REQUIRE(after.walls.size() == before.walls.size());
-  const Interaction interaction = datbox_dynamics(read_datbox(session.path("out"))).interaction;
+  const Interaction interaction = datbox_dynamics(read_datbox(path("out"))).interaction;
   CHECK(interaction.friction == 0.3);
   CHECK(interaction.boundary_friction == 0.5);
   CHECK(interaction.restitution == (contains(text, "restitution") ? 0.4 : 0));
@@ -203,31 +188,29 @@ TEST_CASE("export --lmgc90: the folder reads back to the case that it was writte
     CAPTURE(step);
     // With restitution overlaps are pushed apart, and the eighth digit of a place decides which gaps are overlaps.
     if (contains(text, "restitution")) break;
-    const auto [places, velocities] = difference(session, "run.h5", "back.h5", step);
+    const auto [places, velocities] = difference(*this, "run.h5", "back.h5", step);
     CHECK(places < 5e-6);
     CHECK(velocities < 1e-3);
   }
   // Once more from what was read: the same folder, to the digits of its numbers.
-  answer(session, "export back.h5 --lmgc90 again");
-  const Packing once = datbox_packing(read_datbox(session.path("out")), DatboxGrains::all),
-                twice = datbox_packing(read_datbox(session.path("again")), DatboxGrains::all);
+  answer("export back.h5 --lmgc90 again");
+  const Packing once = datbox_packing(read_datbox(path("out")), DatboxGrains::all),
+                twice = datbox_packing(read_datbox(path("again")), DatboxGrains::all);
   REQUIRE(once.size() == twice.size());
   for (std::size_t i = 0; i < once.x.size(); ++i) {
     CHECK(once.radius[i] == twice.radius[i]);
     CHECK(std::abs(once.x[i] - twice.x[i]) < 2e-6);
     CHECK(std::abs(once.y[i] - twice.y[i]) < 2e-6);
   }
-  CHECK(session.read("again/DATBOX/TACT_BEHAV.DAT") == session.read("out/DATBOX/TACT_BEHAV.DAT"));
+  CHECK(read("again/DATBOX/TACT_BEHAV.DAT") == read("out/DATBOX/TACT_BEHAV.DAT"));
   // A later step: grains and boundaries where they then are.
-  const Outcome outcome = session.run(words("export run.h5 --lmgc90 later --steps 15"));
-  CHECK(outcome.exit_code == 0);
-  CHECK(contains(outcome.standard_error,
-                 "later/DATBOX: disks spin in step 15, which nscdd simulate does not begin with"));
-  CHECK(contains(session.read("later/DATBOX/DOF.INI"), "$steps       15"));
-  CHECK(session.run(words("simulate later -o later.h5")).exit_code == 2);  // as the export said: disks spin by then
-  CHECK(read_packing(session.path("later")).size() == 60);
-  const GranularState end = read_trajectory_step(session.path("run.h5"), 15).state;
-  const Packing later = datbox_packing(read_datbox(session.path("later")), DatboxGrains::all);
+  ended(0, "export run.h5 --lmgc90 later --steps 15",
+        {"later/DATBOX: disks spin in step 15, which nscdd simulate does not begin with"});
+  CHECK(contains(read("later/DATBOX/DOF.INI"), "$steps       15"));
+  CHECK(run("simulate later -o later.h5").exit_code == 2);  // as the export said: disks spin by then
+  CHECK(read_packing(path("later")).size() == 60);
+  const GranularState end = read_trajectory_step(path("run.h5"), 15).state;
+  const Packing later = datbox_packing(read_datbox(path("later")), DatboxGrains::all);
   REQUIRE(later.size() == static_cast<Index>(end.x.size()));
   CHECK(std::ranges::any_of(end.poses, [](const Pose& pose) { return std::abs(pose.angle) > 1e-4; }));
   for (std::size_t i = 0; i < end.x.size(); ++i) {  // those of the side that has turned, too
@@ -236,61 +219,54 @@ TEST_CASE("export --lmgc90: the folder reads back to the case that it was writte
   }
 }
 
-TEST_CASE("export --lmgc90: no DATBOX is written of what would be another case, and the user is told") {
-  const Session session;
-  check_no_datbox(session, replaced(box_case(), "friction = 0.3", "law = \"cohesive\"\ncohesion = 1.0\nfriction = 0.3"),
+TEST_CASE_FIXTURE(Session, "export --lmgc90: no DATBOX is written of what would be another case, with a note") {
+  check_no_datbox(*this, replaced(box_case(), "friction = 0.3", "law = \"cohesive\"\ncohesion = 1.0\nfriction = 0.3"),
                   "interaction.law: expected coulomb or frictionless, met cohesive");
   check_no_datbox(
-      session,
+      *this,
       replaced(replaced(box_case(), "[[0, 0, 0, 0], [0.02, -0.05, 0, 0]]", "[[0, 0, 0, 0], [0.02, -0.05, 0, 0.1]]"),
                "centre = [3, 0]", "centre = [2.5, 0]"),
       "boundary 'right': expected a wall that turns about a point on it or behind it");
-  check_no_datbox(session, replaced(box_case(), "spin = -0.075", "spin = -0.075\norientation = \"fixed\""),
+  check_no_datbox(*this, replaced(box_case(), "spin = -0.075", "spin = -0.075\norientation = \"fixed\""),
                   "boundary 'left': expected disks that turn with their boundary");
 }
 
-TEST_CASE("export --lmgc90: a wall that turns about a point on it, or behind it, is a plank that does") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "export --lmgc90: a wall that turns about a point on it or behind it is a plank") {
   for (const std::string centre : {"centre = [3, 0]", "centre = [3.4, 1]"}) {
     CAPTURE(centre);
-    session.file("box.toml", replaced(replaced(box_case(), "[[0, 0, 0, 0], [0.02, -0.05, 0, 0]]",
-                                               "[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]"),
-                                      "centre = [3, 0]", centre));
-    answer(session, "simulate box.toml -o run.h5 --force");
-    answer(session, "export run.h5 --lmgc90 out --force");
-    answer(session, "simulate out --steps 15 -o back.h5 --force");
+    file("box.toml",
+         replaced(replaced(box_case(), "[[0, 0, 0, 0], [0.02, -0.05, 0, 0]]", "[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]"),
+                  "centre = [3, 0]", centre));
+    answer("simulate box.toml -o run.h5 --force");
+    answer("export run.h5 --lmgc90 out --force");
+    answer("simulate out --steps 15 -o back.h5 --force");
     // An angle of seven digits, and what grains make of it. The wall itself moves by millimetres.
-    const auto [places, velocities] = difference(session, "run.h5", "back.h5", 15);
+    const auto [places, velocities] = difference(*this, "run.h5", "back.h5", 15);
     CHECK(places < 5e-5);
     CHECK(velocities < 1e-2);
   }
 }
 
-TEST_CASE("export --lmgc90: spheres obey Newton's law by the files alone") {
-  const Session session;
-  session.file("bed.toml", spheres);
-  answer(session, "simulate bed.toml -o run.h5");
-  const Outcome outcome = session.run(words("export run.h5 --lmgc90 out --steps 10:15"));
+TEST_CASE_FIXTURE(Session, "export --lmgc90: spheres obey Newton's law by the files alone") {
+  file("bed.toml", spheres);
+  answer("simulate bed.toml -o run.h5");
+  const Outcome outcome = run("export run.h5 --lmgc90 out --steps 10:15");
   CHECK(contains(outcome.standard_output, "out: 6 steps (10:15), 60 spheres"));
   CHECK(contains(outcome.standard_error, "out/DATBOX: spheres spin in step 10"));
-  const std::string command = "/usr/bin/python3 -B '" +
-                              (source_folder() / "tests/cli/check_outbox_in_space.py").string() + "' '" +
-                              session.path("run.h5") + "' '" + session.path("out/OUTBOX") + "' 12";
-  CHECK(std::system(command.c_str()) == 0);
+  CHECK(run_script("cli/check_outbox_in_space.py", {path("run.h5"), path("out/OUTBOX"), "12"}) == 0);
 }
 
-TEST_CASE("export --lmgc90: a folder of spheres reads back to the case that it was written from") {
-  const Session session;
-  session.file("bed.toml", spheres);
-  answer(session, "simulate bed.toml -o run.h5");
-  answer(session, "export run.h5 --lmgc90 out");
-  CHECK(contains(session.read("out/DATBOX/DRV_DOF.DAT"), "evolution velocity_63_1.dat"));
-  answer(session, "simulate out --steps 15 --set dynamics.step=0.005 -o back.h5");
-  const GranularSystem before = read_trajectory_header(session.path("run.h5")).system,
-                       after = read_trajectory_header(session.path("back.h5")).system;
+TEST_CASE_FIXTURE(Session, "export --lmgc90: a folder of spheres reads back to the case that it was written from") {
+  file("bed.toml", spheres);
+  answer("simulate bed.toml -o run.h5");
+  answer("export run.h5 --lmgc90 out");
+  CHECK(contains(read("out/DATBOX/DRV_DOF.DAT"), "evolution velocity_63_1.dat"));
+  answer("simulate out --steps 15 --set dynamics.step=0.005 -o back.h5");
+  const GranularSystem before = read_trajectory_header(path("run.h5")).system,
+                       after = read_trajectory_header(path("back.h5")).system;
   REQUIRE(after.dimension == 3);
   REQUIRE(after.walls.size() == before.walls.size());
-  const Interaction interaction = datbox_dynamics(read_datbox(session.path("out"))).interaction;
+  const Interaction interaction = datbox_dynamics(read_datbox(path("out"))).interaction;
   CHECK(interaction.friction == 0.3);
   CHECK(interaction.boundary_friction == 0.5);
   for (std::size_t w = 0; w < before.walls.size(); ++w) {
@@ -312,64 +288,60 @@ TEST_CASE("export --lmgc90: a folder of spheres reads back to the case that it w
   }
   for (const Index step : {1, 5, 15}) {
     CAPTURE(step);
-    const auto [places, velocities] = difference(session, "run.h5", "back.h5", step);
+    const auto [places, velocities] = difference(*this, "run.h5", "back.h5", step);
     CHECK(places < 1e-4);
     CHECK(velocities < 1e-2);
   }
   // The linear study, and a packing that it is: without what is driven.
-  const Packing packing = read_packing(session.path("out"));
+  const Packing packing = read_packing(path("out"));
   CHECK(packing.dimension() == 3);
   CHECK(packing.size() == 59);
   const std::string remark = "coordinates with 7 significant digits";
-  CHECK(contains(remarked(session, "inspect out", remark), "grains               59"));
-  remarked(session, "sweep out --subdomains 2x1x1 --epsilon 1 --eta inf --csv swept.csv", remark);
+  CHECK(contains(remarked("inspect out", remark), "grains               59"));
+  remarked("sweep out --subdomains 2x1x1 --epsilon 1 --eta inf --csv swept.csv", remark);
 }
 
-TEST_CASE("export --lmgc90: what of spheres LMGC90 would compute otherwise is said") {
-  const Session session;
-  check_no_datbox(session, replaced(spheres, "velocity = [0.02, 0, 0]", "spin = [0, 0, 0.1]"),
+TEST_CASE_FIXTURE(Session, "export --lmgc90: what of spheres LMGC90 would compute otherwise is said") {
+  check_no_datbox(*this, replaced(spheres, "velocity = [0.02, 0, 0]", "spin = [0, 0, 0.1]"),
                   "boundary 'probe': expected spheres of boundaries that do not turn");
-  check_no_datbox(session, replaced(spheres, "centre = [0, 0, 0]", "centre = [0.2, 0, 0]"),
+  check_no_datbox(*this, replaced(spheres, "centre = [0, 0, 0]", "centre = [0.2, 0, 0]"),
                   "boundary 'left': expected a wall that turns about a point on it or behind it");
   check_no_datbox(
-      session, replaced(spheres, "spin = [0, 0.1, 0]", "motion = [[0, 0, 0, 0, 0, 0.1, 0], [1, 0, 0, 0, 0, 0, 0.1]]"),
+      *this, replaced(spheres, "spin = [0, 0.1, 0]", "motion = [[0, 0, 0, 0, 0, 0.1, 0], [1, 0, 0, 0, 0, 0, 0.1]]"),
       "boundary 'left': expected a wall that turns about one axis");
-  check_no_datbox(session, replaced(spheres, "friction = 0.3", "law = \"cohesive\"\ncohesion = 1.0\nfriction = 0.3"),
+  check_no_datbox(*this, replaced(spheres, "friction = 0.3", "law = \"cohesive\"\ncohesion = 1.0\nfriction = 0.3"),
                   "interaction.law: expected coulomb or frictionless, met cohesive");
-  session.file("drum.toml", spheres +
-                                "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, "
-                                "0, 1]\nradius = 9\n");
-  answer(session, "simulate drum.toml --steps 1 -o drum.h5");
-  check_refused(session, "export drum.h5 --lmgc90 new", {"LMGC90", "boundary 'drum'", "met a cylinder"});
-  CHECK(!session.has("new"));
+  file("drum.toml", spheres +
+                        "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\n"
+                        "from = [0, 0, 0]\nto = [0, 0, 1]\nradius = 9\n");
+  answer("simulate drum.toml --steps 1 -o drum.h5");
+  check_refused("export drum.h5 --lmgc90 new", {"LMGC90", "boundary 'drum'", "met a cylinder"});
+  CHECK(!has("new"));
 }
 
-TEST_CASE("DATBOX: what is not modelled is refused with its file and line") {
-  const Session session;
-  session.file("box.toml", box_case());
-  answer(session, "simulate box.toml --steps 1 -o run.h5");
-  write_datbox(session, "run.h5", "box/DATBOX");
-  const std::string bodies = session.read("box/DATBOX/BODIES.DAT"), laws = session.read("box/DATBOX/TACT_BEHAV.DAT"),
-                    drives = session.read("box/DATBOX/DRV_DOF.DAT");
-  const auto refused = [&](const std::string& file, const std::string& text, std::initializer_list<std::string> parts) {
-    const std::string before = session.read(file);
-    session.file(file, text);
-    check_refused(session, "simulate box/DATBOX --steps 1 -o new.h5", parts);
-    session.file(file, before);
+TEST_CASE_FIXTURE(Session, "DATBOX: what is not modelled is refused with its file and line") {
+  file("box.toml", box_case());
+  answer("simulate box.toml --steps 1 -o run.h5");
+  write_datbox(*this, "run.h5", "box/DATBOX");
+  const std::string bodies = read("box/DATBOX/BODIES.DAT"), laws = read("box/DATBOX/TACT_BEHAV.DAT"),
+                    drives = read("box/DATBOX/DRV_DOF.DAT");
+  const auto refused = [&](const std::string& name, const std::string& text, std::initializer_list<std::string> parts) {
+    const std::string before = read("box/DATBOX/" + name);
+    file("box/DATBOX/" + name, text);
+    check_refused("simulate box/DATBOX --steps 1 -o new.h5", parts);
+    file("box/DATBOX/" + name, before);
   };
-  refused("box/DATBOX/BODIES.DAT", replaced(bodies, "DISKx", "POLYG"), {"BODIES.DAT:9:", "other shapes", "POLYG"});
-  refused("box/DATBOX/TACT_BEHAV.DAT", replaced(laws, "IQS_CLB", "MAC_CZM"), {"TACT_BEHAV.DAT:3:", "MAC_CZM"});
-  refused("box/DATBOX/TACT_BEHAV.DAT",
-          replaced(laws, "BLUEx  grain  RBDY2  DISKx  BLUEx", "BLUEx  grain  RBDY2  DISKx  GREEN"),
+  refused("BODIES.DAT", replaced(bodies, "DISKx", "POLYG"), {"BODIES.DAT:9:", "other shapes", "POLYG"});
+  refused("TACT_BEHAV.DAT", replaced(laws, "IQS_CLB", "MAC_CZM"), {"TACT_BEHAV.DAT:3:", "MAC_CZM"});
+  refused("TACT_BEHAV.DAT", replaced(laws, "BLUEx  grain  RBDY2  DISKx  BLUEx", "BLUEx  grain  RBDY2  DISKx  GREEN"),
           {"$seety for DISKx BLUEx and DISKx BLUEx"});
-  refused("box/DATBOX/DRV_DOF.DAT", replaced(drives, "vlocy", "force"), {"DRV_DOF.DAT:7:", "forces"});
-  refused("box/DATBOX/DRV_DOF.DAT", "", {"BODIES.DAT:", "free clusters"});
-  const std::string spinning =
-      replaced(session.read("box/DATBOX/DOF.INI"), "V(3)= 0.0000000D+00", "V(3)= 0.1000000D+01");
-  refused("box/DATBOX/DOF.INI", spinning, {"DOF.INI:8: V(3)", "met 1"});
-  session.file("box/DATBOX/DOF.INI", spinning);
-  check_refused(session, "sweep box --epsilon 1 --csv box/DATBOX/DRV_DOF.DAT --force", {"would be lost"});
-  remarked(session, "inspect box/DATBOX", "7 significant digits");  // the linear study has no spins
-  session.file("empty/DATBOX/other", "");
-  check_refused(session, "inspect empty/DATBOX", {"empty/DATBOX", "BODIES.DAT"});
+  refused("DRV_DOF.DAT", replaced(drives, "vlocy", "force"), {"DRV_DOF.DAT:7:", "forces"});
+  refused("DRV_DOF.DAT", "", {"BODIES.DAT:", "free clusters"});
+  const std::string spinning = replaced(read("box/DATBOX/DOF.INI"), "V(3)= 0.0000000D+00", "V(3)= 0.1000000D+01");
+  refused("DOF.INI", spinning, {"DOF.INI:8: V(3)", "met 1"});
+  file("box/DATBOX/DOF.INI", spinning);
+  check_refused("sweep box --epsilon 1 --csv box/DATBOX/DRV_DOF.DAT --force", {"would be lost"});
+  remarked("inspect box/DATBOX", "7 significant digits");  // the linear study has no spins
+  file("empty/DATBOX/other", "");
+  check_refused("inspect empty/DATBOX", {"empty/DATBOX", "BODIES.DAT"});
 }

@@ -2,8 +2,6 @@
 // Large packings from the command line: memory, threads, certificates, several eigenvalues.
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -16,11 +14,9 @@ const std::string lattice = "hexagonal --set masses.density=1.2732395447351628 -
 
 }  // namespace
 
-TEST_CASE("large: 10^5 grains in 16 strips within 1 GiB") {
-  const Session session;
-  const Outcome outcome = session.run(
-      words("sweep " + lattice + "400 --set packing.rows=250 --subdomains 16x1 --epsilon 1 --csv - --threads 2"));
-  CHECK(outcome.exit_code == 0);
+TEST_CASE_FIXTURE(Session, "large: 10^5 grains in 16 strips within 1 GiB") {
+  const Outcome outcome =
+      ended(0, "sweep " + lattice + "400 --set packing.rows=250 --subdomains 16x1 --epsilon 1 --csv - --threads 2");
   CHECK(outcome.standard_error == "");
   CHECK(outcome.peak_memory < std::size_t{1} << 30);
   CHECK(outcome.peak_memory > std::size_t{1} << 28);  // or it was not measured
@@ -33,23 +29,20 @@ TEST_CASE("large: 10^5 grains in 16 strips within 1 GiB") {
   CHECK(result.number(0, "residual") <= 1e-8);
 }
 
-TEST_CASE("large: a sweep is the same bytes for any number of threads, certificates and eigenvalues included") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "large: a sweep is the same bytes for any number of threads, certificates included") {
   const std::string line = "sweep " + lattice +
                            "60 --set packing.rows=50 --subdomains 5x3 --epsilon 1e-2:1:3 --eta 0.5,inf --csv - "
                            "--solver shift-invert --certify --eigenvalues 2 --threads ";
-  const std::string one = session.run(words(line + "1")).standard_output;
+  const std::string one = run(line + "1").standard_output;
   CHECK(read_table(one).rows.size() == 6);
-  for (const std::string threads : {"2", "3", "4", "0"})
-    CHECK(session.run(words(line + threads)).standard_output == one);
+  for (const std::string threads : {"2", "3", "4", "0"}) CHECK(run(line + threads).standard_output == one);
 }
 
-TEST_CASE("certify: its columns come last, and hold the ends of the dense solver") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "certify: its columns come last, and hold the ends of the dense solver") {
   const std::string line =
       "sweep " + lattice + "12 --set packing.rows=10 --subdomains 4x2 --epsilon 1e-3,0.1,5 --eta 0.3,inf --solver ";
-  const CsvTable dense = table(session, line + "dense"), plain = table(session, line + "shift-invert"),
-                 certified = table(session, line + "shift-invert --certify");
+  const CsvTable dense = table(line + "dense"), plain = table(line + "shift-invert"),
+                 certified = table(line + "shift-invert --certify");
   Texts expected = plain.columns;
   for (const char* name :
        {"certified", "low_from", "low_to", "high_from", "high_to", "low_multiplicity", "high_multiplicity"})
@@ -72,10 +65,9 @@ TEST_CASE("certify: its columns come last, and hold the ends of the dense solver
   }
 }
 
-TEST_CASE("eigenvalues: as many columns as asked for, from each end inwards") {
-  const Session session;
-  const CsvTable result = table(session, "sweep disks8 --epsilon 1,0.1 --eta inf --eigenvalues 3");
-  Texts names = table(session, "sweep disks8 --epsilon 1").columns;
+TEST_CASE_FIXTURE(Session, "eigenvalues: as many columns as asked for, from each end inwards") {
+  const CsvTable result = table("sweep disks8 --epsilon 1,0.1 --eta inf --eigenvalues 3");
+  Texts names = table("sweep disks8 --epsilon 1").columns;
   for (const char* name : {"low_multiplicity", "high_multiplicity", "eigenvalue_low_1", "eigenvalue_low_2",
                            "eigenvalue_low_3", "eigenvalue_high_1", "eigenvalue_high_2", "eigenvalue_high_3"})
     names.emplace_back(name);
@@ -89,30 +81,28 @@ TEST_CASE("eigenvalues: as many columns as asked for, from each end inwards") {
     CHECK(std::abs(result.number(row, "eigenvalue_low_2") - result.number(row, "eigenvalue_high_3")) < 1e-13);
   }
   // More than there are: the rest is nan.
-  const CsvTable more = table(session, "sweep disks8 --epsilon 1 --eigenvalues 6");
+  const CsvTable more = table("sweep disks8 --epsilon 1 --eigenvalues 6");
   CHECK(std::isfinite(more.number(0, "eigenvalue_low_4")));
   CHECK(std::isnan(more.number(0, "eigenvalue_low_5")));
   CHECK(std::isnan(more.number(0, "eigenvalue_high_6")));
 }
 
-TEST_CASE("certify, eigenvalues, threads: wrong values are refused") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "certify, eigenvalues, threads: wrong values are refused") {
   const std::string line = "sweep disks4 --epsilon 1 --csv a.csv ";
   for (const std::string wrong : {"0", "-1", "101", "2.5", "many", "nan"})
-    check_refused(session, line + "--eigenvalues " + wrong, {"--eigenvalues", wrong});
+    check_refused(line + "--eigenvalues " + wrong, {"--eigenvalues", wrong});
   for (const std::string wrong : {"-1", "4097", "1.5", "all"})
-    check_refused(session, line + "--threads " + wrong, {"--threads", wrong});
-  check_refused(session, line + "--certify=perhaps", {"--certify", "perhaps"});
-  check_refused(session, line + "--solver shift_invert", {"--solver", "shift-invert"});
+    check_refused(line + "--threads " + wrong, {"--threads", wrong});
+  check_refused(line + "--certify=perhaps", {"--certify", "perhaps"});
+  check_refused(line + "--solver shift_invert", {"--solver", "shift-invert"});
 }
 
-TEST_CASE("certify: a table written to a file is the same bytes each time") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "certify: a table written to a file is the same bytes each time") {
   const std::string line = "sweep " + lattice +
                            "12 --set packing.rows=10 --subdomains 4x2 --epsilon 1e-2:1:11 --solver shift-invert "
                            "--certify --csv ";
-  answer(session, line + "whole.csv");
-  CHECK(read_table(session.read("whole.csv")).rows.size() == 11);
-  answer(session, line + "again.csv --threads 2");
-  CHECK(session.read("again.csv") == session.read("whole.csv"));
+  answer(line + "whole.csv");
+  CHECK(csv("whole.csv").rows.size() == 11);
+  answer(line + "again.csv --threads 2");
+  CHECK(read("again.csv") == read("whole.csv"));
 }

@@ -3,8 +3,6 @@
 #include "files/csv.hpp"
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -27,7 +25,7 @@ RunOptions stopped(const std::string& file, int signal, std::size_t bytes = 8000
 
 // The work killed after some rows.
 void kill_work(const Session& session, const std::string& line = work) {
-  REQUIRE(session.run(words(line), stopped("long.csv.partial", SIGKILL)).exit_code == 128 + SIGKILL);
+  REQUIRE(session.run(line, stopped("long.csv.partial", SIGKILL)).exit_code == 128 + SIGKILL);
   REQUIRE(session.has("long.csv.partial"));
   REQUIRE(session.has("long.csv.record"));
   REQUIRE(!session.has("long.csv"));
@@ -57,84 +55,79 @@ cases = ["disks4"]
 
 }  // namespace
 
-TEST_CASE("resume: a killed sweep ends as one in one piece, byte for byte") {
-  const Session whole, session;
-  answer(whole, work);
-  kill_work(session);
-  const std::string before = session.read("long.csv.partial");
+TEST_CASE_FIXTURE(Session, "resume: a killed sweep ends as one in one piece, byte for byte") {
+  const Session whole;
+  whole.answer(work);
+  kill_work(*this);
+  const std::string before = read("long.csv.partial");
   // it is gone on with, not begun again: killed once more, the rows there were still lead
-  REQUIRE(session.run(words(work + " --resume"), stopped("long.csv.partial", SIGKILL)).exit_code == 128 + SIGKILL);
-  CHECK(session.read("long.csv.partial").rfind(before.substr(0, before.rfind('\n') + 1), 0) == 0);
-  answer(session, work + " --resume");
-  CHECK(session.read("long.csv") == whole.read("long.csv"));
-  CHECK(files(session) == 1);
+  REQUIRE(run(work + " --resume", stopped("long.csv.partial", SIGKILL)).exit_code == 128 + SIGKILL);
+  CHECK(read("long.csv.partial").rfind(before.substr(0, before.rfind('\n') + 1), 0) == 0);
+  answer(work + " --resume");
+  CHECK(read("long.csv") == whole.read("long.csv"));
+  CHECK(files(*this) == 1);
 }
 
-TEST_CASE("resume: Ctrl-C and SIGTERM leave whole rows, say how to go on and exit with 130") {
-  const Session whole, session;
-  answer(whole, work);
+TEST_CASE_FIXTURE(Session, "resume: Ctrl-C and SIGTERM leave whole rows, say how to go on and exit with 130") {
+  const Session whole;
+  whole.answer(work);
   std::string line = work;
   for (const int signal : {SIGINT, SIGTERM}) {
     CAPTURE(signal);
-    const Outcome outcome = session.run(words(line), stopped("long.csv.partial", signal));
-    CHECK(outcome.exit_code == 130);
+    const Outcome outcome = ended(130, line, {}, stopped("long.csv.partial", signal));
     CHECK(outcome.standard_output == "");
-    const std::string rows = session.read("long.csv.partial");
+    const std::string rows = read("long.csv.partial");
     CHECK(rows.back() == '\n');
     const auto count = read_table(rows).rows.size();
     CHECK(contains(outcome.standard_error,
                    "long.csv: interrupted after " + std::to_string(count) + " of 1500 rows; --resume"));
     line = work + " --resume";
   }
-  answer(session, line);
-  CHECK(session.read("long.csv") == whole.read("long.csv"));
-  CHECK(files(session) == 1);
+  answer(line);
+  CHECK(read("long.csv") == whole.read("long.csv"));
+  CHECK(files(*this) == 1);
 }
 
-TEST_CASE("resume: Ctrl-C of a sweep to standard output exits with 130") {
-  const Session session;
-  fs::create_symlink("/dev/null", session.folder / "sink");
-  const Outcome outcome =
-      session.run(words("sweep disks4 --epsilon 1e-3:1e3:1000000 --csv sink --hdf5 out.h5"), stopped("null", SIGINT));
-  CHECK(outcome.exit_code == 130);
-  CHECK(contains(outcome.standard_error, "sink: interrupted after "));
+TEST_CASE_FIXTURE(Session, "resume: Ctrl-C of a sweep to standard output exits with 130") {
+  fs::create_symlink("/dev/null", folder / "sink");
+  const Outcome outcome = ended(130, "sweep disks4 --epsilon 1e-3:1e3:1000000 --csv sink --hdf5 out.h5",
+                                {"sink: interrupted after "}, stopped("null", SIGINT));
   CHECK(!contains(outcome.standard_error, "--resume"));
-  CHECK(files(session) == 1);
+  CHECK(files(*this) == 1);
 }
 
-TEST_CASE("resume: a line cut short is computed again") {
-  const Session whole, session;
-  answer(whole, work);
-  kill_work(session);
-  std::string rows = session.read("long.csv.partial");
+TEST_CASE_FIXTURE(Session, "resume: a line cut short is computed again") {
+  const Session whole;
+  whole.answer(work);
+  kill_work(*this);
+  std::string rows = read("long.csv.partial");
   rows.resize(rows.rfind('\n') + 1);
   for (const std::string& cut :
        Texts{rows + "hexagonal,400,11", rows + "hexagonal,400,1141\n", rows.substr(0, rows.size() - 1)}) {
-    session.file("long.csv.partial", cut);
-    answer(session, work + " --resume");
-    CHECK(session.read("long.csv") == whole.read("long.csv"));
-    CHECK(files(session) == 1);
-    fs::remove(session.folder / "long.csv");
-    kill_work(session);
+    file("long.csv.partial", cut);
+    answer(work + " --resume");
+    CHECK(read("long.csv") == whole.read("long.csv"));
+    CHECK(files(*this) == 1);
+    fs::remove(folder / "long.csv");
+    kill_work(*this);
   }
 }
 
-TEST_CASE("resume: HDF5 holds the rows found and the rows computed") {
-  const Session whole, session;
+TEST_CASE_FIXTURE(Session, "resume: HDF5 holds the rows found and the rows computed") {
+  const Session whole;
   const std::string line = work + " --hdf5 long.h5";
-  answer(whole, line + " --resume");  // nothing there: from the start
-  kill_work(session, line);
-  answer(session, line + " --resume");
-  CHECK(session.read("long.h5") == whole.read("long.h5"));
-  CHECK(session.read("long.csv") == whole.read("long.csv"));
-  CHECK(files(session) == 2);
+  whole.answer(line + " --resume");  // nothing there: from the start
+  kill_work(*this, line);
+  answer(line + " --resume");
+  CHECK(read("long.h5") == whole.read("long.h5"));
+  CHECK(read("long.csv") == whole.read("long.csv"));
+  CHECK(files(*this) == 2);
 }
 
-TEST_CASE("resume: other work is refused, naming what differs, and nothing is touched") {
-  const Session session;
-  kill_work(session);
+TEST_CASE_FIXTURE(Session, "resume: other work is refused, naming what differs, and nothing is touched") {
+  kill_work(*this);
   const auto refused = [&](const std::string& line, std::initializer_list<std::string> parts) {
-    check_refused(session, line + " --resume", parts);
+    check_refused(line + " --resume", parts);
   };
   refused(work + " --set contacts.tolerance=1e-6", {"long.csv.partial", "the case differs", "1e-06"});
   refused(work + " --density 2", {"the case differs", "density = 2500", "density = 2"});
@@ -143,171 +136,152 @@ TEST_CASE("resume: other work is refused, naming what differs, and nothing is to
   refused(work + " --contacts active", {"options differs", "contacts = all", "contacts = active"});
   refused(work + " --solver dense", {"solver options differs", "solver = \"auto\"", "solver = \"dense\""});
   refused(work + " --residual-tolerance 1e-6", {"solver options differs", "tolerance"});
-  const std::string record = session.read("long.csv.record");
+  const std::string record = read("long.csv.record");
   const auto build = record.find("build ") + 6;
-  session.file("long.csv.record", record.substr(0, build) + "0123456789abcdef" + record.substr(build + 16));
+  file("long.csv.record", record.substr(0, build) + "0123456789abcdef" + record.substr(build + 16));
   refused(work, {"code version differs", "build 0123456789abcdef"});
-  session.file("long.csv.record", replaced(record, "Eigen 3", "Eigen 2"));
+  file("long.csv.record", replaced(record, "Eigen 3", "Eigen 2"));
   refused(work, {"code version differs", "Eigen 2"});
-  session.file("long.csv.record", "nonsense");
+  file("long.csv.record", "nonsense");
   refused(work, {"long.csv.record:1", "--force starts again"});
-  session.file("long.csv.record", "");
+  file("long.csv.record", "");
   refused(work, {"long.csv.record", "--force starts again"});
-  fs::remove(session.folder / "long.csv.record");
+  fs::remove(folder / "long.csv.record");
   refused(work, {"long.csv.record", "--force"});
 }
 
-TEST_CASE("resume: an edited packing file is another case, the same one elsewhere is not") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "resume: an edited packing file is another case, the same one elsewhere is not") {
   std::string packing = "x,y,radius\n";
   for (int i = 0; i < 300; ++i) packing += std::to_string(i) + ",0,0.5\n";
-  session.file("mine.csv", packing);
+  file("mine.csv", packing);
   const std::string line = "sweep mine.csv --subdomains 30x1 --epsilon 1e-3:1e3:20000 --csv long.csv";
-  kill_work(session, line);
-  session.file("mine.csv", replaced(packing, "\n7,0,0.5\n", "\n7,0,0.50000001\n"));
-  check_refused(session, line + " --resume", {"the case differs", "300 grains, content"});
-  session.file("elsewhere/mine.csv", packing);
-  const Outcome outcome = session.run(words(replaced(line, "mine.csv", "elsewhere/mine.csv") + " --resume"),
-                                      stopped("long.csv.partial", SIGINT, 1));
-  CHECK(outcome.exit_code == 130);
+  kill_work(*this, line);
+  file("mine.csv", replaced(packing, "\n7,0,0.5\n", "\n7,0,0.50000001\n"));
+  check_refused(line + " --resume", {"the case differs", "300 grains, content"});
+  file("elsewhere/mine.csv", packing);
+  ended(130, replaced(line, "mine.csv", "elsewhere/mine.csv") + " --resume", {},
+        stopped("long.csv.partial", SIGINT, 1));
 }
 
-TEST_CASE("resume: rows that are not those of the sweep are refused") {
-  const Session session;
-  kill_work(session);
-  const std::string rows = session.read("long.csv.partial");
+TEST_CASE_FIXTURE(Session, "resume: rows that are not those of the sweep are refused") {
+  kill_work(*this);
+  const std::string rows = read("long.csv.partial");
   const auto first = rows.find('\n') + 1, second = rows.find('\n', first) + 1, third = rows.find('\n', second) + 1;
-  session.file("long.csv.partial", rows.substr(0, first) + rows.substr(second));
-  check_refused(session, work + " --resume", {"long.csv.partial:2", "eta", "0.1", "inf"});
-  session.file("long.csv.partial", replaced(rows, "spectral_radius", "radius"));
-  check_refused(session, work + " --resume", {"long.csv.partial:1", "columns"});
-  session.file("long.csv.partial", rows.substr(0, second) + "hexagonal,x\n" + rows.substr(third));
-  check_refused(session, work + " --resume", {"long.csv.partial:3", "values"});
+  file("long.csv.partial", rows.substr(0, first) + rows.substr(second));
+  check_refused(work + " --resume", {"long.csv.partial:2", "eta", "0.1", "inf"});
+  file("long.csv.partial", replaced(rows, "spectral_radius", "radius"));
+  check_refused(work + " --resume", {"long.csv.partial:1", "columns"});
+  file("long.csv.partial", rows.substr(0, second) + "hexagonal,x\n" + rows.substr(third));
+  check_refused(work + " --resume", {"long.csv.partial:3", "values"});
 }
 
-TEST_CASE("resume: without --resume the rows of an interrupted run are safe") {
-  const Session session;
-  kill_work(session);
-  const std::string table = session.read("long.csv.partial");
+TEST_CASE_FIXTURE(Session, "resume: without --resume the rows of an interrupted run are safe") {
+  kill_work(*this);
+  const std::string table = read("long.csv.partial");
   const auto rows = std::count(table.begin(), table.end(), '\n') - 1;  // the last line is cut short
-  check_refused(
-      session, work,
-      {"long.csv.partial", std::to_string(rows) + " row(s) of an interrupted run", "--resume", "--force starts again"});
-  answer(session, "sweep disks4 --epsilon 1 --csv long.csv --force");
-  CHECK(read_table(session.read("long.csv")).rows.size() == 1);
-  CHECK(files(session) == 1);
+  check_refused(work, {"long.csv.partial", std::to_string(rows) + " row(s) of an interrupted run", "--resume",
+                       "--force starts again"});
+  answer("sweep disks4 --epsilon 1 --csv long.csv --force");
+  CHECK(csv("long.csv").rows.size() == 1);
+  CHECK(files(*this) == 1);
 }
 
-TEST_CASE("resume: a complete table is left alone") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "resume: a complete table is left alone") {
   const std::string line = "sweep disks4 --epsilon 0,1 --csv long.csv";
-  answer(session, line + " --resume");
-  const std::string rows = session.read("long.csv");
-  const Outcome outcome = session.run(words(line + " --resume"));
-  CHECK(outcome.exit_code == 0);
-  CHECK(contains(outcome.standard_error, "already complete"));
-  CHECK(session.read("long.csv") == rows);
-  CHECK(files(session) == 1);
-  check_refused(session, line + " --hdf5 a.h5 --resume", {"long.csv", "a.h5", "--force"});
+  answer(line + " --resume");
+  const std::string rows = read("long.csv");
+  ended(0, line + " --resume", {"already complete"});
+  CHECK(read("long.csv") == rows);
+  CHECK(files(*this) == 1);
+  check_refused(line + " --hdf5 a.h5 --resume", {"long.csv", "a.h5", "--force"});
 }
 
-TEST_CASE("resume: an older table is replaced only where --force says so, and only when all is done") {
-  const Session whole, session;
-  answer(whole, work);
-  session.file("long.csv", "precious");
-  REQUIRE(session.run(words(work + " --force"), stopped("long.csv.partial", SIGKILL)).exit_code == 128 + SIGKILL);
-  CHECK(session.read("long.csv") == "precious");
-  check_refused(session, work + " --resume", {"long.csv: exists already", "--force"});
-  answer(session, work + " --resume --force");
-  CHECK(session.read("long.csv") == whole.read("long.csv"));
-  CHECK(files(session) == 1);
+TEST_CASE_FIXTURE(Session, "resume: an older table is replaced only where --force says so, and only when all is done") {
+  const Session whole;
+  whole.answer(work);
+  file("long.csv", "precious");
+  REQUIRE(run(work + " --force", stopped("long.csv.partial", SIGKILL)).exit_code == 128 + SIGKILL);
+  CHECK(read("long.csv") == "precious");
+  check_refused(work + " --resume", {"long.csv: exists already", "--force"});
+  answer(work + " --resume --force");
+  CHECK(read("long.csv") == whole.read("long.csv"));
+  CHECK(files(*this) == 1);
 }
 
-TEST_CASE("resume: standard output and reports keep nothing") {
-  const Session session;
-  check_refused(session, "sweep disks4 --epsilon 1 --csv - --resume", {"--resume", "file"});
-  check_refused(session, "optimum disks4 --resume", {"--resume", "--csv"});
+TEST_CASE_FIXTURE(Session, "resume: standard output and reports keep nothing") {
+  check_refused("sweep disks4 --epsilon 1 --csv - --resume", {"--resume", "file"});
+  check_refused("optimum disks4 --resume", {"--resume", "--csv"});
 }
 
-TEST_CASE("resume: two runs never write one table") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "resume: two runs never write one table") {
   bool refused = false;
   SignalAt first_rows{"long.csv.partial", 1, SIGSTOP};
   first_rows.while_stopped = [&] {
-    const Outcome second = session.run(words(work + " --resume"));
+    const Outcome second = run(work + " --resume");
     refused = second.exit_code == 2 && contains(second.standard_error, "another run");
   };
-  CHECK(session.run(words(work), {.signal_at = first_rows}).exit_code == 128 + SIGKILL);
+  CHECK(run(work, {.signal_at = first_rows}).exit_code == 128 + SIGKILL);
   CHECK(refused);
 }
 
-TEST_CASE("resume: a killed table of optima ends as one in one piece") {
-  const Session whole, session;
+TEST_CASE_FIXTURE(Session, "resume: a killed table of optima ends as one in one piece") {
+  const Session whole;
   const std::string line = "optimum disks8 --epsilon 0,1e-3:1e3:60 --contacts all --csv long.csv";
-  answer(whole, line);
-  kill_work(session, replaced(line, "long", "long"));
-  answer(session, line + " --resume");
-  CHECK(session.read("long.csv") == whole.read("long.csv"));
-  CHECK(files(session) == 1);
+  whole.answer(line);
+  kill_work(*this, replaced(line, "long", "long"));
+  answer(line + " --resume");
+  CHECK(read("long.csv") == whole.read("long.csv"));
+  CHECK(files(*this) == 1);
 }
 
-TEST_CASE("resume: a killed study ends as one in one piece") {
-  const Session whole, session;
-  for (const Session* one : {&whole, &session}) one->file("study/study.toml", study_text);
-  answer(whole, "run study --resume");
-  const std::string folder = "results/study/";
+TEST_CASE_FIXTURE(Session, "resume: a killed study ends as one in one piece") {
+  const Session whole;
+  whole.file("study/study.toml", study_text);
+  file("study/study.toml", study_text);
+  whole.answer("run study --resume");
+  const std::string results = "results/study/";
   for (const int signal : {SIGKILL, SIGINT}) {
     CAPTURE(signal);
-    const Outcome outcome = session.run(words("run study --resume"), stopped("second.csv.partial", signal));
-    CHECK(outcome.exit_code == (signal == SIGKILL ? 128 + SIGKILL : 130));
-    CHECK(session.has(folder + "first.csv"));
-    CHECK(session.has(folder + "first.csv.record"));
-    CHECK(!session.has(folder + "second.csv"));
-    CHECK(!session.has(folder + "study.h5"));
+    ended(signal == SIGKILL ? 128 + SIGKILL : 130, "run study --resume", {}, stopped("second.csv.partial", signal));
+    CHECK(has(results + "first.csv"));
+    CHECK(has(results + "first.csv.record"));
+    CHECK(!has(results + "second.csv"));
+    CHECK(!has(results + "study.h5"));
   }
-  check_refused(session, "run study", {"first.csv", "exists already"});
-  const std::string first = session.read(folder + "first.csv");
-  session.file(folder + "first.csv", first + "\n");
-  check_refused(session, "run study --resume", {"first.csv", "--force"});
-  session.file(folder + "first.csv", first);
-  session.file("study/study.toml", replaced(study_text, "1e3:300", "1e3:301"));
-  check_refused(session, "run study --resume", {"second.csv.partial", "options differs"});
-  session.file("study/study.toml", replaced(study_text, "1e2:20", "1e2:21"));
-  check_refused(session, "run study --resume", {"first.csv", "options differs"});
-  session.file("study/study.toml", study_text);
-  answer(session, "run study --resume");
-  CHECK(content_of(session.folder.path()) == content_of(whole.folder.path()));  // HDF5 included
+  check_refused("run study", {"first.csv", "exists already"});
+  const std::string first = read(results + "first.csv");
+  file(results + "first.csv", first + "\n");
+  check_refused("run study --resume", {"first.csv", "--force"});
+  file(results + "first.csv", first);
+  file("study/study.toml", replaced(study_text, "1e3:300", "1e3:301"));
+  check_refused("run study --resume", {"second.csv.partial", "options differs"});
+  file("study/study.toml", replaced(study_text, "1e2:20", "1e2:21"));
+  check_refused("run study --resume", {"first.csv", "options differs"});
+  file("study/study.toml", study_text);
+  answer("run study --resume");
+  CHECK(content_of(folder.path()) == content_of(whole.folder.path()));  // HDF5 included
 }
 
-TEST_CASE("resume: a complete study is left alone, and may be checked") {
-  const Session session;
-  session.file("study/study.toml", study_text);
-  answer(session, "run study");
-  const auto before = content_of(session.folder.path());
-  const Outcome outcome = session.run(words("run study --resume"));
-  CHECK(outcome.exit_code == 0);
-  CHECK(contains(outcome.standard_error, "already complete"));
-  CHECK(content_of(session.folder.path()) == before);
+TEST_CASE_FIXTURE(Session, "resume: a complete study is left alone, and may be checked") {
+  file("study/study.toml", study_text);
+  answer("run study");
+  const auto before = content_of(folder.path());
+  ended(0, "run study --resume", {"already complete"});
+  CHECK(content_of(folder.path()) == before);
   for (const auto& [old, other] : {std::pair{"1e2:20", "1e2:21"}, std::pair{"1e-2:1e2:20", "1e-2:1e3:20"}}) {
-    session.file("study/study.toml", replaced(study_text, old, other));
-    check_refused(session, "run study --resume", {"results/study/first.csv", "--force replaces"});
+    file("study/study.toml", replaced(study_text, old, other));
+    check_refused("run study --resume", {"results/study/first.csv", "--force replaces"});
   }
-  session.file("study/study.toml", study_text);
+  file("study/study.toml", study_text);
   for (const std::string& name : Texts{"second", "third"})
-    session.file("study/baseline-" + name + ".csv", session.read("results/study/" + name + ".csv"));
-  session.file("study/baseline.csv", session.read("results/study/first.csv"));
-  CHECK(session.run(words("run study --resume --check")).exit_code == 0);
-  session.file("study/baseline-second.csv", session.read("results/study/first.csv"));
-  CHECK(session.run(words("run study --resume --check")).exit_code == 1);
+    file("study/baseline-" + name + ".csv", read("results/study/" + name + ".csv"));
+  file("study/baseline.csv", read("results/study/first.csv"));
+  CHECK(run("run study --resume --check").exit_code == 0);
+  file("study/baseline-second.csv", read("results/study/first.csv"));
+  CHECK(run("run study --resume --check").exit_code == 1);
 }
 
-TEST_CASE("progress: rate and time left on a terminal") {
-  const Session session;
-  kill_work(session);
-  RunOptions options;
-  options.on_terminal = true;
-  const Outcome outcome = session.run(words(work + " --resume"), options);
-  CHECK(outcome.exit_code == 0);
-  CHECK(contains(outcome.standard_error, " points/s, "));
-  CHECK(contains(outcome.standard_error, " s left"));
+TEST_CASE_FIXTURE(Session, "progress: rate and time left on a terminal") {
+  kill_work(*this);
+  ended(0, work + " --resume", {" points/s, ", " s left"}, {.on_terminal = true});
 }

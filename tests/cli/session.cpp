@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
+#include <cstdlib>
 #include <sstream>
 
 namespace nscdd::testing {
@@ -37,17 +36,13 @@ std::vector<std::string> words(const std::string& line) {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-std::string answer(const Session& session, const std::vector<std::string>& arguments) {
-  const Outcome outcome = session.run(arguments);
-  CHECK(outcome.standard_error == "");
-  REQUIRE(outcome.exit_code == 0);
-  return outcome.standard_output;
-}
-
-std::string answer(const Session& session, const std::string& line) { return answer(session, words(line)); }
-
-CsvTable table(const Session& session, const std::string& line) {
-  return read_table(answer(session, line + " --csv -"));
+int run_script(const std::string& script, const Texts& arguments, const std::string& output) {
+  std::string command =
+      "OPENBLAS_NUM_THREADS=1 /usr/bin/python3 -B '" + (source_folder() / "tests" / script).string() + "'";
+  for (const std::string& argument : arguments) command += " '" + argument + "'";
+  if (!output.empty()) command += " > '" + output + "'";
+  const int status = std::system(command.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 std::size_t times(const std::string& text, const std::string& part) {
@@ -56,20 +51,38 @@ std::size_t times(const std::string& text, const std::string& part) {
   return found;
 }
 
-std::string remarked(const Session& session, const std::string& line, const std::string& part) {
-  const Outcome outcome = session.run(words(line));
-  CAPTURE(line);
-  CAPTURE(outcome.standard_error);
+Outcome Session::run(const std::string& line, const RunOptions& options) const { return run(words(line), options); }
+
+Outcome Session::ended(int exit_code, const std::string& line, std::initializer_list<std::string> said,
+                       const RunOptions& options) const {
+  const Outcome outcome = run(line, options);
+  INFO("line = ", line, ", outcome.standard_error = ", outcome.standard_error);
+  CHECK(outcome.exit_code == exit_code);
+  for (const std::string& part : said) CHECK_MESSAGE(contains(outcome.standard_error, part), part);
+  return outcome;
+}
+
+std::string Session::answer(const Texts& arguments) const {
+  const Outcome outcome = run(arguments);
+  CHECK(outcome.standard_error == "");
+  REQUIRE(outcome.exit_code == 0);
+  return outcome.standard_output;
+}
+
+std::string Session::answer(const std::string& line) const { return answer(words(line)); }
+
+std::string Session::remarked(const std::string& line, const std::string& part) const {
+  const Outcome outcome = ended(0, line);
   CHECK(times(outcome.standard_error, part) == 1);
   CHECK(times(outcome.standard_error, "\n") == 1);
   REQUIRE(outcome.exit_code == 0);
   return outcome.standard_output;
 }
 
-void check_refused(const Session& session, const std::vector<std::string>& arguments,
-                   std::initializer_list<std::string> parts, const RunOptions& options) {
-  const auto before = content_of(session.folder.path());
-  const Outcome outcome = session.run(arguments, options);
+void Session::check_refused(const Texts& arguments, std::initializer_list<std::string> parts,
+                            const RunOptions& options) const {
+  const auto before = content_of(folder.path());
+  const Outcome outcome = run(arguments, options);
   std::string line;
   for (const std::string& word : arguments) line += " " + word;
   CAPTURE(line);
@@ -80,16 +93,13 @@ void check_refused(const Session& session, const std::vector<std::string>& argum
       std::min(("\n" + outcome.standard_error).find("\nnscdd: error: "), outcome.standard_error.size()));
   CAPTURE(outcome.standard_error);
   CHECK(message != "");
-  for (const std::string& part : parts) {
-    CAPTURE(part);
-    CHECK(message.find(part) != std::string::npos);
-  }
-  CHECK(difference(before, content_of(session.folder.path())) == "");
+  for (const std::string& part : parts) CHECK_MESSAGE(contains(message, part), part);
+  CHECK(difference(before, content_of(folder.path())) == "");
 }
 
-void check_refused(const Session& session, const std::string& line, std::initializer_list<std::string> parts,
-                   const RunOptions& options) {
-  check_refused(session, words(line), parts, options);
+void Session::check_refused(const std::string& line, std::initializer_list<std::string> parts,
+                            const RunOptions& options) const {
+  check_refused(words(line), parts, options);
 }
 
 std::string row_of_three() { return "x,y,radius\n0,0,0.5\n1,0,0.5\n2,0,0.5\n9,9,0.5\n"; }

@@ -3,8 +3,6 @@
 #include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <sstream>
 
@@ -16,6 +14,10 @@ namespace {
 const std::string lattice = case_text("fcc\ncolumns = 3\nrows = 3\nlayers = 3", "2, 2, 2",
                                       "[loads]\ncompression = [1.0, 0.5, 0.25]\n"
                                       "[[prescribed]]\ngrain = -1\nvelocity = [-1.0, 0.0, 0.5]\n");
+
+struct LatticeSession : Session {
+  LatticeSession() { file("fcc.toml", lattice); }
+};
 
 const std::string drum = drum_case();
 
@@ -35,32 +37,28 @@ std::vector<double> row_of(const std::string& report, const std::string& first) 
 
 }  // namespace
 
-TEST_CASE("space: inspect counts ranks, six rigid motions and self-stresses") {
-  const Session session;
-  session.file("fcc.toml", lattice);
-  const std::string report = answer(session, "inspect fcc.toml");
+TEST_CASE_FIXTURE(LatticeSession, "space: inspect counts ranks, six rigid motions and self-stresses") {
+  const std::string report = answer("inspect fcc.toml");
   // grains, contacts, rank, rigid modes, hyperstaticity
   CHECK(row_of(report, "whole") == std::vector<double>{27, 86, 75, 6, 11});
   // 27 spheres of radius 0.5 in a box of 3.5 x 3.5 x (1 + sqrt 2)
   CHECK(contains(report, "solid fraction       0.478025 (grain volume over the box around all grains)"));
   CHECK(contains(report, "(fewer than 3 contacts, without other rattlers)"));
-  answer(session, "inspect fcc.toml --histogram sizes.csv");
-  CHECK(contains(session.read("sizes.csv"), "volume_fraction"));
-  const auto dense = row_of(answer(session, "inspect fcc.toml --set packing.columns=4 --subdomains 1x1x1"), "whole");
+  answer("inspect fcc.toml --histogram sizes.csv");
+  CHECK(contains(read("sizes.csv"), "volume_fraction"));
+  const auto dense = row_of(answer("inspect fcc.toml --set packing.columns=4 --subdomains 1x1x1"), "whole");
   REQUIRE(dense.size() == 5);
   CHECK(dense[3] == 6);
   CHECK(dense[1] == 3 * (3 * 3 + 4 * 2) + 2 * 7 * 5);
 }
 
-TEST_CASE("space: sweeps agree by every solver, with all contacts and with those in compression") {
-  const Session session;
-  session.file("fcc.toml", lattice);
+TEST_CASE_FIXTURE(LatticeSession, "space: sweeps agree by every solver, with all contacts and with some") {
   for (const std::string cut : {"", " --subdomains metis:5", " --subdomains 1x1x3"})
     for (const std::string contacts : {"all", "active", "unilateral"}) {
       const std::string line = "sweep fcc.toml --epsilon 1e-2,1 --eta 0.3,inf --contacts " + contacts + cut;
       CAPTURE(line);
-      const CsvTable dense = table(session, line + " --solver dense");
-      const CsvTable proved = table(session, line + " --solver shift-invert --certify");
+      const CsvTable dense = table(line + " --solver dense");
+      const CsvTable proved = table(line + " --solver shift-invert --certify");
       REQUIRE(dense.rows.size() == 4);
       REQUIRE(proved.rows.size() == 4);
       for (std::size_t row = 0; row < 4; ++row) {
@@ -72,15 +70,14 @@ TEST_CASE("space: sweeps agree by every solver, with all contacts and with those
         CHECK((contacts == "all") == (dense.number(row, "active_contacts") == 86));
       }
     }
-  const CsvTable best = table(session, "optimum fcc.toml");
+  const CsvTable best = table("optimum fcc.toml");
   CHECK(best.number(0, "best_radius") < 1);
 }
 
-TEST_CASE("space: a grid, a velocity or rates of two numbers are refused with file, line and key") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "space: a grid, a velocity or rates of two numbers are refused with file, line and key") {
   const auto refused = [&](const std::string& from, const std::string& to, std::initializer_list<std::string> parts) {
-    session.file("bad.toml", replaced(lattice, from, to));
-    check_refused(session, "sweep bad.toml --epsilon 1 --csv -", parts);
+    file("bad.toml", replaced(lattice, from, to));
+    check_refused("sweep bad.toml --epsilon 1 --csv -", parts);
   };
   refused("[2, 2, 2]", "[2, 2]", {"bad.toml:7: partition.grid", "three integers", "met [2, 2]"});
   refused("[1.0, 0.5, 0.25]", "[1.0, 0.5]", {"bad.toml:9: loads.compression", "three numbers", "met [1, 0.5]"});
@@ -89,20 +86,18 @@ TEST_CASE("space: a grid, a velocity or rates of two numbers are refused with fi
   refused("[-1.0, 0.0, 0.5]", "[-1.0, 0.0, 0.5, 0]", {"bad.toml:12: " + velocity, "three in space", "an array of 4"});
   refused("generator = \"fcc\"\ncolumns = 3\nrows = 3\nlayers = 3", "generator = \"strip\"",
           {"bad.toml:9: " + velocity, "two numbers", "plane", "met [-1, 0, 0.5]"});
-  session.file("fcc.toml", lattice);
+  file("fcc.toml", lattice);
   const std::string sweep = "sweep fcc.toml --epsilon 1 --csv - ";
-  check_refused(session, sweep + "--subdomains 2x2", {"fcc.toml: partition.grid", "three integers", "met [2, 2]"});
-  check_refused(session, sweep + "--set partition.grid=4,2", {"fcc.toml: partition.grid", "met [4, 2]"});
-  check_refused(session, sweep + "--prescribed 3:1:0", {"fcc.toml: prescribed[0].velocity", "three numbers"});
-  check_refused(session, sweep + "--set loads.compression=1,1", {"fcc.toml: loads.compression", "three numbers"});
-  check_refused(session, "sweep disks4 --epsilon 1 --csv - --subdomains 2x1x1", {"partition.grid", "two integers"});
-  CHECK(contains(answer(session, "inspect fcc.toml --subdomains 1x1"), "1 subdomain(s)"));  // one cell is one
+  check_refused(sweep + "--subdomains 2x2", {"fcc.toml: partition.grid", "three integers", "met [2, 2]"});
+  check_refused(sweep + "--set partition.grid=4,2", {"fcc.toml: partition.grid", "met [4, 2]"});
+  check_refused(sweep + "--prescribed 3:1:0", {"fcc.toml: prescribed[0].velocity", "three numbers"});
+  check_refused(sweep + "--set loads.compression=1,1", {"fcc.toml: loads.compression", "three numbers"});
+  check_refused("sweep disks4 --epsilon 1 --csv - --subdomains 2x1x1", {"partition.grid", "two integers"});
+  CHECK(contains(answer("inspect fcc.toml --subdomains 1x1"), "1 subdomain(s)"));  // one cell is one
 }
 
-TEST_CASE("space: tables of contacts, grains and modes have columns along z") {
-  const Session session;
-  session.file("fcc.toml", lattice);
-  const CsvTable links = table(session, "network fcc.toml --grains grains.csv");
+TEST_CASE_FIXTURE(LatticeSession, "space: tables of contacts, grains and modes have columns along z") {
+  const CsvTable links = table("network fcc.toml --grains grains.csv");
   REQUIRE(links.rows.size() == 86);
   for (std::size_t row = 0; row < 86; ++row) {
     double square = 0;
@@ -114,7 +109,7 @@ TEST_CASE("space: tables of contacts, grains and modes have columns along z") {
     }
     CHECK(std::abs(square - 1) < 1e-12);
   }
-  const CsvTable grains = read_table(session.read("grains.csv"));
+  const CsvTable grains = csv("grains.csv");
   REQUIRE(grains.rows.size() == 27);
   CHECK(grains.number(26, "velocity_z") == 0.5);
   CHECK(grains.number(26, "z") == doctest::Approx(std::sqrt(2.0)));
@@ -125,10 +120,10 @@ TEST_CASE("space: tables of contacts, grains and modes have columns along z") {
   }
   CHECK(momentum == doctest::Approx(0.25 * std::sqrt(0.5)));
 
-  answer(session, "modes fcc.toml --epsilon 0.1 --output slow");
-  const CsvTable impulses = read_table(session.read("slow-impulses.csv"));
-  const CsvTable velocities = read_table(session.read("slow-velocities.csv"));
-  const CsvTable swept = table(session, "sweep fcc.toml --epsilon 0.1");
+  answer("modes fcc.toml --epsilon 0.1 --output slow");
+  const CsvTable impulses = csv("slow-impulses.csv");
+  const CsvTable velocities = csv("slow-velocities.csv");
+  const CsvTable swept = table("sweep fcc.toml --epsilon 0.1");
   CHECK(3 * static_cast<double>(impulses.rows.size()) == swept.number(0, "interface_dofs"));
   double share = 0, along_z = 0;
   for (std::size_t row = 0; row < impulses.rows.size(); ++row) {
@@ -142,47 +137,45 @@ TEST_CASE("space: tables of contacts, grains and modes have columns along z") {
   CHECK(std::abs(velocities.number(0, "velocity_z")) > 0);
 }
 
-TEST_CASE("space: a study of links, and the radius from exported operators of a packing in space") {
-  const Session session;
-  session.file("study/study.toml",
-               "title = \"spheres\"\n"
-               "[[table]]\n"
-               "name = \"radius\"\n"
-               "cases = [\"fcc.toml\"]\n"
-               "epsilon = [0.1, 1]\n"
-               "vary = { \"packing.columns\" = [3, 4] }\n"
-               "[[table]]\n"
-               "name = \"network\"\n"
-               "observable = \"links\"\n"
-               "cases = [\"fcc.toml\"]\n");
-  session.file("study/fcc.toml", lattice);
-  answer(session, "run study");
-  const CsvTable radius = read_table(session.read("results/study/radius.csv"));
+TEST_CASE_FIXTURE(Session, "space: a study of links, and the radius from exported operators of a packing in space") {
+  file("study/study.toml",
+       "title = \"spheres\"\n"
+       "[[table]]\n"
+       "name = \"radius\"\n"
+       "cases = [\"fcc.toml\"]\n"
+       "epsilon = [0.1, 1]\n"
+       "vary = { \"packing.columns\" = [3, 4] }\n"
+       "[[table]]\n"
+       "name = \"network\"\n"
+       "observable = \"links\"\n"
+       "cases = [\"fcc.toml\"]\n");
+  file("study/fcc.toml", lattice);
+  answer("run study");
+  const CsvTable radius = csv("results/study/radius.csv");
   REQUIRE(radius.rows.size() == 4);
   CHECK(radius.number(2, "packing.columns") == 4);
-  session.file("fcc.toml", lattice);
+  file("fcc.toml", lattice);
   CHECK(radius.number(2, "spectral_radius") ==
-        table(session, "sweep fcc.toml --epsilon 0.1 --set packing.columns=4").number(0, "spectral_radius"));
-  const CsvTable network = read_table(session.read("results/study/network.csv"));
+        table("sweep fcc.toml --epsilon 0.1 --set packing.columns=4").number(0, "spectral_radius"));
+  const CsvTable network = csv("results/study/network.csv");
   REQUIRE(network.rows.size() == 86);
   CHECK(std::abs(network.number(85, "normal_z")) <= 1);
 
-  answer(session, "export fcc.toml --operators all --epsilon 0.1");
-  const std::string manifest = session.read("all/manifest.toml");
+  answer("export fcc.toml --operators all --epsilon 0.1");
+  const std::string manifest = read("all/manifest.toml");
   CHECK(contains(manifest, "dofs_per_grain = 3"));
   CHECK(contains(manifest, "(v_x, v_y, v_z) of each in turn"));
   CHECK(contains(manifest, "rows = 81\ncolumns = 86"));
 }
 
-TEST_CASE("space: a lattice with holes, as its generator and as a file with z, has the same radii") {
-  const Session session;
-  answer(session, "generate fcc --set packing.vacancies=0.1 -o bed.csv");
-  CHECK(contains(session.read("bed.csv"), "x,y,z,radius"));
-  session.file("bed.toml", case_text("fcc\nvacancies = 0.1", "2, 2, 2"));
+TEST_CASE_FIXTURE(Session, "space: a lattice with holes, as its generator and as a file with z, has the same radii") {
+  answer("generate fcc --set packing.vacancies=0.1 -o bed.csv");
+  CHECK(contains(read("bed.csv"), "x,y,z,radius"));
+  file("bed.toml", case_text("fcc\nvacancies = 0.1", "2, 2, 2"));
   const std::string options = " --epsilon 0.1,1 --eta 0.5 --solver ";
-  const CsvTable dense = table(session, "sweep bed.toml" + options + "dense");
-  const CsvTable file = table(session, "sweep bed.csv --subdomains 2x2x2" + options + "dense");
-  const CsvTable shifted = table(session, "sweep bed.toml" + options + "shift-invert");
+  const CsvTable dense = table("sweep bed.toml" + options + "dense");
+  const CsvTable file = table("sweep bed.csv --subdomains 2x2x2" + options + "dense");
+  const CsvTable shifted = table("sweep bed.toml" + options + "shift-invert");
   REQUIRE(dense.rows.size() == 2);
   for (std::size_t row = 0; row < 2; ++row) {
     const double radius = dense.number(row, "spectral_radius");
@@ -192,17 +185,16 @@ TEST_CASE("space: a lattice with holes, as its generator and as a file with z, h
   }
 }
 
-TEST_CASE("space: a deposit is made, looked at and studied like any other packing") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "space: a deposit is made, looked at and studied like any other packing") {
   const std::string keys =
       "grains = 60\nwidth = 1.2\ndepth = 0.9\nradius_min = 0.1\nradius_max = 0.2\ndistribution = \"uniform_volume\"\n";
-  session.file("bed.toml", "[packing]\ngenerator = \"sphere_deposit\"\n" + keys + "[partition]\ngrid = [2, 2, 2]\n" +
-                               "[loads]\ncompression = [0.0, 0.0, 1.0]\n");
+  file("bed.toml", "[packing]\ngenerator = \"sphere_deposit\"\n" + keys + "[partition]\ngrid = [2, 2, 2]\n" +
+                       "[loads]\ncompression = [0.0, 0.0, 1.0]\n");
   const auto grains_of = [&](const std::string& name) {  // without the remarks, which name the file
-    const std::string text = session.read(name);
+    const std::string text = read(name);
     return text.substr(text.find("\nx,y,z,radius") + 1);
   };
-  answer(session, "generate bed.toml -o bed.csv");
+  answer("generate bed.toml -o bed.csv");
   const CsvTable bed = read_table(grains_of("bed.csv"));
   REQUIRE(bed.rows.size() == 60);
   for (std::size_t row = 0; row < 60; ++row) {
@@ -213,10 +205,10 @@ TEST_CASE("space: a deposit is made, looked at and studied like any other packin
     CHECK(bed.number(row, "y") <= 0.9 - radius);
     CHECK(bed.number(row, "z") >= radius);
   }
-  answer(session, "generate bed.toml -o again.csv");
+  answer("generate bed.toml -o again.csv");
   CHECK(grains_of("again.csv") == grains_of("bed.csv"));
 
-  const auto whole = row_of(answer(session, "inspect bed.toml"), "whole");
+  const auto whole = row_of(answer("inspect bed.toml"), "whole");
   REQUIRE(whole.size() == 5);
   CHECK(whole[0] == 60);
   CHECK(whole[1] > 90);
@@ -225,19 +217,19 @@ TEST_CASE("space: a deposit is made, looked at and studied like any other packin
   CHECK(whole[4] == 0);
 
   const std::string options = " --subdomains 2x2x2 --epsilon 1 --solver ";
-  const CsvTable dense = table(session, "sweep bed.toml" + options + "dense");
-  const CsvTable file = table(session, "sweep bed.csv --set loads.compression=0,0,1" + options + "dense");
-  const CsvTable shifted = table(session, "sweep bed.toml --certify" + options + "shift-invert");
+  const CsvTable dense = table("sweep bed.toml" + options + "dense");
+  const CsvTable read_back = table("sweep bed.csv --set loads.compression=0,0,1" + options + "dense");
+  const CsvTable shifted = table("sweep bed.toml --certify" + options + "shift-invert");
   const double radius = dense.number(0, "spectral_radius");
   CHECK(radius > 0.01);
   CHECK(radius < 1);
-  CHECK(file.number(0, "spectral_radius") == radius);
+  CHECK(read_back.number(0, "spectral_radius") == radius);
   CHECK(std::abs(shifted.number(0, "spectral_radius") - radius) < 1e-9);
   CHECK(dense.number(0, "contacts") == whole[1]);
 
   const auto refused = [&](const std::string& from, const std::string& to, std::initializer_list<std::string> parts) {
-    session.file("bad.toml", replaced(session.read("bed.toml"), from, to));
-    check_refused(session, "generate bad.toml -o bad.csv", parts);
+    file("bad.toml", replaced(read("bed.toml"), from, to));
+    check_refused("generate bad.toml -o bad.csv", parts);
   };
   refused("grains = 60", "grains = 0", {"bad.toml:3", "packing.grains"});
   refused("width = 1.2", "width = 0.3", {"packing.width", "at least 2 radius_max = 0.4 m, met 0.3"});
@@ -246,48 +238,44 @@ TEST_CASE("space: a deposit is made, looked at and studied like any other packin
   refused("depth = 0.9", "layers = 3", {"bad.toml:5", "layers"});
 }
 
-TEST_CASE("space: a study of a file with z takes tolerances of its columns along z") {
-  const Session session;
-  session.file("study/bed.toml", case_text("bed.csv", "2, 2, 2"));
-  session.file("study/fcc.toml", lattice);
-  answer(session, "generate study/fcc.toml -o study/bed.csv");
-  session.file("study/study.toml",
-               "title = \"spheres\"\n[[table]]\nname = \"network\"\nobservable = \"links\"\n"
-               "cases = [\"bed.toml\", \"fcc.toml\"]\n[table.column_tolerance]\nz_a = 1e-9\n");
-  answer(session, "run study");
-  const CsvTable network = read_table(session.read("results/study/network.csv"));
+TEST_CASE_FIXTURE(Session, "space: a study of a file with z takes tolerances of its columns along z") {
+  file("study/bed.toml", case_text("bed.csv", "2, 2, 2"));
+  file("study/fcc.toml", lattice);
+  answer("generate study/fcc.toml -o study/bed.csv");
+  file("study/study.toml",
+       "title = \"spheres\"\n[[table]]\nname = \"network\"\nobservable = \"links\"\n"
+       "cases = [\"bed.toml\", \"fcc.toml\"]\n[table.column_tolerance]\nz_a = 1e-9\n");
+  answer("run study");
+  const CsvTable network = csv("results/study/network.csv");
   CHECK(network.rows.size() == 86 + 86);
   CHECK(network.number(0, "z_a") == 0);
 }
 
-TEST_CASE("space: spheres fall into a drum that turns; a run that is cut short goes on bit by bit") {
-  const Session session;
-  session.file("drum.toml", drum);
-  answer(session, "simulate drum.toml -o whole.h5");
-  answer(session, "simulate drum.toml --steps 40 -o parts.h5");
-  answer(session, "simulate drum.toml --restart -o parts.h5");
-  const nscdd::TrajectoryStep whole = nscdd::read_last_step(session.folder / "whole.h5");
-  const nscdd::TrajectoryStep parts = nscdd::read_last_step(session.folder / "parts.h5");
+TEST_CASE_FIXTURE(Session, "space: spheres fall into a drum that turns; a run that is cut short goes on bit by bit") {
+  file("drum.toml", drum);
+  answer("simulate drum.toml -o whole.h5");
+  answer("simulate drum.toml --steps 40 -o parts.h5");
+  answer("simulate drum.toml --restart -o parts.h5");
+  const nscdd::TrajectoryStep whole = nscdd::read_last_step(folder / "whole.h5");
+  const nscdd::TrajectoryStep parts = nscdd::read_last_step(folder / "parts.h5");
   CHECK(whole.state.step == 80);
   for (const auto values : nscdd::numbers_of_grains(3)) CHECK(whole.state.*values == parts.state.*values);
   CHECK(whole.state.poses[0].turn.coeffs() == parts.state.poses[0].turn.coeffs());
   CHECK(whole.state.impulses.size() > 5);
-  answer(session, "export whole.h5 --vtk pictures");
-  check_refused(session, "simulate drum.toml -o a.h5 --set dynamics.gravity=0,-9", {"dynamics.gravity", "three"});
-  session.file("flat.toml", std::string(drum).replace(drum.find("[1, 0, 1]"), 9, "[1, 0]"));
-  check_refused(session, "simulate flat.toml -o a.h5", {"flat.toml", "numbers for the plane", "space"});
+  answer("export whole.h5 --vtk pictures");
+  check_refused("simulate drum.toml -o a.h5 --set dynamics.gravity=0,-9", {"dynamics.gravity", "three"});
+  file("flat.toml", std::string(drum).replace(drum.find("[1, 0, 1]"), 9, "[1, 0]"));
+  check_refused("simulate flat.toml -o a.h5", {"flat.toml", "numbers for the plane", "space"});
 }
 
-TEST_CASE("space: a study has the spheres and the force chains of a case that moves, with z") {
-  const Session session;
-  session.file("study/drum.toml", drum);
-  session.file(
-      "study/study.toml",
-      "title = \"drum\"\n"
-      "[[table]]\nname = \"spheres\"\nobservable = \"configuration\"\ncases = [\"drum.toml\"]\nsteps = [0, 79]\n"
-      "[[table]]\nname = \"chains\"\nobservable = \"force_chains\"\ncases = [\"drum.toml\"]\nsteps = [79]\n");
-  answer(session, "run study");
-  const CsvTable spheres = read_table(session.read("results/study/spheres.csv"));
+TEST_CASE_FIXTURE(Session, "space: a study has the spheres and the force chains of a case that moves, with z") {
+  file("study/drum.toml", drum);
+  file("study/study.toml",
+       "title = \"drum\"\n"
+       "[[table]]\nname = \"spheres\"\nobservable = \"configuration\"\ncases = [\"drum.toml\"]\nsteps = [0, 79]\n"
+       "[[table]]\nname = \"chains\"\nobservable = \"force_chains\"\ncases = [\"drum.toml\"]\nsteps = [79]\n");
+  answer("run study");
+  const CsvTable spheres = csv("results/study/spheres.csv");
   REQUIRE(spheres.rows.size() == 54);
   double fallen = 0;
   int turned = 0;
@@ -298,7 +286,7 @@ TEST_CASE("space: a study has the spheres and the force chains of a case that mo
   }
   CHECK(fallen > 5);
   CHECK(turned > 13);
-  const CsvTable chains = read_table(session.read("results/study/chains.csv"));
+  const CsvTable chains = csv("results/study/chains.csv");
   REQUIRE(chains.rows.size() > 10);
   for (std::size_t i = 0; i < chains.rows.size(); ++i) {
     CHECK(chains.number(i, "impulse_n") > 0);
@@ -313,31 +301,29 @@ TEST_CASE("space: a study has the spheres and the force chains of a case that mo
   }
 }
 
-TEST_CASE("space: a study has the rate of Algorithm 1 on spheres that slide, predicted and observed") {
-  const Session session;
-  session.file("study/box.toml",
-               case_text("sphere_deposit\ngrains = 60\nwidth = 1.2", "2, 1, 1",
-                         "[masses]\ndensity = 2500\n[interaction]\nfriction = 0.3\n"
-                         "[dynamics]\nstep = 0.005\nsteps = 10\nmaximum_push_speed = 1e9\n"
-                         "[solver]\nalgorithm = \"generic\"\ncriterion = \"none\"\nmaximum_iterations = 10000\n") +
-                   wall_text("floor", "[0, 0, 0]", "[0, 0, 1]") +
-                   wall_text("left", "[0, 0, 0]", "[1, 0, 0]", "spin = [0, 0.075, 0]\n") +
-                   wall_text("right", "[1.2, 0, 0]", "[-1, 0, 0]", "centre = [1.2, 0, 0]\nspin = [0, 0.075, 0]\n") +
-                   wall_text("front", "[0, 0, 0]", "[0, 1, 0]") + wall_text("back", "[0, 1.2, 0]", "[0, -1, 0]"));
-  session.file("study/study.toml",
-               "title = \"rates\"\n"
-               "[[table]]\nname = \"run\"\nobservable = \"predicted_observed\"\ncases = [\"box.toml\"]\nsteps = [10]\n"
-               "[table.vary]\n\"solver.gauss_seidel_sweeps\" = [1, 10]\n"
-               "[[table]]\nname = \"solution\"\nobservable = \"rate_at_solution\"\ncases = [\"box.toml\"]\n"
-               "steps = [3]\n[table.vary]\n\"solver.gauss_seidel_sweeps\" = [1, 10]\n"
-               "\"solver.algorithm\" = [\"generic\", \"enriched\"]\n");
-  answer(session, "run study");
+TEST_CASE_FIXTURE(Session, "space: a study has the rate of Algorithm 1 on spheres that slide, predicted and observed") {
+  file("study/box.toml",
+       case_text("sphere_deposit\ngrains = 60\nwidth = 1.2", "2, 1, 1",
+                 "[masses]\ndensity = 2500\n[interaction]\nfriction = 0.3\n"
+                 "[dynamics]\nstep = 0.005\nsteps = 10\nmaximum_push_speed = 1e9\n"
+                 "[solver]\nalgorithm = \"generic\"\ncriterion = \"none\"\nmaximum_iterations = 10000\n") +
+           wall_text("floor", "[0, 0, 0]", "[0, 0, 1]") +
+           wall_text("left", "[0, 0, 0]", "[1, 0, 0]", "spin = [0, 0.075, 0]\n") +
+           wall_text("right", "[1.2, 0, 0]", "[-1, 0, 0]", "centre = [1.2, 0, 0]\nspin = [0, 0.075, 0]\n") +
+           wall_text("front", "[0, 0, 0]", "[0, 1, 0]") + wall_text("back", "[0, 1.2, 0]", "[0, -1, 0]"));
+  file("study/study.toml",
+       "title = \"rates\"\n"
+       "[[table]]\nname = \"run\"\nobservable = \"predicted_observed\"\ncases = [\"box.toml\"]\nsteps = [10]\n"
+       "[table.vary]\n\"solver.gauss_seidel_sweeps\" = [1, 10]\n"
+       "[[table]]\nname = \"solution\"\nobservable = \"rate_at_solution\"\ncases = [\"box.toml\"]\n"
+       "steps = [3]\n[table.vary]\n\"solver.gauss_seidel_sweeps\" = [1, 10]\n"
+       "\"solver.algorithm\" = [\"generic\", \"enriched\"]\n");
+  answer("run study");
   for (const std::string name : {"run", "solution"}) {
-    const CsvTable rates = read_table(session.read("results/study/" + name + ".csv"));
+    const CsvTable rates = read_table(read("results/study/" + name + ".csv"));
     REQUIRE(rates.rows.size() == (name == "run" ? 2 : 4));
     for (std::size_t row = 0; row < rates.rows.size(); ++row) {
-      CAPTURE(name);
-      CAPTURE(row);
+      INFO("name = ", name, ", row = ", row);
       CHECK(rates.number(row, "stick") > 20);
       CHECK(rates.number(row, "slide") > 20);
       CHECK(rates.number(row, "predicted") > 0.9);
@@ -347,31 +333,30 @@ TEST_CASE("space: a study has the rate of Algorithm 1 on spheres that slide, pre
   }
 }
 
-TEST_CASE("space: a step of spheres is a contact problem for solve, inspect, sweep, optimum and run") {
-  const Session session;
-  session.file("drum.toml", drum);
-  answer(session, "simulate drum.toml -o run.h5");
-  answer(session, "export run.h5 --fclib 80 -o step.hdf5");
-  CHECK(contains(answer(session, "solve step.hdf5"), "converged"));
+TEST_CASE_FIXTURE(Session, "space: a step of spheres is a contact problem for solve, inspect, sweep, optimum and run") {
+  file("drum.toml", drum);
+  answer("simulate drum.toml -o run.h5");
+  answer("export run.h5 --fclib 80 -o step.hdf5");
+  CHECK(contains(answer("solve step.hdf5"), "converged"));
 
-  const std::string contacts = value(answer(session, "inspect step.hdf5 --subdomains metis:2"), "contacts");
-  const CsvTable rows = table(session, "sweep step.hdf5 --subdomains metis:2 --epsilon 0.001,0.01");
+  const std::string contacts = value(answer("inspect step.hdf5 --subdomains metis:2"), "contacts");
+  const CsvTable rows = table("sweep step.hdf5 --subdomains metis:2 --epsilon 0.001,0.01");
   REQUIRE(rows.rows.size() == 2);
   CHECK(rows.text(0, "contacts") == contacts);
   CHECK(rows.text(0, "grains") == "27");
   CHECK(rows.number(0, "spectral_radius") > rows.number(1, "spectral_radius"));
   CHECK(rows.number(0, "spectral_radius") < 1);
-  CHECK(contains(answer(session, "optimum step.hdf5 --subdomains metis:2 --contacts all --epsilon 0.001"), "best_eta"));
+  CHECK(contains(answer("optimum step.hdf5 --subdomains metis:2 --contacts all --epsilon 0.001"), "best_eta"));
 
-  session.file("study/step.toml", "[problem]\nfile = \"../step.hdf5\"\n[partition]\nmetis = 2\n");
-  session.file("study/study.toml",
-               "title = \"a step\"\n"
-               "[[table]]\nname = \"radius\"\ncases = [\"step.toml\"]\nepsilon = [0.001, 0.01]\n"
-               "[[table]]\nname = \"best\"\nobservable = \"optimum\"\ncases = [\"step.toml\"]\nepsilon = 0.001\n"
-               "contacts = \"all\"\n");
-  answer(session, "run study");
-  const CsvTable studied = read_table(session.read("results/study/radius.csv"));
+  file("study/step.toml", "[problem]\nfile = \"../step.hdf5\"\n[partition]\nmetis = 2\n");
+  file("study/study.toml",
+       "title = \"a step\"\n"
+       "[[table]]\nname = \"radius\"\ncases = [\"step.toml\"]\nepsilon = [0.001, 0.01]\n"
+       "[[table]]\nname = \"best\"\nobservable = \"optimum\"\ncases = [\"step.toml\"]\nepsilon = 0.001\n"
+       "contacts = \"all\"\n");
+  answer("run study");
+  const CsvTable studied = csv("results/study/radius.csv");
   REQUIRE(studied.rows.size() == 2);
   CHECK(studied.text(0, "spectral_radius") == rows.text(0, "spectral_radius"));
-  CHECK(read_table(session.read("results/study/best.csv")).number(0, "best_eta") > 0);
+  CHECK(csv("results/study/best.csv").number(0, "best_eta") > 0);
 }

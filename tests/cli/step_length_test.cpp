@@ -3,8 +3,6 @@
 #include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
 using namespace nscdd::testing;
@@ -36,7 +34,7 @@ std::string safe_step(const std::string& error) {
 }
 
 nscdd::GranularState last_state(const Session& session, const std::string& file) {
-  return nscdd::read_last_step((session.folder / file).string()).state;
+  return nscdd::read_last_step(session.path(file)).state;
 }
 
 std::vector<double> velocities(const Session& session, const std::string& file) {
@@ -46,86 +44,72 @@ std::vector<double> velocities(const Session& session, const std::string& file) 
 
 }  // namespace
 
-TEST_CASE("simulate: a step in which a disk flies through another is refused, and the step named is right") {
-  const ShotSession session;
-  check_refused(session, "simulate shot.toml -o shot.h5",
+TEST_CASE_FIXTURE(ShotSession, "simulate: a step in which a disk flies through another is refused, with a safe one") {
+  check_refused("simulate shot.toml -o shot.h5",
                 {"shot.toml:10: dynamics.step: expected at most 0.000684 s, met 0.005 s, which is too long",
                  "disk 0 and disk 1 moved by 0.0475 m", "4.75 of the smaller radius"});
-  CHECK_FALSE(session.has("shot.h5"));
+  CHECK_FALSE(has("shot.h5"));
   for (const std::string step : {"0.02", "0.009", "0.005", "0.002", "0.001", "0.0008"}) {
     CAPTURE(step);
-    const Outcome refused = session.run(words("simulate shot.toml -o shot.h5 --set dynamics.step=" + step));
-    CHECK(refused.exit_code == 2);
+    const Outcome refused = ended(2, "simulate shot.toml -o shot.h5 --set dynamics.step=" + step);
     CHECK(safe_step(refused.standard_error) == "0.000684");
   }
   for (const std::string step : {"0.000684", "0.000677", "0.0005", "0.0001"}) {
     CAPTURE(step);
-    answer(session, "simulate shot.toml --force -o shot.h5 --set dynamics.steps=9 --set dynamics.step=" + step);
-    for (const double v : velocities(session, "shot.h5")) CHECK(v == doctest::Approx(9.5).epsilon(1e-9));
+    answer("simulate shot.toml --force -o shot.h5 --set dynamics.steps=9 --set dynamics.step=" + step);
+    for (const double v : velocities(*this, "shot.h5")) CHECK(v == doctest::Approx(9.5).epsilon(1e-9));
   }
 }
 
-TEST_CASE("every verb that moves the first step of a case refuses one that is too long") {
-  const ShotSession session;
-  session.file("settle.toml", "[packing]\nsettled = \"shot.toml\"\n[partition]\ngrid = [1, 1]\n");
-  check_refused(session, "sweep settle.toml --epsilon 1 --csv -", {"dynamics.step: expected at most 0.000684 s"});
+TEST_CASE_FIXTURE(ShotSession, "every verb that moves the first step of a case refuses one that is too long") {
+  file("settle.toml", "[packing]\nsettled = \"shot.toml\"\n[partition]\ngrid = [1, 1]\n");
+  check_refused("sweep settle.toml --epsilon 1 --csv -", {"dynamics.step: expected at most 0.000684 s"});
   // Packings that begin with overlaps are told from steps that are too long.
-  session.file("deep.csv", "x,y,radius,mass\n0,0,0.01,1\n0.0149,0,0.01,1\n");
-  session.file("deep.toml", shot("deep.csv"));
-  check_refused(session, "simulate deep.toml -o deep.h5", {"disk 0 and disk 1: expected an overlap of at most 0.5"});
+  file("deep.csv", "x,y,radius,mass\n0,0,0.01,1\n0.0149,0,0.01,1\n");
+  file("deep.toml", shot("deep.csv"));
+  check_refused("simulate deep.toml -o deep.h5", {"disk 0 and disk 1: expected an overlap of at most 0.5"});
 }
 
-TEST_CASE(
-    "simulate --restart: a disk that would be passed later ends the run as in one piece, written steps are kept") {
-  const Session session;
-  session.file("three.csv", "x,y,radius,mass\n0,0,0.01,1\n0.0201,0,0.01,0.05\n0.12,0,0.01,1\n");
-  session.file("throw.toml", shot("three.csv"));
+TEST_CASE_FIXTURE(Session, "simulate --restart: a disk that would be passed later ends the run as in one piece") {
+  file("three.csv", "x,y,radius,mass\n0,0,0.01,1\n0.0201,0,0.01,0.05\n0.12,0,0.01,1\n");
+  file("throw.toml", shot("three.csv"));
   const std::string asked = "simulate throw.toml --set interaction.restitution=1 --set dynamics.step=0.0003 --steps ";
-  const Outcome ended = session.run(words(asked + "30 -o whole.h5"));
-  CHECK(ended.exit_code == 1);
-  CHECK(contains(ended.standard_error, "dynamics.step: expected at most "));
-  CHECK(contains(ended.standard_error, "disk 1 and disk 2 moved by"));
-  const auto last = last_state(session, "whole.h5");
+  const Outcome whole =
+      ended(1, asked + "30 -o whole.h5", {"dynamics.step: expected at most ", "disk 1 and disk 2 moved by"});
+  const auto last = last_state(*this, "whole.h5");
   REQUIRE(last.step > 2);
-  answer(session, asked + "2 -o parts.h5");
-  const Outcome on = session.run(words(asked + "30 --restart -o parts.h5"));
-  CHECK(on.exit_code == 1);
-  CHECK(contains(on.standard_error, "disk 1 and disk 2 moved by"));
-  const auto parts = last_state(session, "parts.h5");
+  answer(asked + "2 -o parts.h5");
+  ended(1, asked + "30 --restart -o parts.h5", {"disk 1 and disk 2 moved by"});
+  const auto parts = last_state(*this, "parts.h5");
   CHECK(parts.step == last.step);
   CHECK(parts.x == last.x);
   CHECK(parts.velocity_x == last.velocity_x);
   // Elastic: the light disk gets 2/1.05 of 19 m/s, and hands on 2 x 0.05/1.05 of that.
-  const std::string safe = safe_step(ended.standard_error);
-  answer(session, "simulate throw.toml --set interaction.restitution=1 --set dynamics.step=" + safe +
-                      " --set dynamics.steps=" + std::to_string(static_cast<int>(0.003 / std::stod(safe))) +
-                      " -o safe.h5");
-  const auto state = last_state(session, "safe.h5");
+  const std::string safe = safe_step(whole.standard_error);
+  answer("simulate throw.toml --set interaction.restitution=1 --set dynamics.step=" + safe +
+         " --set dynamics.steps=" + std::to_string(static_cast<int>(0.003 / std::stod(safe))) + " -o safe.h5");
+  const auto state = last_state(*this, "safe.h5");
   CHECK(state.velocity_x[2] == doctest::Approx(2 * 0.05 / 1.05 * 38 / 1.05).epsilon(1e-9));
 }
 
 // Grains that a floor throws up and catches again: the floor changes its velocity at each step, in contact or not.
-TEST_CASE("step length: a shaken floor ends no run whose overlaps are small") {
-  Session session;
-  session.file("row.csv", "x,y,radius,mass\n0.1,0.01,0.01,1\n0.1201,0.01,0.01,1\n0.1402,0.01,0.01,1\n");
+TEST_CASE_FIXTURE(Session, "step length: a shaken floor ends no run whose overlaps are small") {
+  file("row.csv", "x,y,radius,mass\n0.1,0.01,0.01,1\n0.1201,0.01,0.01,1\n0.1402,0.01,0.01,1\n");
   for (const double step : {0.001, 0.0005})
     for (const double restitution : {0.0, 0.5}) {
-      CAPTURE(step);
-      CAPTURE(restitution);
+      INFO("step = ", step, ", restitution = ", restitution);
       std::string motion;
       for (int k = 0; k < 20; ++k)  // 2 m/s at 25 Hz
         motion += (k > 0 ? ", [" : "[") + std::to_string(0.005 * k) + ", 0.0, " +
                   std::to_string(2 * std::sin(0.785398 * k)) + ", 0.0]";
-      session.file(
-          "shaken.toml",
-          case_text("row.csv", "1, 1", "[masses]\nmodel = \"given\"\n[interaction]\nfriction = 0.3\nrestitution = ") +
-              std::to_string(restitution) + "\n[dynamics]\nstep = " + std::to_string(step) +
-              "\nsteps = " + std::to_string(static_cast<int>(0.08 / step)) +
-              "\ngravity = [0, -9.81]\n[[boundary]]\nname = \"floor\"\nshape = \"wall\"\n"
-              "from = [-1, 0]\nto = [2, 0]\nmotion = [" +
-              motion + "]\n");
-      const Outcome outcome = session.run(words("simulate shaken.toml --force -o shaken.h5"));
-      CHECK(outcome.exit_code == 0);
+      file("shaken.toml",
+           case_text("row.csv", "1, 1", "[masses]\nmodel = \"given\"\n[interaction]\nfriction = 0.3\nrestitution = ") +
+               std::to_string(restitution) + "\n[dynamics]\nstep = " + std::to_string(step) +
+               "\nsteps = " + std::to_string(static_cast<int>(0.08 / step)) +
+               "\ngravity = [0, -9.81]\n[[boundary]]\nname = \"floor\"\nshape = \"wall\"\n"
+               "from = [-1, 0]\nto = [2, 0]\nmotion = [" +
+               motion + "]\n");
+      const Outcome outcome = ended(0, "simulate shaken.toml --force -o shaken.h5");
       CHECK(!contains(outcome.standard_error + outcome.standard_output, "too long"));
       CHECK(!contains(outcome.standard_error + outcome.standard_output, "expected an overlap"));
     }

@@ -2,8 +2,6 @@
 // nscdd sweep: columns, rows, known radii, the forms of a SPEC.
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -26,14 +24,13 @@ std::vector<double> column(const CsvTable& table, const std::string& name) {
 }
 
 std::vector<double> epsilons(const Session& session, const std::string& spec) {
-  return column(table(session, "sweep disks4 --epsilon " + spec), "epsilon");
+  return column(session.table("sweep disks4 --epsilon " + spec), "epsilon");
 }
 
 }  // namespace
 
-TEST_CASE("sweep: the columns of the table have their names") {
-  const Session session;
-  const CsvTable result = table(session, "sweep disks4 --epsilon 1");
+TEST_CASE_FIXTURE(Session, "sweep: the columns of the table have their names") {
+  const CsvTable result = table("sweep disks4 --epsilon 1");
   for (const std::string& name :
        Texts{"case", "grains", "contacts", "subdomains", "interface_dofs", "contact_set", "epsilon", "eta",
              "spectral_radius", "eigenvalue_min", "eigenvalue_max", "unit_multiplicity", "subdominant_radius", "solver",
@@ -55,36 +52,32 @@ TEST_CASE("sweep: the columns of the table have their names") {
 
 // Every row is a chain of disks of unit mass that is cut in its middle grain, see
 // tests/laws/degenerate_spectra_test.cpp.
-TEST_CASE("many equal eigenvalues: every verb has the radius and the mode of a square lattice") {
-  Session session;
+TEST_CASE_FIXTURE(Session, "many equal eigenvalues: every verb has the radius and the mode of a square lattice") {
   for (const int rows : {1, 8, 20, 31}) {
     CAPTURE(rows);
     std::string packing = "x,y,radius\n";
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < 5; ++i) packing += std::to_string(i) + "," + std::to_string(j) + ",0.5\n";
-    session.file("square.csv", packing);
+    file("square.csv", packing);
     const std::string what = " square.csv --subdomains 2x1 --epsilon 1 ";
     for (const char* options : {"", "--solver dense", "--solver shift-invert --certify --eigenvalues 3",
                                 "--solver arpack", "--certify --eigenvalues 7"}) {
       CAPTURE(options);
-      const CsvTable found = table(session, "sweep" + what + options);
+      const CsvTable found = table("sweep" + what + options);
       CHECK(found.text(0, "converged") == "true");
       CHECK(found.number(0, "spectral_radius") == doctest::Approx(6.0 / 11).epsilon(1e-8));
     }
-    const CsvTable best = table(session, "optimum" + what + "--contacts all");
+    const CsvTable best = table("optimum" + what + "--contacts all");
     CHECK(best.number(0, "generic_radius") == doctest::Approx(6.0 / 11).epsilon(1e-8));
     CHECK(best.text(0, "status") != "not_converged");
-    const Outcome mode = session.run(words("modes" + what + "--force --output slow"));
-    CHECK(mode.exit_code == 0);
+    const Outcome mode = ended(0, "modes" + what + "--force --output slow");
     CHECK(contains(mode.standard_output, "0.545454545"));
     CHECK(!contains(mode.standard_error, "there is no mode"));
   }
 }
 
-TEST_CASE("a row that stays open says which solvers were tried and why each failed, in a note and in its cell") {
-  const Session session;
-  const Outcome outcome = session.run(words("sweep hexagonal --epsilon 1 --eta 1e-13,1 --solver shift-invert --csv -"));
-  CHECK(outcome.exit_code == 0);
+TEST_CASE_FIXTURE(Session, "a row that stays open says which solvers were tried, and why each failed") {
+  const Outcome outcome = ended(0, "sweep hexagonal --epsilon 1 --eta 1e-13,1 --solver shift-invert --csv -");
   const CsvTable rows = read_table(outcome.standard_output);
   CHECK(rows.text(0, "converged") == "false");
   CHECK(rows.text(0, "solver").starts_with("shift-invert: "));
@@ -93,16 +86,14 @@ TEST_CASE("a row that stays open says which solvers were tried and why each fail
   CHECK(rows.text(1, "solver") == "shift-invert");
 }
 
-TEST_CASE("sweep: one row per epsilon and eta in the order given") {
-  const Session session;
-  const CsvTable result = table(session, "sweep disks8 --epsilon 0,1,0.5 --eta 0.3,inf");
+TEST_CASE_FIXTURE(Session, "sweep: one row per epsilon and eta in the order given") {
+  const CsvTable result = table("sweep disks8 --epsilon 0,1,0.5 --eta 0.3,inf");
   CHECK(column(result, "epsilon") == std::vector<double>{0, 0, 1, 1, 0.5, 0.5});
   CHECK(column(result, "eta") == std::vector<double>{0.3, INFINITY, 0.3, INFINITY, 0.3, INFINITY});
 }
 
-TEST_CASE("sweep: closed form of 4 disks") {
-  const Session session;
-  const CsvTable result = table(session, "sweep disks4 --epsilon 0,1e-6:1e6:49");
+TEST_CASE_FIXTURE(Session, "sweep: closed form of 4 disks") {
+  const CsvTable result = table("sweep disks4 --epsilon 0,1e-6:1e6:49");
   REQUIRE(result.rows.size() == 50);
   CHECK(std::abs(result.number(0, "spectral_radius") - (29 + std::sqrt(57.0)) / 56) < 1e-14);
   for (std::size_t row = 0; row < result.rows.size(); ++row) {
@@ -113,9 +104,8 @@ TEST_CASE("sweep: closed form of 4 disks") {
   }
 }
 
-TEST_CASE("sweep: active contacts of 4 disks give 3/5") {
-  const Session session;
-  const CsvTable result = table(session, "sweep disks4 --epsilon 0 --eta inf,0.1 --contacts active");
+TEST_CASE_FIXTURE(Session, "sweep: active contacts of 4 disks give 3/5") {
+  const CsvTable result = table("sweep disks4 --epsilon 0 --eta inf,0.1 --contacts active");
   REQUIRE(result.rows.size() == 2);
   CHECK(result.text(0, "contact_set") == "active");
   CHECK(std::abs(result.number(0, "spectral_radius") - 0.6) < 1e-14);
@@ -123,15 +113,13 @@ TEST_CASE("sweep: active contacts of 4 disks give 3/5") {
   CHECK(result.text(1, "converged") == "true");
 }
 
-TEST_CASE("sweep: eta = epsilon converges at once") {
-  const Session session;
-  CHECK(table(session, "sweep disks12 --epsilon 0.7 --eta 0.7").number(0, "spectral_radius") < 1e-12);
+TEST_CASE_FIXTURE(Session, "sweep: eta = epsilon converges at once") {
+  CHECK(table("sweep disks12 --epsilon 0.7 --eta 0.7").number(0, "spectral_radius") < 1e-12);
 }
 
-TEST_CASE("sweep: dense and arpack agree") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "sweep: dense and arpack agree") {
   const std::string line = "sweep hexagonal --epsilon 0.01,1 --eta 0.3,inf --solver ";
-  const CsvTable dense = table(session, line + "dense"), arpack = table(session, line + "arpack");
+  const CsvTable dense = table(line + "dense"), arpack = table(line + "arpack");
   REQUIRE(dense.rows.size() == 4);
   REQUIRE(arpack.rows.size() == 4);
   for (std::size_t row = 0; row < 4; ++row) {
@@ -142,28 +130,25 @@ TEST_CASE("sweep: dense and arpack agree") {
   }
 }
 
-TEST_CASE("sweep: relaxation and Gauss-Seidel sweeps add rows") {
-  const Session session;
-  const CsvTable relaxed = table(session,
-                                 "sweep disks4 --epsilon 0 --eta 1e-3 --contacts active "
-                                 "--relaxation 1,optimal");
+TEST_CASE_FIXTURE(Session, "sweep: relaxation and Gauss-Seidel sweeps add rows") {
+  const CsvTable relaxed = table(
+      "sweep disks4 --epsilon 0 --eta 1e-3 --contacts active "
+      "--relaxation 1,optimal");
   REQUIRE(relaxed.rows.size() == 2);
   CHECK(relaxed.number(0, "spectral_radius") > 1);
   CHECK(relaxed.number(1, "spectral_radius") < 1);
-  const CsvTable inexact = table(session, "sweep disks4 --epsilon 1 --gauss-seidel-sweeps 1,200,inf");
+  const CsvTable inexact = table("sweep disks4 --epsilon 1 --gauss-seidel-sweeps 1,200,inf");
   CHECK(column(inexact, "gauss_seidel_sweeps") == std::vector<double>{1, 200, INFINITY});
   CHECK(std::abs(inexact.number(1, "spectral_radius") - inexact.number(2, "spectral_radius")) < 1e-9);
 }
 
-TEST_CASE("SPEC: a number and a comma list") {
-  const Session session;
-  CHECK(epsilons(session, "0.25") == std::vector<double>{0.25});
-  CHECK(epsilons(session, "1e-3,+2,0") == std::vector<double>{1e-3, 2, 0});
+TEST_CASE_FIXTURE(Session, "SPEC: a number and a comma list") {
+  CHECK(epsilons(*this, "0.25") == std::vector<double>{0.25});
+  CHECK(epsilons(*this, "1e-3,+2,0") == std::vector<double>{1e-3, 2, 0});
 }
 
-TEST_CASE("SPEC: FROM:TO:COUNT is logarithmic with exact ends") {
-  const Session session;
-  const std::vector<double> values = epsilons(session, "1e-3:7e2:6");
+TEST_CASE_FIXTURE(Session, "SPEC: FROM:TO:COUNT is logarithmic with exact ends") {
+  const std::vector<double> values = epsilons(*this, "1e-3:7e2:6");
   REQUIRE(values.size() == 6);
   CHECK(values.front() == 1e-3);
   CHECK(values.back() == 7e2);
@@ -171,79 +156,72 @@ TEST_CASE("SPEC: FROM:TO:COUNT is logarithmic with exact ends") {
     CHECK(values[i] / values[i - 1] == doctest::Approx(std::pow(7e5, 0.2)).epsilon(1e-12));
 }
 
-TEST_CASE("SPEC: FROM:TO:COUNT:linear has equal steps with exact ends") {
-  const Session session;
-  const std::vector<double> values = epsilons(session, "0:0.3:4:linear");
+TEST_CASE_FIXTURE(Session, "SPEC: FROM:TO:COUNT:linear has equal steps with exact ends") {
+  const std::vector<double> values = epsilons(*this, "0:0.3:4:linear");
   REQUIRE(values.size() == 4);
   CHECK(values.front() == 0);
   CHECK(values.back() == 0.3);
   CHECK(values[1] == doctest::Approx(0.1).epsilon(1e-14));
-  CHECK(epsilons(session, "2:1:3:linear") == std::vector<double>{2, 1.5, 1});
+  CHECK(epsilons(*this, "2:1:3:linear") == std::vector<double>{2, 1.5, 1});
 }
 
-TEST_CASE("SPEC: ranges within lists") {
-  const Session session;
-  CHECK(epsilons(session, "0,1:100:3,5") == std::vector<double>{0, 1, 10, 100, 5});
+TEST_CASE_FIXTURE(Session, "SPEC: ranges within lists") {
+  CHECK(epsilons(*this, "0,1:100:3,5") == std::vector<double>{0, 1, 10, 100, 5});
 }
 
-TEST_CASE("SPEC: a range whose ends are equal is that value") {
-  const Session session;
-  CHECK(epsilons(session, "8:8:4") == std::vector<double>{8, 8, 8, 8});
-  CHECK(epsilons(session, "8:8:1") == std::vector<double>{8});
+TEST_CASE_FIXTURE(Session, "SPEC: a range whose ends are equal is that value") {
+  CHECK(epsilons(*this, "8:8:4") == std::vector<double>{8, 8, 8, 8});
+  CHECK(epsilons(*this, "8:8:1") == std::vector<double>{8});
 }
 
-TEST_CASE("a packing file with subdomains given on the command line") {
-  const Session session;
-  session.file("mine.csv",
-               "x,y,radius\n0,0,0.5\n0.5,0.8660254037844386,0.5\n1,0,0.5\n"
-               "1.5,0.8660254037844386,0.5\n");
-  const CsvTable mine = table(session, "sweep mine.csv --subdomains 2x1 --epsilon 1e-3,1 --eta 0.3,inf");
-  const CsvTable known = table(session, "sweep disks4 --epsilon 1e-3,1 --eta 0.3,inf");
+TEST_CASE_FIXTURE(Session, "a packing file with subdomains given on the command line") {
+  file("mine.csv",
+       "x,y,radius\n0,0,0.5\n0.5,0.8660254037844386,0.5\n1,0,0.5\n"
+       "1.5,0.8660254037844386,0.5\n");
+  const CsvTable mine = table("sweep mine.csv --subdomains 2x1 --epsilon 1e-3,1 --eta 0.3,inf");
+  const CsvTable known = table("sweep disks4 --epsilon 1e-3,1 --eta 0.3,inf");
   REQUIRE(mine.rows.size() == 4);
   CHECK(mine.text(0, "case") == "mine");
   for (std::size_t row = 0; row < 4; ++row)
     CHECK(std::abs(mine.number(row, "spectral_radius") - known.number(row, "spectral_radius")) < 1e-12);
 }
 
-TEST_CASE("options for a packing file: prescribed velocity and density and METIS") {
-  const Session session;
-  session.file("mine.csv", row_of_three());
+TEST_CASE_FIXTURE(Session, "options for a packing file: prescribed velocity and density and METIS") {
+  file("mine.csv", row_of_three());
   const std::string line = "sweep mine.csv --subdomains metis:2 --epsilon 1 ";
-  CHECK(table(session, line).number(0, "subdomains") == 2);
-  const CsvTable active = table(session, line + "--prescribed 2:-1:0 --contacts active");
+  CHECK(table(line).number(0, "subdomains") == 2);
+  const CsvTable active = table(line + "--prescribed 2:-1:0 --contacts active");
   CHECK(active.number(0, "contacts") == 2);
   CHECK(active.number(0, "active_contacts") == 2);
   CHECK(active.text(0, "contact_set") == "active");
   // -1 is the last grain, which touches nothing here, and -2 the one before
-  CHECK(table(session, line + "--prescribed -2:-1:0 --contacts active").rows == active.rows);
+  CHECK(table(line + "--prescribed -2:-1:0 --contacts active").rows == active.rows);
   // masses k times as large are what a flexibility k times as large is for unit masses
   const double mass = 2 * std::numbers::pi * 0.25;
-  const double heavy = table(session, line + "--density 2").number(0, "spectral_radius");
+  const double heavy = table(line + "--density 2").number(0, "spectral_radius");
   const std::string scaled = "sweep mine.csv --subdomains metis:2 --epsilon " + std::to_string(mass);
-  CHECK(std::abs(heavy - table(session, scaled).number(0, "spectral_radius")) < 1e-6);
+  CHECK(std::abs(heavy - table(scaled).number(0, "spectral_radius")) < 1e-6);
 }
 
-TEST_CASE("a parameter of the case set from the command line") {
-  const Session session;
-  const CsvTable result = table(session, "sweep strip --set packing.grains=8 --epsilon 1");
+TEST_CASE_FIXTURE(Session, "a parameter of the case set from the command line") {
+  const CsvTable result = table("sweep strip --set packing.grains=8 --epsilon 1");
   CHECK(result.number(0, "grains") == 8);
-  CHECK(std::abs(result.number(0, "spectral_radius") -
-                 table(session, "sweep disks8 --epsilon 1").number(0, "spectral_radius")) < 1e-14);
+  CHECK(std::abs(result.number(0, "spectral_radius") - table("sweep disks8 --epsilon 1").number(0, "spectral_radius")) <
+        1e-14);
 }
 
-TEST_CASE("sweep, optimum: relative flexibilities add columns at the end") {
-  const Session session;
-  answer(session, "sweep disks8 --epsilon 0.1W,1W --eta 0.5,inf --csv relative.csv");
-  const CsvTable rows = read_table(session.read("relative.csv"));
+TEST_CASE_FIXTURE(Session, "sweep, optimum: relative flexibilities add columns at the end") {
+  answer("sweep disks8 --epsilon 0.1W,1W --eta 0.5,inf --csv relative.csv");
+  const CsvTable rows = csv("relative.csv");
   REQUIRE(rows.rows.size() == 4);
   CHECK(rows.text(0, "epsilon_relative") == "0.1");
   CHECK(rows.number(2, "epsilon") == rows.number(2, "mean_w_nn"));
   CHECK(rows.number(0, "eta") == 0.5);
-  answer(session, "sweep disks8 --epsilon 0.1W --eta 0.5W --csv both.csv");
-  CHECK(session.read("both.csv").find(",converged,mean_w_nn,epsilon_relative,eta_relative\n") != std::string::npos);
-  answer(session, "optimum disks8 --epsilon 0.1W --csv best.csv");
-  const CsvTable best = read_table(session.read("best.csv"));
+  answer("sweep disks8 --epsilon 0.1W --eta 0.5W --csv both.csv");
+  CHECK(read("both.csv").find(",converged,mean_w_nn,epsilon_relative,eta_relative\n") != std::string::npos);
+  answer("optimum disks8 --epsilon 0.1W --csv best.csv");
+  const CsvTable best = csv("best.csv");
   CHECK(best.number(0, "best_eta_relative") ==
         doctest::Approx(best.number(0, "best_eta") / best.number(0, "mean_w_nn")).epsilon(1e-14));
-  check_refused(session, "sweep disks8 --epsilon 0.1W,1 --csv -", {"epsilon: expected a W behind every number"});
+  check_refused("sweep disks8 --epsilon 0.1W,1 --csv -", {"epsilon: expected a W behind every number"});
 }

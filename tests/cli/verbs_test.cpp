@@ -3,8 +3,6 @@
 #include "../support/fclib_files.hpp"
 #include "session.hpp"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -38,54 +36,48 @@ std::vector<std::string> examples(const std::string& help) {
 
 }  // namespace
 
-TEST_CASE("--version names the program and its version") {
-  const Session session;
-  const std::string text = answer(session, "--version");
+TEST_CASE_FIXTURE(Session, "--version names the program and its version") {
+  const std::string text = answer("--version");
   CHECK(text.rfind("nscdd ", 0) == 0);
   CHECK(contains(text, "."));
 }
 
-TEST_CASE("--help names every verb and the exit codes and gives examples") {
-  const Session session;
-  const std::string text = answer(session, "--help");
+TEST_CASE_FIXTURE(Session, "--help names every verb and the exit codes and gives examples") {
+  const std::string text = answer("--help");
   for (const std::string& verb : verbs) CHECK(contains(text, "\n  " + verb + " "));
   CHECK(contains(text, "Exit codes"));
   CHECK(!examples(text).empty());
 }
 
-TEST_CASE("the program alone prints the guide of --help") {
-  const Session session;
-  CHECK(answer(session, Texts{}) == answer(session, "--help"));
+TEST_CASE_FIXTURE(Session, "the program alone prints the guide of --help") {
+  CHECK(answer(Texts{}) == answer("--help"));
 }
 
-TEST_CASE("help and help VERB are --help") {
-  const Session session;
-  CHECK(answer(session, "help") == answer(session, "--help"));
-  CHECK(answer(session, "help sweep") == answer(session, "sweep --help"));
-  check_refused(session, "help sweeep", {"did you mean sweep?"});
-  CHECK(contains(answer(session, "help sweep"), "--csv FILE"));
+TEST_CASE_FIXTURE(Session, "help and help VERB are --help") {
+  CHECK(answer("help") == answer("--help"));
+  CHECK(answer("help sweep") == answer("sweep --help"));
+  check_refused("help sweeep", {"did you mean sweep?"});
+  CHECK(contains(answer("help sweep"), "--csv FILE"));
 }
 
-TEST_CASE("VERB --help fits on a screen") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "VERB --help fits on a screen") {
   for (const std::string& verb : verbs) {
     CAPTURE(verb);
-    std::istringstream help(answer(session, {verb, "--help"}));
+    std::istringstream help(answer({verb, "--help"}));
     int lines = 0;
     for (std::string line; std::getline(help, line); ++lines) CHECK(line.size() <= 110);
     CHECK(lines <= 40);
   }
 }
 
-TEST_CASE("manual pages and the completion name every option of every verb") {
-  const Session session;
-  answer(session, "manual pages");
-  const std::string completion = session.read("pages/bash-completion/nscdd");
+TEST_CASE_FIXTURE(Session, "manual pages and the completion name every option of every verb") {
+  answer("manual pages");
+  const std::string completion = read("pages/bash-completion/nscdd");
   for (const std::string& verb : verbs) {
     CAPTURE(verb);
-    const std::string page = session.read("pages/man1/nscdd-" + verb + ".1");
+    const std::string page = read("pages/man1/nscdd-" + verb + ".1");
     CHECK(page.rfind(".TH", 0) == 0);
-    std::istringstream help(answer(session, {verb, "--help"}));
+    std::istringstream help(answer({verb, "--help"}));
     int named = 0;
     for (std::string line; std::getline(help, line);) {
       const auto start = line.find("--");
@@ -102,50 +94,45 @@ TEST_CASE("manual pages and the completion name every option of every verb") {
   }
 }
 
-TEST_CASE("list --names gives names alone") {
-  const Session session;
-  CHECK(contains("\n" + answer(session, "list --names cases"), "\ndisks4\n"));
-  CHECK(contains("\n" + answer(session, "list --names studies"), "\nfigure-5\n"));
+TEST_CASE_FIXTURE(Session, "list --names gives names alone") {
+  CHECK(contains("\n" + answer("list --names cases"), "\ndisks4\n"));
+  CHECK(contains("\n" + answer("list --names studies"), "\nfigure-5\n"));
 }
 
-TEST_CASE("VERB --help gives examples") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "VERB --help gives examples") {
   for (const std::string& verb : verbs) {
     CAPTURE(verb);
-    const std::string text = answer(session, {verb, "--help"});
+    const std::string text = answer({verb, "--help"});
     CHECK(contains(text, "Usage: nscdd " + verb));
     CHECK(!examples(text).empty());
   }
 }
 
-TEST_CASE("the examples of the help work") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "the examples of the help work") {
   // Eight disks of a lattice, for the examples that speak of a packing of the user's.
   std::string packing = "x,y,radius\n";
   for (const std::string& y : Texts{"0", "1"})
     for (const std::string& x : Texts{"0", "1", "2", "3"}) packing += x + "," + y + ",0.5\n";
-  session.file("mine.csv", packing);
-  session.file("problems/mine.hdf5", raw_global(random_bodies_problem(4, 12, 20)).bytes());
-  std::filesystem::create_directory(session.folder / "cases");
-  session.file("cases/shear-1k.toml", moving_case());  // found before the one of the paper, which takes long
-  std::string help = answer(session, "--help");
-  for (const std::string& verb : verbs) help += answer(session, {verb, "--help"});
+  file("mine.csv", packing);
+  file("problems/mine.hdf5", raw_global(random_bodies_problem(4, 12, 20)).bytes());
+  std::filesystem::create_directory(folder / "cases");
+  file("cases/shear-1k.toml", moving_case());  // found before the one of the paper, which takes long
+  std::string help = answer("--help");
+  for (const std::string& verb : verbs) help += answer({verb, "--help"});
   std::istringstream stream(help);
   int tried = 0;
   for (const std::string& example : examples(help)) {
     if (example.rfind("run ", 0) == 0) continue;  // studies have tests of their own
     CAPTURE(example);
-    const Outcome outcome = session.run(words(example));
-    CHECK(outcome.exit_code == 0);
+    const Outcome outcome = ended(0, example);
     CHECK(outcome.standard_error == "");
     ++tried;
   }
   CHECK(tried >= 20);
 }
 
-TEST_CASE("network: the links of 4 disks") {
-  const Session session;
-  const CsvTable links = table(session, "network disks4");
+TEST_CASE_FIXTURE(Session, "network: the links of 4 disks") {
+  const CsvTable links = table("network disks4");
   REQUIRE(links.rows.size() == 5);
   const std::vector<std::string> pairs{"0 1", "0 2", "1 2", "1 3", "2 3"};
   const std::vector<double> impulses{3.0 / 16, 1.0 / 16, -4.0 / 16, 9.0 / 16, 3.0 / 16};
@@ -160,27 +147,22 @@ TEST_CASE("network: the links of 4 disks") {
   }
 }
 
-TEST_CASE("network: grains go to a file of their own") {
-  const Session session;
-  answer(session, "network disks4 --csv links.csv --grains grains.csv");
-  CHECK(read_table(session.read("links.csv")).rows.size() == 5);
-  const CsvTable grains = read_table(session.read("grains.csv"));
+TEST_CASE_FIXTURE(Session, "network: grains go to a file of their own") {
+  answer("network disks4 --csv links.csv --grains grains.csv");
+  CHECK(csv("links.csv").rows.size() == 5);
+  const CsvTable grains = csv("grains.csv");
   REQUIRE(grains.rows.size() == 4);
   for (std::size_t row = 0; row < 4; ++row)
     CHECK(grains.text(row, "multiplicity") == (row == 1 || row == 2 ? "2" : "1"));
   CHECK(grains.number(3, "velocity_x") == -1);
 }
 
-TEST_CASE("network: the least-norm solution of a hyperstatic network says so") {
-  const Session session;
-  CHECK(table(session, "network hexagonal").text(0, "impulse_solution") == "least_norm");
+TEST_CASE_FIXTURE(Session, "network: the least-norm solution of a hyperstatic network says so") {
+  CHECK(table("network hexagonal").text(0, "impulse_solution") == "least_norm");
 }
 
-TEST_CASE("network: impulses of the unilateral problem of 4 disks, which the paper's rule does not have") {
-  const Session session;
-  const Outcome outcome = session.run(words("network disks4 --contacts unilateral"));
-  CHECK(outcome.exit_code == 0);
-  CHECK(outcome.standard_error.find("1 of 5 contacts are weakly active") != std::string::npos);
+TEST_CASE_FIXTURE(Session, "network: impulses of the unilateral problem of 4 disks") {
+  const Outcome outcome = ended(0, "network disks4 --contacts unilateral", {"1 of 5 contacts are weakly active"});
   const CsvTable links = read_table(outcome.standard_output);
   REQUIRE(links.rows.size() == 5);
   // contact 1 2 opens, contact 0 2 is weakly active; the others carry what grain 3 brings
@@ -194,35 +176,33 @@ TEST_CASE("network: impulses of the unilateral problem of 4 disks, which the pap
   }
   CHECK(pushed > 0);
   CHECK(pushed < 1);  // grain 3 arrives with 1 kg m/s and goes on more slowly
-  const CsvTable compressed = table(session, "network hexagonal --contacts unilateral --set loads.compression=1,1");
+  const CsvTable compressed = table("network hexagonal --contacts unilateral --set loads.compression=1,1");
   CHECK(compressed.text(0, "impulse_solution") == "unilateral_maximal");
-  CHECK(table(session, "network disks4").text(2, "active") == "false");
+  CHECK(table("network disks4").text(2, "active") == "false");
 }
 
-TEST_CASE("sweep, optimum and run take the unilateral contacts") {
-  const Session session;
-  const CsvTable swept = table(session, "sweep disks4 --epsilon 0 --contacts unilateral");
+TEST_CASE_FIXTURE(Session, "sweep, optimum and run take the unilateral contacts") {
+  const CsvTable swept = table("sweep disks4 --epsilon 0 --contacts unilateral");
   CHECK(swept.text(0, "contact_set") == "unilateral");
   CHECK(swept.text(0, "contact_rule") == "complementarity (unique)");
   CHECK(swept.number(0, "active_contacts") == 3);
   CHECK(swept.text(0, "converged") == "true");
-  const CsvTable best = table(session, "optimum disks4 --contacts unilateral");
+  const CsvTable best = table("optimum disks4 --contacts unilateral");
   CHECK(best.text(0, "contact_set") == "unilateral");
-  CHECK(table(session, "sweep hexagonal --epsilon 0 --contacts unilateral --set loads.compression=1,1")
-            .text(0, "contact_rule") == "complementarity (maximal)");
-  session.file("mine/study.toml",
-               "[[table]]\nname = \"radius\"\ncases = \"disks4\"\nepsilon = 0\ncontacts = \"unilateral\"\n"
-               "[[table]]\nname = \"links\"\nobservable = \"links\"\ncases = \"disks4\"\n"
-               "contacts = \"unilateral\"\n");
-  answer(session, "run mine");
-  CHECK(read_table(session.read("results/mine/radius.csv")).number(0, "spectral_radius") ==
-        swept.number(0, "spectral_radius"));
-  CHECK(read_table(session.read("results/mine/links.csv")).text(0, "impulse_solution") == "unilateral_unique");
+  CHECK(
+      table("sweep hexagonal --epsilon 0 --contacts unilateral --set loads.compression=1,1").text(0, "contact_rule") ==
+      "complementarity (maximal)");
+  file("mine/study.toml",
+       "[[table]]\nname = \"radius\"\ncases = \"disks4\"\nepsilon = 0\ncontacts = \"unilateral\"\n"
+       "[[table]]\nname = \"links\"\nobservable = \"links\"\ncases = \"disks4\"\n"
+       "contacts = \"unilateral\"\n");
+  answer("run mine");
+  CHECK(csv("results/mine/radius.csv").number(0, "spectral_radius") == swept.number(0, "spectral_radius"));
+  CHECK(csv("results/mine/links.csv").text(0, "impulse_solution") == "unilateral_unique");
 }
 
-TEST_CASE("inspect: counts and interface and ranks of 12 disks") {
-  const Session session;
-  const std::string report = answer(session, "inspect disks12");
+TEST_CASE_FIXTURE(Session, "inspect: counts and interface and ranks of 12 disks") {
+  const std::string report = answer("inspect disks12");
   CHECK(entry(report, "grains ") == "12");
   CHECK(entry(report, "contacts ") == "21");
   CHECK(entry(report, "coordination number") == "3.5");
@@ -235,73 +215,64 @@ TEST_CASE("inspect: counts and interface and ranks of 12 disks") {
   CHECK(words(entry(report, "1 ")).size() == 5);
 }
 
-TEST_CASE("inspect: a chain is made of rattlers, and no number is given without them") {
-  const Session session;
-  session.file("chain.csv", row_of_three());
-  CHECK(contains(answer(session, "inspect chain.csv"), "coordination number without them  - (every grain is one)"));
+TEST_CASE_FIXTURE(Session, "inspect: a chain is made of rattlers, and no number is given without them") {
+  file("chain.csv", row_of_three());
+  CHECK(contains(answer("inspect chain.csv"), "coordination number without them  - (every grain is one)"));
 }
 
-TEST_CASE("inspect: hyperstaticity of a lattice") {
-  const Session session;
-  const std::string report = answer(session, "inspect hexagonal");
+TEST_CASE_FIXTURE(Session, "inspect: hyperstaticity of a lattice") {
+  const std::string report = answer("inspect hexagonal");
   // 8 x 8 disks: 7 x 8 + 7 x 15 = 161 contacts, 128 unknowns, 3 rigid modes
   CHECK(words(entry(report, "whole")) == words("64 161 125 3 36"));
   CHECK(contains(report, "grains shared by 4"));
 }
 
-TEST_CASE("inspect and network: a case that moves may overlap as its simulation accepts") {
-  const Session session;
-  session.file("pair.csv", "x,y,radius,mass\n0,0,1,1\n1.93,0,1,1\n");
-  session.file("pair.toml", case_text("pair.csv", "1, 1", "[dynamics]\nsteps = 1\n"));
-  answer(session, "simulate pair.toml -o run.h5");
-  CHECK(std::stod(entry(answer(session, "inspect pair.toml"), "largest overlap")) == doctest::Approx(0.07));
-  CHECK(table(session, "network pair.toml --prescribed 0:1:0").number(0, "gap") == doctest::Approx(-0.07));
-  check_refused(session, "inspect pair.csv", {"overlap by 0.07", "overlap_tolerance"});  // nothing moves it
-  check_refused(session, "inspect pair.toml --overlap-tolerance 0.01", {"overlap by 0.07"});
-  CHECK(!contains(answer(session, "inspect disks12"), "overlap"));
+TEST_CASE_FIXTURE(Session, "inspect and network: a case that moves may overlap as its simulation accepts") {
+  file("pair.csv", "x,y,radius,mass\n0,0,1,1\n1.93,0,1,1\n");
+  file("pair.toml", case_text("pair.csv", "1, 1", "[dynamics]\nsteps = 1\n"));
+  answer("simulate pair.toml -o run.h5");
+  CHECK(std::stod(entry(answer("inspect pair.toml"), "largest overlap")) == doctest::Approx(0.07));
+  CHECK(table("network pair.toml --prescribed 0:1:0").number(0, "gap") == doctest::Approx(-0.07));
+  check_refused("inspect pair.csv", {"overlap by 0.07", "overlap_tolerance"});  // nothing moves it
+  check_refused("inspect pair.toml --overlap-tolerance 0.01", {"overlap by 0.07"});
+  CHECK(!contains(answer("inspect disks12"), "overlap"));
 }
 
-TEST_CASE("sweep, optimum, modes and inspect say why an interface is empty") {
-  const Session session;
+TEST_CASE_FIXTURE(Session, "sweep, optimum, modes and inspect say why an interface is empty") {
   std::string pairs = "x,y,radius\n";  // six pairs of disks, far from each other
   for (int x = 0; x < 60; x += 10) pairs += std::to_string(x) + ",0,0.5\n" + std::to_string(x + 1) + ",0,0.5\n";
-  session.file("pairs.csv", pairs);
+  file("pairs.csv", pairs);
   const std::string why =
       "3 subdomain(s), no shared grain; the network has 6 separate pieces, and the partition cuts none of "
       "them";
-  CHECK(contains(answer(session, "inspect pairs.csv --subdomains metis:3"), why));
+  CHECK(contains(answer("inspect pairs.csv --subdomains metis:3"), why));
   for (const std::string line : {"sweep pairs.csv --subdomains metis:3 --epsilon 1 --csv -",
                                  "modes pairs.csv --subdomains metis:3 --epsilon 1 --output slow",
                                  "optimum pairs.csv --subdomains metis:3 --contacts all --csv -"}) {
-    const Outcome outcome = session.run(words(line));
-    CHECK(outcome.exit_code == 0);
-    CHECK(contains(outcome.standard_error, why));
+    ended(0, line, {why});
   }
-  CHECK(contains(answer(session, "inspect disks12 --subdomains 1x1"), "1 subdomain(s), no shared grain)"));
+  CHECK(contains(answer("inspect disks12 --subdomains 1x1"), "1 subdomain(s), no shared grain)"));
 }
 
-TEST_CASE("optimum: report and table agree") {
-  const Session session;
-  const std::string report = answer(session, "optimum disks4");
-  const CsvTable row = table(session, "optimum disks4");
+TEST_CASE_FIXTURE(Session, "optimum: report and table agree") {
+  const std::string report = answer("optimum disks4");
+  const CsvTable row = table("optimum disks4");
   REQUIRE(row.rows.size() == 1);
   CHECK(entry(report, "best_eta").rfind(row.text(0, "best_eta"), 0) == 0);
   CHECK(std::abs(row.number(0, "generic_radius") - 0.6) < 1e-12);
   CHECK(row.number(0, "best_radius") < 0.6);
   // the table of the sweep at that eta says the same, and its ends are equal and opposite
-  const CsvTable swept = table(session, "sweep disks4 --contacts active --epsilon 0 --eta " + row.text(0, "best_eta"));
+  const CsvTable swept = table("sweep disks4 --contacts active --epsilon 0 --eta " + row.text(0, "best_eta"));
   CHECK(std::abs(swept.number(0, "spectral_radius") - row.number(0, "best_radius")) < 1e-9);
   CHECK(std::abs(swept.number(0, "eigenvalue_min") + swept.number(0, "eigenvalue_max")) < 1e-9);
 }
 
-TEST_CASE("optimum: one row per epsilon") {
-  const Session session;
-  CHECK(table(session, "optimum disks8 --epsilon 0,1 --contacts all").rows.size() == 2);
+TEST_CASE_FIXTURE(Session, "optimum: one row per epsilon") {
+  CHECK(table("optimum disks8 --epsilon 0,1 --contacts all").rows.size() == 2);
 }
 
-TEST_CASE("list: cases and studies and generators and partitioners and observables") {
-  const Session session;
-  const std::string text = answer(session, "list");
+TEST_CASE_FIXTURE(Session, "list: cases and studies and generators and partitioners and observables") {
+  const std::string text = answer("list");
   for (const std::string& name : Texts{"disks4", "disks8", "disks12", "figure-5", "figure-6", "figure-7", "strip",
                                        "hexagonal", "grid", "metis", "deposit", "packing.fraction_large = 0.5",
                                        "packing.vacancies = 0", "spectral_radius", "contacts.tolerance"}) {
