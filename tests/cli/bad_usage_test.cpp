@@ -68,9 +68,11 @@ TEST_CASE("usage: SPEC nonsense for epsilon") {
   }
 }
 
-TEST_CASE("usage: SPEC nonsense for eta") { check_spec("--eta", "eta"); }
-TEST_CASE("usage: SPEC nonsense for relaxation") { check_spec("--relaxation", "relaxation"); }
-TEST_CASE("usage: SPEC nonsense for Gauss-Seidel sweeps") { check_spec("--gauss-seidel-sweeps", "auss"); }
+TEST_CASE("usage: SPEC nonsense for eta, relaxation and Gauss-Seidel sweeps") {
+  check_spec("--eta", "eta");
+  check_spec("--relaxation", "relaxation");
+  check_spec("--gauss-seidel-sweeps", "auss");
+}
 
 TEST_CASE("usage: too many values in one SPEC") {
   check_option("--eta", "1:2:1000000,1:2:1000000", {"eta", "1000000"});

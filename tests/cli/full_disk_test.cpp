@@ -21,14 +21,11 @@ RunOptions limited_to(std::size_t bytes) { return {.largest_file = bytes}; }
 
 }  // namespace
 
-TEST_CASE_FIXTURE(DeviceSession, "full disk: CSV to a full device") {
+TEST_CASE_FIXTURE(DeviceSession, "full disk: CSV and HDF5 to a full device") {
   check_refused("sweep disks4 --epsilon 1 --csv full", {"full", "No space left"});
   check_refused("network disks4 --csv full", {"full", "No space left"});
   check_refused("network disks4 --csv out.csv --grains full --force", {"full", "No space left"});
   check_refused("optimum disks4 --csv full", {"full", "No space left"});
-}
-
-TEST_CASE_FIXTURE(DeviceSession, "full disk: HDF5 to a full device") {
   check_refused("sweep disks4 --epsilon 1 --csv sink --hdf5 full", {"full"});
 }
 
@@ -66,9 +63,7 @@ TEST_CASE_FIXTURE(DeviceSession, "full disk: an HDF5 file that outgrows the disk
     CAPTURE(bytes);
     check_refused("sweep disks4 --epsilon 1 --csv sink --hdf5 out.h5", {"out.h5"}, limited_to(bytes));
   }
-}
-
-TEST_CASE_FIXTURE(DeviceSession, "full disk: an existing HDF5 file survives") {
+  // One that exists already survives.
   file("out.h5", "precious");
   check_refused("sweep disks4 --epsilon 1 --csv sink --hdf5 out.h5 --force", {"out.h5"}, limited_to(8192));
 }

@@ -95,11 +95,6 @@ TEST_CASE_FIXTURE(Session, "legal: one subdomain only") {
   check_nothing_to_optimise(*this, "disks12 --subdomains 1x1");
 }
 
-TEST_CASE_FIXTURE(Session, "legal: subdomains that share no grain") {
-  file("pairs.csv", "x,y,radius\n0,0,0.5\n1,0,0.5\n10,0,0.5\n11,0,0.5\n");
-  check_nothing_to_contract(*this, "pairs.csv", "--subdomains 2x1");
-}
-
 TEST_CASE_FIXTURE(Session, "legal: more METIS parts than contacts") {
   const Outcome outcome = run("sweep disks4 --subdomains metis:9 --epsilon 0,1 --csv -");
   CHECK(contains(outcome.standard_error, "disks4: 5 contacts cannot fill 9 subdomains: 4 of these are empty"));
@@ -108,7 +103,9 @@ TEST_CASE_FIXTURE(Session, "legal: more METIS parts than contacts") {
   CHECK(result.text(1, "converged") == "true");
 }
 
-TEST_CASE_FIXTURE(Session, "legal: two grains and one contact") {
+TEST_CASE_FIXTURE(Session, "legal: two grains and one contact, and subdomains that share no grain") {
+  file("pairs.csv", "x,y,radius\n0,0,0.5\n1,0,0.5\n10,0,0.5\n11,0,0.5\n");
+  check_nothing_to_contract(*this, "pairs.csv", "--subdomains 2x1");
   file("two.csv", "x,y,radius,mass\n0,0,1,1\n3,0,2,5\n");
   check_nothing_to_contract(*this, "two.csv", "");
   check_nothing_to_contract(*this, "two.csv", "--subdomains 2x1");

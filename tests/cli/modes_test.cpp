@@ -23,8 +23,7 @@ TEST_CASE_FIXTURE(Session, "modes: the slowest mode of 4 disks has the radius of
     CHECK(impulses.number(row, "subdomain_first") == 0);
     CHECK(impulses.number(row, "subdomain_second") == 1);
     share += impulses.number(row, "share");
-    // P = 4 per gluing row of unit grains split in two, so the share is 4 |F_k|^2, and the jump - 4 lambda
-    // F_k
+    // P = 4 per gluing row of unit grains split in two, so the share is 4 |F_k|^2, and the jump - 4 lambda F_k
     const double fx = impulses.number(row, "impulse_x"), fy = impulses.number(row, "impulse_y");
     CHECK(std::abs(4 * (fx * fx + fy * fy) - impulses.number(row, "share")) < 1e-14);
     const double lambda = 1 - impulses.number(row, "eigenvalue");

@@ -10,17 +10,8 @@ namespace {
 
 const std::string small_study =
     "title = \"a small study\"\n"
-    "[[table]]\n"
-    "name = \"radius\"\n"
-    "cases = [\"disks4\", \"mine.toml\"]\n"
-    "epsilon = \"0,1\"\n"
-    "eta = [0.3, inf]\n"
-    "[[table]]\n"
-    "name = \"best\"\n"
-    "observable = \"optimum\"\n"
-    "cases = [\"strip\"]\n"
-    "contacts = \"active\"\n"
-    "epsilon = 0\n"
+    "[[table]]\nname = \"radius\"\ncases = [\"disks4\", \"mine.toml\"]\nepsilon = \"0,1\"\neta = [0.3, inf]\n"
+    "[[table]]\nname = \"best\"\nobservable = \"optimum\"\ncases = [\"strip\"]\ncontacts = \"active\"\nepsilon = 0\n"
     "vary = { \"packing.grains\" = [4, 6] }\n";
 
 const std::string small_case = case_text("strip\ngrains = 5", "2, 1");

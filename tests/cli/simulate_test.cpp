@@ -17,12 +17,7 @@ namespace {
 void check_same_end(const Session& session, const std::string& one, const std::string& two) {
   const auto a = nscdd::read_last_step(session.path(one)), b = nscdd::read_last_step(session.path(two));
   CHECK(a.state.step == b.state.step);
-  CHECK(a.state.x == b.state.x);
-  CHECK(a.state.y == b.state.y);
-  CHECK(a.state.angle == b.state.angle);
-  CHECK(a.state.velocity_x == b.state.velocity_x);
-  CHECK(a.state.velocity_y == b.state.velocity_y);
-  CHECK(a.state.spin == b.state.spin);
+  for (const auto values : nscdd::numbers_of_grains(2)) CHECK(a.state.*values == b.state.*values);
   REQUIRE(a.contacts.size() == b.contacts.size());
   for (std::size_t k = 0; k < a.contacts.size(); ++k) {
     CHECK(a.contacts[k].impulse.n == b.contacts[k].impulse.n);

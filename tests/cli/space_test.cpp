@@ -140,15 +140,9 @@ TEST_CASE_FIXTURE(LatticeSession, "space: tables of contacts, grains and modes h
 TEST_CASE_FIXTURE(Session, "space: a study of links, and the radius from exported operators of a packing in space") {
   file("study/study.toml",
        "title = \"spheres\"\n"
-       "[[table]]\n"
-       "name = \"radius\"\n"
-       "cases = [\"fcc.toml\"]\n"
-       "epsilon = [0.1, 1]\n"
+       "[[table]]\nname = \"radius\"\ncases = [\"fcc.toml\"]\nepsilon = [0.1, 1]\n"
        "vary = { \"packing.columns\" = [3, 4] }\n"
-       "[[table]]\n"
-       "name = \"network\"\n"
-       "observable = \"links\"\n"
-       "cases = [\"fcc.toml\"]\n");
+       "[[table]]\nname = \"network\"\nobservable = \"links\"\ncases = [\"fcc.toml\"]\n");
   file("study/fcc.toml", lattice);
   answer("run study");
   const CsvTable radius = csv("results/study/radius.csv");

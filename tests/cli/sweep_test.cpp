@@ -104,16 +104,14 @@ TEST_CASE_FIXTURE(Session, "sweep: closed form of 4 disks") {
   }
 }
 
-TEST_CASE_FIXTURE(Session, "sweep: active contacts of 4 disks give 3/5") {
+TEST_CASE_FIXTURE(Session, "sweep: active contacts of 4 disks give 3/5, and eta = epsilon 0") {
   const CsvTable result = table("sweep disks4 --epsilon 0 --eta inf,0.1 --contacts active");
   REQUIRE(result.rows.size() == 2);
   CHECK(result.text(0, "contact_set") == "active");
   CHECK(std::abs(result.number(0, "spectral_radius") - 0.6) < 1e-14);
   CHECK(result.number(1, "spectral_radius") > 1);  // a radius above 1 is a result like another
   CHECK(result.text(1, "converged") == "true");
-}
-
-TEST_CASE_FIXTURE(Session, "sweep: eta = epsilon converges at once") {
+  // eta = epsilon converges at once
   CHECK(table("sweep disks12 --epsilon 0.7 --eta 0.7").number(0, "spectral_radius") < 1e-12);
 }
 
@@ -131,9 +129,7 @@ TEST_CASE_FIXTURE(Session, "sweep: dense and arpack agree") {
 }
 
 TEST_CASE_FIXTURE(Session, "sweep: relaxation and Gauss-Seidel sweeps add rows") {
-  const CsvTable relaxed = table(
-      "sweep disks4 --epsilon 0 --eta 1e-3 --contacts active "
-      "--relaxation 1,optimal");
+  const CsvTable relaxed = table("sweep disks4 --epsilon 0 --eta 1e-3 --contacts active --relaxation 1,optimal");
   REQUIRE(relaxed.rows.size() == 2);
   CHECK(relaxed.number(0, "spectral_radius") > 1);
   CHECK(relaxed.number(1, "spectral_radius") < 1);
@@ -142,9 +138,12 @@ TEST_CASE_FIXTURE(Session, "sweep: relaxation and Gauss-Seidel sweeps add rows")
   CHECK(std::abs(inexact.number(1, "spectral_radius") - inexact.number(2, "spectral_radius")) < 1e-9);
 }
 
-TEST_CASE_FIXTURE(Session, "SPEC: a number and a comma list") {
+TEST_CASE_FIXTURE(Session, "SPEC: a number, lists, ranges within them, and a range whose ends are equal") {
   CHECK(epsilons(*this, "0.25") == std::vector<double>{0.25});
   CHECK(epsilons(*this, "1e-3,+2,0") == std::vector<double>{1e-3, 2, 0});
+  CHECK(epsilons(*this, "0,1:100:3,5") == std::vector<double>{0, 1, 10, 100, 5});
+  CHECK(epsilons(*this, "8:8:4") == std::vector<double>{8, 8, 8, 8});
+  CHECK(epsilons(*this, "8:8:1") == std::vector<double>{8});
 }
 
 TEST_CASE_FIXTURE(Session, "SPEC: FROM:TO:COUNT is logarithmic with exact ends") {
@@ -163,15 +162,6 @@ TEST_CASE_FIXTURE(Session, "SPEC: FROM:TO:COUNT:linear has equal steps with exac
   CHECK(values.back() == 0.3);
   CHECK(values[1] == doctest::Approx(0.1).epsilon(1e-14));
   CHECK(epsilons(*this, "2:1:3:linear") == std::vector<double>{2, 1.5, 1});
-}
-
-TEST_CASE_FIXTURE(Session, "SPEC: ranges within lists") {
-  CHECK(epsilons(*this, "0,1:100:3,5") == std::vector<double>{0, 1, 10, 100, 5});
-}
-
-TEST_CASE_FIXTURE(Session, "SPEC: a range whose ends are equal is that value") {
-  CHECK(epsilons(*this, "8:8:4") == std::vector<double>{8, 8, 8, 8});
-  CHECK(epsilons(*this, "8:8:1") == std::vector<double>{8});
 }
 
 TEST_CASE_FIXTURE(Session, "a packing file with subdomains given on the command line") {

@@ -14,6 +14,7 @@ SOURCE is the root of the tree. Checked are
 import os
 import re
 import sys
+from pathlib import Path
 
 LONGEST = 120
 SOURCES = ("include", "src", "tests", "plots", "benchmarks", "studies", "cases", "tools", "cmake", "python",
@@ -28,8 +29,7 @@ def texts(root, folder, endings):
         for name in sorted(names):
             if name.endswith(endings):
                 path = os.path.join(place, name)
-                with open(path, encoding="utf-8") as stream:
-                    yield os.path.relpath(path, root), stream.read()
+                yield os.path.relpath(path, root), Path(path).read_text(encoding="utf-8")
 
 
 def documents(root):
@@ -37,8 +37,7 @@ def documents(root):
     found = {}
     for name in sorted(os.listdir(root)):
         if name.endswith(".md"):
-            with open(os.path.join(root, name), encoding="utf-8") as stream:
-                found[name] = stream.read()
+            found[name] = Path(root, name).read_text(encoding="utf-8")
     for folder in ("docs",) + SOURCES:
         found.update(texts(root, folder, ".md"))
     return found

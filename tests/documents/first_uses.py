@@ -17,6 +17,7 @@ import os
 import re
 import shutil
 import sys
+from pathlib import Path
 
 import sessions
 import snippets
@@ -34,8 +35,7 @@ COLUMNS = ("first_use", "commands_to_figure", "minutes_to_figure", "minutes_to_i
 
 
 def text_of(name):
-    with open(os.path.join(SOURCE, "docs", name), encoding="utf-8") as stream:
-        return stream.read()
+    return Path(SOURCE, "docs", name).read_text(encoding="utf-8")
 
 
 def install_commands():
@@ -65,17 +65,14 @@ def write_script(use, root):
         if k == len(install):
             text += "cd /root/work\n"
         if step[0] == "file":
-            with open(os.path.join(folder, f"file-{k}"), "w", encoding="utf-8") as stream:
-                stream.write(step[3])
+            Path(folder, f"file-{k}").write_text(step[3], encoding="utf-8")
         text += sessions.script_of(k, step, "/root/session")
         text += f"date +%s.%N >/root/session/{k}.moment; ls *.png >/root/session/{k}.pictures 2>/dev/null\n"
-    with open(os.path.join(folder, "session.sh"), "w", encoding="utf-8") as stream:
-        stream.write(text)
+    Path(folder, "session.sh").write_text(text, encoding="utf-8")
 
 
 def moment(folder, name):
-    with open(os.path.join(folder, name), encoding="utf-8") as stream:
-        return float(stream.read())
+    return float(Path(folder, name).read_text(encoding="utf-8"))
 
 
 def printed_lines(folder, commands, key):

@@ -15,6 +15,7 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 PICTURE = re.compile(r"\]\(\.\./figures/tutorial-([\w.-]+)\)")
 # "…" matches any text; so does a number right before it, as far as its digits go.
@@ -116,10 +117,8 @@ def steps_of(blocks):
 def judge(document, step, outputs, k):
     """Prints how a command went; True where it did what the document shows."""
     _, line, command, shown = step
-    with open(os.path.join(outputs, str(k)), encoding="utf-8") as stream:
-        printed = stream.read().splitlines()
-    with open(os.path.join(outputs, f"{k}.status"), encoding="utf-8") as stream:
-        status = int(stream.read())
+    printed = Path(outputs, str(k)).read_text(encoding="utf-8").splitlines()
+    status = int(Path(outputs, f"{k}.status").read_text(encoding="utf-8"))
     well = status == 0 and same_lines(shown, printed)
     print(f"{document}:{line}: {'ok' if well else 'FAILED'}: {command}")
     if not well:
@@ -150,8 +149,7 @@ def run(document, text, blocks, folder, figures=None):
     os.symlink(build, os.path.join(place, "build", "release"))  # the README stands in the tree
     for k, (kind, _, _, content) in enumerate(steps):
         if kind == "file":
-            with open(os.path.join(outputs, f"file-{k}"), "w", encoding="utf-8") as stream:
-                stream.write(content)
+            Path(outputs, f"file-{k}").write_text(content, encoding="utf-8")
     environment = dict(os.environ, **PROCESSES, PATH=f"{build}:/usr/bin:{os.environ['PATH']}", MPLBACKEND="Agg",
                        LC_ALL="C.UTF-8", NSCDD_SOURCE=tree)
     script = "".join(script_of(k, step, outputs) for k, step in enumerate(steps))

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import time
 import urllib.parse
+from pathlib import Path
 
 # The start page of forges, for which the site has one of its own, and what forges put into a new issue.
 LEFT_OUT = {"README.md"}
@@ -31,8 +32,7 @@ class Page(html.parser.HTMLParser):
     def __init__(self, path):
         super().__init__()
         self.fetched, self.links, self.places, self.words, self.style = [], [], {""}, [], False
-        with open(path, encoding="utf-8") as stream:
-            self.feed(stream.read())
+        self.feed(Path(path).read_text(encoding="utf-8"))
 
     def handle_starttag(self, tag, attributes):
         given = dict(attributes)
@@ -88,14 +88,12 @@ def wrong_addresses(folder, pages):
                 yield f"{name}: link to {address}: no such place"
     fetched = {target(name, address)[0] for name, page in pages.items() for address in page.fetched}
     for name in sorted(one for one in fetched if one.endswith(".js") and os.path.isfile(os.path.join(folder, one))):
-        with open(os.path.join(folder, name), encoding="utf-8") as stream:
-            if re.search(r"^(import|export)\b", stream.read(), re.M):
-                yield f"{name}: a module, which pages in a folder cannot load"
+        if re.search(r"^(import|export)\b", Path(folder, name).read_text(encoding="utf-8"), re.M):
+            yield f"{name}: a module, which pages in a folder cannot load"
     for name in files(folder, ".css"):
-        with open(os.path.join(folder, name), encoding="utf-8") as stream:
-            for address in addresses(stream.read()):
-                if is_elsewhere(address) or not os.path.isfile(os.path.join(folder, target(name, address)[0])):
-                    yield f"{name}: fetches {address}"
+        for address in addresses(Path(folder, name).read_text(encoding="utf-8")):
+            if is_elsewhere(address) or not os.path.isfile(os.path.join(folder, target(name, address)[0])):
+                yield f"{name}: fetches {address}"
 
 
 def without_page(source, folder, pages):
@@ -125,10 +123,9 @@ def not_in_reference(source, pages):
             continue
         if f"<{name}>" not in text:
             yield f"{name}: not in the C++ reference"
-        with open(os.path.join(source, "include", name), encoding="utf-8") as stream:
-            for one in sorted(declared(stream.read())):
-                if not re.search(rf"\b{one}\b", text):
-                    yield f"{name}: {one} is not in the C++ reference"
+        for one in sorted(declared(Path(source, "include", name).read_text(encoding="utf-8"))):
+            if not re.search(rf"\b{one}\b", text):
+                yield f"{name}: {one} is not in the C++ reference"
     with open(os.path.join(source, "python/nscdd/__init__.py"), encoding="utf-8") as stream:
         names = re.findall(r'"(\w+)"', stream.read().partition("__all__")[2])
     for name in names:

@@ -24,6 +24,7 @@ import re
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 
 import sessions
 
@@ -74,8 +75,7 @@ def run_block(folder, document, line, code):
     """True where the block ran to its end."""
     # Blank lines in front make the line numbers of a traceback those of the document.
     path = os.path.join(folder, "snippet.py")
-    with open(path, "w", encoding="utf-8") as script:
-        script.write("\n" * (line - 1) + code)
+    Path(path).write_text("\n" * (line - 1) + code, encoding="utf-8")
     # No window: a block that draws is run without a screen.
     result = subprocess.run(["/usr/bin/python3", path], cwd=folder, env=dict(os.environ, MPLBACKEND="Agg"),
                             capture_output=True, text=True, timeout=TIME_LIMIT)
@@ -142,8 +142,7 @@ def main():
             sys.exit(f"snippets.py: the environment has no {name}")
     texts, unknown, helps = {}, [], {}
     for document in options.documents:
-        with open(document, encoding="utf-8") as stream:
-            texts[document] = stream.read()
+        texts[document] = Path(document).read_text(encoding="utf-8")
         unknown += unknown_options(document, texts[document], helps)
     if unknown:
         sys.exit("\n".join(unknown))

@@ -40,11 +40,8 @@ Case as_problem(const Case& one, bool with_tangents) {
 }
 
 double radius(const Model& model, double epsilon, double eta) {
-  SweepParameters parameters;
-  parameters.epsilon = {epsilon};
-  parameters.eta = {eta};
   double value = not_a_number;
-  sweep(model, parameters, [&](const SweepResult& result) { value = result.radius.value; });
+  sweep(model, {.epsilon = {epsilon}, .eta = {eta}}, [&](const SweepResult& result) { value = result.radius.value; });
   return value;
 }
 

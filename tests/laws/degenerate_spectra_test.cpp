@@ -57,17 +57,13 @@ TEST_CASE("rows of a square lattice have the radius of one chain, each of them o
   for (const Index columns : {3, 5, 9})
     for (const Index rows : {1, 2, 3, 7, 12, 20, 33})
       for (const double epsilon : {1e-3, 1.0, 30.0}) {
-        const Model model = build(square_lattice(columns, rows));
-        const InterfaceFamily family(model.parts);
+        const InterfaceFamily family(build(square_lattice(columns, rows)).parts);
         const Contraction b{family.at(infinity), family.at(epsilon)};
         const double exact = std::max(radius_of_chain(columns, epsilon), radius_of_column(rows, epsilon));
         for (const SpectralSolver solver : solvers)
           for (const Index eigenvalues : {1, 2, 5}) {
-            CAPTURE(columns);
-            CAPTURE(rows);
-            CAPTURE(epsilon);
-            CAPTURE(solver);
-            CAPTURE(eigenvalues);
+            INFO("columns = ", columns, ", rows = ", rows, ", epsilon = ", epsilon, ", solver = ", solver,
+                 ", eigenvalues = ", eigenvalues);
             const bool list = solver != SpectralSolver::arpack;
             const SpectralRadius radius =
                 spectral_radius(b, {.solver = solver, .eigenvalues = list ? eigenvalues : 1, .certify = list});
@@ -83,10 +79,8 @@ TEST_CASE("2 000 small packings: each solver has an answer, and all agree to the
   Index in_lists = 0, open_lists = 0;
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
     const SmallProblem small = small_problem(seed);
-    CAPTURE(seed);
-    CAPTURE(small.one.spec.name);
-    const Model model = build(small.one);
-    const InterfaceFamily family(model.parts);
+    INFO("seed = ", seed, ", name = ", small.one.spec.name);
+    const InterfaceFamily family(build(small.one).parts);
     const Contraction b{family.at(small.eta), family.at(small.epsilon)};
     const Index n = b.rows(), units = n > 0 && small.epsilon == 0 ? b.system.nullity() : 0;
     const Vector lambda = n > 0 ? DenseSpectrum(b).lambda : Vector();  // in the rigid limit the units come first
@@ -94,8 +88,7 @@ TEST_CASE("2 000 small packings: each solver has an answer, and all agree to the
     for (const SpectralSolver solver : solvers)
       for (const bool certify : {false, true}) {
         if (certify && solver == SpectralSolver::arpack) continue;
-        CAPTURE(solver);
-        CAPTURE(certify);
+        INFO("solver = ", solver, ", certify = ", certify);
         const Index wanted = solver == SpectralSolver::arpack ? 1 : small.eigenvalues;
         const SpectralRadius radius = spectral_radius(b, {.solver = solver, .eigenvalues = wanted, .certify = certify});
         CAPTURE(radius.failure);
@@ -127,8 +120,7 @@ TEST_CASE("2 000 small packings: each solver has an answer, and all agree to the
 }
 
 TEST_CASE("where the dense pencil loses its digits, auto goes on to a solver that has not, or says why none has") {
-  const Model model = build(small_problem(3).one);
-  const InterfaceFamily family(model.parts);
+  const InterfaceFamily family(build(small_problem(3).one).parts);
   const auto radius = [&](double eta, SpectralSolver solver) {
     return spectral_radius({family.at(eta), family.at(1e3)}, {.solver = solver});
   };

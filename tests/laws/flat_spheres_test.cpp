@@ -33,18 +33,11 @@ void check_same(const SpectralRadius& space, const SpectralRadius& plane, double
   CHECK(space.unit_multiplicity == plane.unit_multiplicity);
 }
 
-std::vector<Case> shared_problems() {
-  std::vector<Case> all;
-  for (const Case& one : plane_problems())
-    if (build(one).parts.interface_size() > 0) all.push_back(one);
-  return all;
-}
-
 }  // namespace
 
 TEST_CASE("flat spheres: the radii of the disks to 1e-12, of all contacts, the active and the carrying ones") {
   int compared = 0;
-  for (const Case& one : shared_problems()) {
+  for (const Case& one : with_interface(plane_problems())) {
     CAPTURE(one.spec.name);
     const Model plane = build(one), space = build(flat(one));
     REQUIRE(space.problem.dimension == 3);
@@ -59,8 +52,7 @@ TEST_CASE("flat spheres: the radii of the disks to 1e-12, of all contacts, the a
       const InterfaceFamily all_plane(plane.parts), all_space(space.parts);
       const InterfaceFamily some_plane(of_plane.stage_one(plane)), some_space(of_space.stage_one(space));
       for (const Point& point : points) {
-        CAPTURE(point.epsilon);
-        CAPTURE(point.eta);
+        INFO("epsilon = ", point.epsilon, ", eta = ", point.eta);
         const Contraction b{all_plane.at(point.eta), some_plane.at(point.epsilon)},
             c{all_space.at(point.eta), some_space.at(point.epsilon)};
         check_same(spectral_radius(c), spectral_radius(b), 1e-12);
@@ -72,14 +64,13 @@ TEST_CASE("flat spheres: the radii of the disks to 1e-12, of all contacts, the a
 }
 
 TEST_CASE("flat spheres in a plane that lies askew: the radii of the disks") {
-  for (const Case& one : shared_problems()) {
+  for (const Case& one : with_interface(plane_problems())) {
     CAPTURE(one.spec.name);
     const Model plane = build(one), askew = moved(flat(one), 0.9, 3.0, -7.0);
     REQUIRE(askew.network.size() == plane.network.size());
     const InterfaceFamily of_plane(plane.parts), of_space(askew.parts);
     for (const Point& point : points) {
-      CAPTURE(point.epsilon);
-      CAPTURE(point.eta);
+      INFO("epsilon = ", point.epsilon, ", eta = ", point.eta);
       check_same(spectral_radius({of_space.at(point.eta), of_space.at(point.epsilon)}),
                  spectral_radius({of_plane.at(point.eta), of_plane.at(point.epsilon)}), 1e-9);
     }

@@ -21,21 +21,13 @@ namespace {
 // Spheres dropped into a box whose side walls turn about their feet, both the same way, some steps on: contacts stick,
 // slide and open.
 Simulation sheared_bed(Index grains, Index seed, Index steps = 3, const Components<Index>& grid = {2, 1, 1}) {
-  SphereDeposit deposit;
-  deposit.grains = grains;
-  deposit.width = 0.3 * std::cbrt(static_cast<double>(grains));
-  deposit.sizes.radius_min = 0.1;
-  deposit.sizes.radius_max = 0.198;
-  deposit.seed = seed;
+  const double width = 0.3 * std::cbrt(static_cast<double>(grains));
+  const SphereDeposit deposit{
+      .grains = grains, .width = width, .sizes = {.radius_min = 0.1, .radius_max = 0.198}, .seed = seed};
   const Packing packing = with_masses(generate(Generator{deposit}), {.model = MassModel::density, .density = 2500});
   const Motion turning = moving_in_space(Vector3::Zero(), Vector3(0, 0.075, 0));
-  const double width = deposit.width;
   const Motion turning_too = moving_in_space(Vector3::Zero(), Vector3(0, 0.075, 0), Vector3(width, 0, 0));
-  Dynamics dynamics = swept();
-  dynamics.solver.algorithm = "auto";
-  dynamics.solver.criterion = Criterion::natural_map;
-  dynamics.solver.tolerance = 1e-8;
-  dynamics.solver.warm_start = true;
+  Dynamics dynamics;
   dynamics.time.maximum_push_speed = infinity;
   dynamics.boundaries = {
       plane("floor", Vector3::Zero(), Vector3::UnitZ()), plane("left", Vector3::Zero(), Vector3::UnitX(), turning),
@@ -91,16 +83,13 @@ StepProblem<3> with_spheres(const StepProblem<2>& disks) {
 
 }  // namespace
 
-TEST_CASE(
-    "frozen iteration of spheres: it is the derivative of the algorithm at a solution, impulses that turn included") {
+TEST_CASE("frozen iteration of spheres: the derivative of the algorithm at a solution, turning impulses included") {
   for (const Index seed : {1, 2}) {
     const Simulation bed = sheared_bed(60, seed);
     const SolvedStep<3> solution = solved_to_rounding(bed);
     for (const std::string algorithm : {"generic", "enriched"})
       for (const Index sweeps : {1, 3}) {
-        CAPTURE(seed);
-        CAPTURE(algorithm);
-        CAPTURE(sweeps);
+        INFO("seed = ", seed, ", algorithm = ", algorithm, ", sweeps = ", sweeps);
         PreparedStep<3> step = prepare_solution<3>(cut(bed, algorithm, sweeps));
         GranularTwoStage<3>& run = step.iteration;
         const Vector z = restart_at(run, solution.contacts);
@@ -155,9 +144,7 @@ TEST_CASE("next to the solution of a step of spheres the rate of Algorithm 1 is 
     const Simulation bed = sheared_bed(60, 1, 3, grid);
     for (const Index sweeps : {1, 3})
       for (const std::string algorithm : {"generic", "enriched"}) {
-        CAPTURE(grid[1]);
-        CAPTURE(sweeps);
-        CAPTURE(algorithm);
+        INFO("grid[1] = ", grid[1], ", sweeps = ", sweeps, ", algorithm = ", algorithm);
         const RateAtSolution rate = rate_at_solution(cut(bed, algorithm, sweeps));
         REQUIRE(rate.converged);
         CHECK(rate.report.residual.relative_natural_map() < 1e-12);
@@ -179,9 +166,7 @@ TEST_CASE("predicted and observed rates of spheres agree along a run, where cont
     const Simulation sheared = sheared_bed(60, bed.seed, bed.steps);
     for (const std::string algorithm : {"generic", "enriched"})
       for (const Index sweeps : {1, 3}) {
-        CAPTURE(bed.seed);
-        CAPTURE(algorithm);
-        CAPTURE(sweeps);
+        INFO("seed = ", bed.seed, ", algorithm = ", algorithm, ", sweeps = ", sweeps);
         const PredictedObserved result = predicted_observed(cut(sheared, algorithm, sweeps));
         REQUIRE(result.converged);
         REQUIRE(std::isfinite(result.observed));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// At frozen statuses the algorithm with friction is the linear map that FrozenIteration and
-// frozen_contraction say it is: against the spectral code where nothing slides, against the run itself where
-// contacts do.
+// At frozen statuses the algorithm with friction is the linear map that FrozenIteration and frozen_contraction say it
+// is: against the spectral code where nothing slides, against the run itself where contacts do.
 #include "../support/granular.hpp"
 #include "simulation/step_decomposition.hpp"
 #include "study/moving/predicted_observed.hpp"
@@ -172,9 +171,7 @@ TEST_CASE("predicted and observed rates agree with friction, where contacts slid
     const Simulation sheared = box_with_turning_walls(box.grains, box.seed);
     for (const Index sweeps : {1, 10})
       for (const std::string eta : {"inf", "0.1"}) {
-        CAPTURE(box.grains);
-        CAPTURE(sweeps);
-        CAPTURE(eta);
+        INFO("grains = ", box.grains, ", sweeps = ", sweeps, ", eta = ", eta);
         Simulation simulation = sheared;
         StepSolver& solver = simulation.dynamics.solver;
         solver.algorithm = eta == "inf" ? "generic" : "enriched";
@@ -196,9 +193,7 @@ TEST_CASE("the solution of a step, cut into subdomains, is a fixed point of Algo
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {3, 2}})
     for (const std::string algorithm : {"generic", "enriched"})
       for (const Index sweeps : {1, 3}) {
-        CAPTURE(grid[1]);
-        CAPTURE(algorithm);
-        CAPTURE(sweeps);
+        INFO("grid[1] = ", grid[1], ", algorithm = ", algorithm, ", sweeps = ", sweeps);
         Simulation simulation = box_with_turning_walls(60, 2);
         StepSolver& solver = simulation.dynamics.solver;
         solver = {.algorithm = "auto", .criterion = Criterion::natural_map, .tolerance = 1e-13, .eta = "0.1"};
@@ -234,9 +229,7 @@ TEST_CASE("next to the solution of a step the rate of Algorithm 1 is the radius 
   for (const Index grains : {40, 60})
     for (const Index sweeps : {1, 10})
       for (const std::string algorithm : {"generic", "enriched"}) {
-        CAPTURE(grains);
-        CAPTURE(sweeps);
-        CAPTURE(algorithm);
+        INFO("grains = ", grains, ", sweeps = ", sweeps, ", algorithm = ", algorithm);
         Simulation simulation = box_with_turning_walls(grains, grains == 40 ? 1 : 2);
         StepSolver& solver = simulation.dynamics.solver;
         solver.algorithm = algorithm;

@@ -3,7 +3,6 @@
 // holds free grains alone, any division comes to the velocities of the whole, and the network of Stage 2 may
 // be that of the last step.
 #include "../support/granular.hpp"
-#include "../support/granular_solution.hpp"
 #include "linalg/random.hpp"
 #include "simulation/step_decomposition.hpp"
 #include <nscdd/packing/generator.hpp>
@@ -22,11 +21,7 @@ namespace {
 // its foot and a wall at the right. The middle disk of the row is where a cut into two strips goes. `posts`:
 // every so many grains one is driven upwards (which jams the others: to be divided, not solved), 0 for none.
 Simulation box_on_disks(const std::string& law, Index posts = 0) {
-  Deposit deposit;
-  deposit.grains = 60;
-  deposit.width = 2.2;
-  deposit.sizes.radius_min = 0.1;
-  deposit.sizes.radius_max = 0.198;
+  const Deposit deposit{.grains = 60, .width = 2.2, .sizes = {.radius_min = 0.1, .radius_max = 0.198}};
   const Packing packing = with_masses(generate(Generator{deposit}), {.model = MassModel::density, .density = 2500});
   Dynamics dynamics = swept();
   dynamics.interaction.law = law;
@@ -64,8 +59,7 @@ Simulation divided(const Simulation& whole, std::array<Index, 2> grid, const std
   return result;
 }
 
-// The columns that contacts had in the last step: none, the normal one where they slid, both where they
-// stuck.
+// The columns that contacts had in the last step: none, the normal one where they slid, both where they stuck.
 std::vector<char> columns_of_last_step(const Simulation& simulation, const StepProblem<2>& problem) {
   std::vector<char> kept;
   for (std::size_t k = 0; k < problem.contacts.size(); ++k) {
@@ -81,8 +75,7 @@ std::vector<char> columns_of_last_step(const Simulation& simulation, const StepP
 TEST_CASE("driven disks across the cuts: what is glued is free, each further copy once, and nothing else is") {
   const Simulation whole = box_on_disks("coulomb", 4);
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {1, 2}, {2, 2}, {3, 3}}) {
-    CAPTURE(grid[0]);
-    CAPTURE(grid[1]);
+    INFO("grid ", grid[0], " x ", grid[1]);
     const PreparedStep<2> step = prepare_solution(divided(whole, grid, "generic"));
     const GranularDecomposition<2>& parts = step.iteration.parts();
     CHECK(shared_driven_bodies(step.problem, parts) > 0);
@@ -105,9 +98,7 @@ TEST_CASE("driven disks, gravity, several sizes, no friction: any division comes
   REQUIRE(reference.map < 1e-10);
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}})
     for (const std::string algorithm : {"generic", "enriched"}) {
-      CAPTURE(grid[0]);
-      CAPTURE(grid[1]);
-      CAPTURE(algorithm);
+      INFO("grid ", grid[0], " x ", grid[1], ", algorithm = ", algorithm);
       Simulation simulation = divided(whole, grid, algorithm);
       simulation.dynamics.solver.eta = "0.05";  // grains weigh 80 to 300 kg
       const PreparedStep<2> prepared = prepare_solution(simulation);
@@ -130,9 +121,7 @@ TEST_CASE("driven disks, gravity, several sizes, friction: any division meets th
   CHECK(of_whole < law_tolerance);
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}})
     for (const std::string network : {"all", "active"}) {
-      CAPTURE(grid[0]);
-      CAPTURE(grid[1]);
-      CAPTURE(network);
+      INFO("grid ", grid[0], " x ", grid[1], ", network = ", network);
       Simulation simulation = divided(whole, grid, "enriched");
       simulation.dynamics.solver.eta = "0.2";
       simulation.dynamics.solver.network = network;

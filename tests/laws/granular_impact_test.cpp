@@ -40,8 +40,7 @@ Simulation meeting(const Pair& p, const Dynamics& dynamics) {
 TEST_CASE("central impact: velocities of the textbook for any masses and restitution") {
   for (const double e : {0.0, 0.3, 1.0})
     for (const double ratio : {0.01, 1.0, 50.0}) {
-      CAPTURE(e);
-      CAPTURE(ratio);
+      INFO("e = ", e, ", ratio = ", ratio);
       Dynamics dynamics = without_gravity();
       dynamics.interaction.restitution = e;
       Simulation simulation = meeting({.m0 = 1, .m1 = ratio, .v0 = {2, 0, 0}, .v1 = {-1, 0, 0}}, dynamics);
@@ -64,10 +63,7 @@ TEST_CASE("oblique impact: each impulse by hand, sticking or on the edge of the 
     for (const double e : {0.0, 0.6})
       for (const double e_t : {0.0, 0.4})
         for (const double angle : {0.0, 0.7, 2.5, -1.2}) {
-          CAPTURE(mu);
-          CAPTURE(e);
-          CAPTURE(e_t);
-          CAPTURE(angle);
+          INFO("mu = ", mu, ", e = ", e, ", e_t = ", e_t, ", angle = ", angle);
           Dynamics dynamics = without_gravity();
           dynamics.interaction.friction = mu;
           dynamics.interaction.restitution = e;

@@ -72,9 +72,7 @@ TEST_CASE("no gravity, no boundary: energy only falls, by what friction and impa
                                  {1, 0.5, 0.5}}) {
     const double friction = contact.friction, restitution = contact.restitution;
     const double tangential = contact.tangential;
-    CAPTURE(friction);
-    CAPTURE(restitution);
-    CAPTURE(tangential);
+    INFO("friction = ", friction, ", restitution = ", restitution, ", tangential = ", tangential);
     const bool bounded = friction == 0 || restitution == tangential;
     Dynamics dynamics = tight();
     dynamics.solver.tolerance = 1e-9;
@@ -182,10 +180,9 @@ TEST_CASE("angular momentum at q_m changes by r_t times the gap of each contact,
 }
 
 TEST_CASE("a box with moving walls: work put in, dissipation and energy balance to rounding at theta = 1/2") {
-  Dynamics dynamics = swept();
+  Dynamics dynamics = swept({wall("paddle", {0, 5}, {0, 0}, moving({0.3, 0, -0.2}, {0, 0}))});
   dynamics.solver.maximum_iterations = 60;  // the balance holds for any impulses, converged or not
   dynamics.solver.warm_start = true;
-  dynamics.boundaries = {wall("paddle", {0, 5}, {0, 0}, moving({0.3, 0, -0.2}, {0, 0}))};
   Simulation simulation = box_of_grains(60, dynamics);
   const StepEnergy start = energy_of(simulation.system, simulation.state, dynamics.time);
   double work = 0, dissipation = 0, scale = 0;
@@ -202,8 +199,7 @@ TEST_CASE("a box with moving walls: work put in, dissipation and energy balance 
 }
 
 TEST_CASE("work of a boundary: a wall that lifts a column puts in its weight times the height") {
-  Dynamics dynamics = tight();
-  dynamics.boundaries = {wall("lift", {0, 0}, {1, 0}, moving({0, 0.5, 0}))};
+  Dynamics dynamics = tight({wall("lift", {0, 0}, {1, 0}, moving({0, 0.5, 0}))});
   Simulation simulation =
       simulation_of({{.y = 0.5, .mass = 2, .velocity_y = 0.5}, {.y = 1.5, .mass = 3, .velocity_y = 0.5}}, dynamics);
   double work = 0, heat = 0;

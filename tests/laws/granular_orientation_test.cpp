@@ -41,8 +41,7 @@ Simulation grain_on_driven_disk(BoundaryShape shape, Orientation orientation) {
 TEST_CASE("a grain on a driven disk rolls as its surface moves: with its spin or, of fixed orientation, without") {
   for (const BoundaryShape shape : {BoundaryShape::disks, BoundaryShape::grains})
     for (const Orientation orientation : {Orientation::turning, Orientation::fixed}) {
-      CAPTURE(to_string(shape));
-      CAPTURE(to_string(orientation));
+      INFO("shape = ", to_string(shape), ", orientation = ", to_string(orientation));
       Simulation simulation = grain_on_driven_disk(shape, orientation);
       // The centre of the driven disk goes at -arm x spin; its top, which the grain touches, also by its own
       // spin. The grain, 1 : 2 heavier in translation than in its rim, sticks at once.

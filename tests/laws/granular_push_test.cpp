@@ -55,9 +55,7 @@ TEST_CASE("two bodies that overlap part at the natural speed, or slower where th
   for (const double h : {1e-4, 1e-3, 5e-3})
     for (const double overlap : {1e-6, 0.035})
       for (const double speed : {0.0, 0.3}) {
-        CAPTURE(h);
-        CAPTURE(overlap);
-        CAPTURE(speed);
+        INFO("h = ", h, ", overlap = ", overlap, ", speed = ", speed);
         Dynamics dynamics = tight();
         dynamics.interaction.friction = 0;
         dynamics.time.step = h;
@@ -104,8 +102,7 @@ TEST_CASE("a packing with overlaps of 7 % of a radius gains next to nothing, and
 TEST_CASE("a column of overlapping disks at rest is pushed apart: speeds of pushes add up along it") {
   for (const int disks : {2, 6, 30, 100})
     for (const double h : {1e-4, 1e-3}) {
-      CAPTURE(disks);
-      CAPTURE(h);
+      INFO("disks = ", disks, ", h = ", h);
       const double radius = 0.1, distance = 2 * radius * (1 - 0.07 / 2);
       Packing column;
       for (int k = 0; k < disks; ++k) {

@@ -80,10 +80,7 @@ TEST_CASE("linear law, exact Stage 1: changes of F follow the contraction operat
     for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {3, 2}})
       for (const double eta : {0.3, 2.0, infinity})
         for (const double omega : {1.0, 0.7}) {
-          CAPTURE(with_floor);
-          CAPTURE(grid[0]);
-          CAPTURE(eta);
-          CAPTURE(omega);
+          INFO("with_floor = ", with_floor, ", grid[0] = ", grid[0], ", eta = ", eta, ", omega = ", omega);
           const LinearStep step(grid, with_floor);
           const double epsilon = 1.0;
           GranularTwoStage<2> iteration = step.iteration(epsilon, eta, 400, omega);
@@ -107,8 +104,7 @@ TEST_CASE("linear law, exact Stage 1: changes of F shrink by at most the spectra
   // B is self-adjoint in the product of P: |d_{k+1}|_P / |d_k|_P never exceeds rho and grows with k.
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}})
     for (const double eta : {0.1, 0.5, 4.0, infinity}) {
-      CAPTURE(grid[1]);
-      CAPTURE(eta);
+      INFO("grid[1] = ", grid[1], ", eta = ", eta);
       const LinearStep step(grid, true);
       const double epsilon = 0.4;
       const Contraction b = contraction(step.parts, scheme_of(eta), LinearViscous{epsilon});
@@ -137,8 +133,7 @@ TEST_CASE("linear law, exact Stage 1: changes of F shrink by at most the spectra
 TEST_CASE("linear law, n_GS sweeps: the iterates are those of the spectral code's two-stage iteration") {
   for (const Index sweeps : {1, 3})
     for (const double eta : {0.7, infinity}) {
-      CAPTURE(sweeps);
-      CAPTURE(eta);
+      INFO("sweeps = ", sweeps, ", eta = ", eta);
       const LinearStep step({2, 2}, true);
       const LinearViscous law{.epsilon = 0.5};
       GranularTwoStage<2> granular = step.iteration(law.epsilon, eta, sweeps);

@@ -20,8 +20,7 @@ Dynamics kept_for(Index steps, bool warm_start = false) {
   dynamics.time.gravity = {0, 0};
   dynamics.solver.algorithm = "generic";
   dynamics.solver.gauss_seidel_sweeps = 5;
-  dynamics.solver.tolerance = 1e-11;
-  dynamics.solver.gluing_tolerance = 1e-11;
+  dynamics.solver.tolerance = dynamics.solver.gluing_tolerance = 1e-11;
   dynamics.solver.redecompose = steps;
   dynamics.solver.warm_start = warm_start;
   return dynamics;

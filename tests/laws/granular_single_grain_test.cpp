@@ -14,10 +14,9 @@ namespace {
 
 // A disk of radius r that touches a slope falling to the right at `angle`, friction mu.
 Simulation on_slope(double angle, double mu, double radius, double mass) {
-  Dynamics dynamics = tight();
+  Dynamics dynamics = tight({wall("slope", {0, 0}, {std::cos(angle), -std::sin(angle)})});
   dynamics.interaction.friction = mu;
   dynamics.time.step = 0.002;
-  dynamics.boundaries = {wall("slope", {0, 0}, {std::cos(angle), -std::sin(angle)})};
   return simulation_of({{.x = radius * std::sin(angle), .y = radius * std::cos(angle), .radius = radius, .mass = mass}},
                        dynamics);
 }
@@ -73,15 +72,13 @@ TEST_CASE("incline: tilting gravity instead of the wall is the same motion") {
 }
 
 TEST_CASE("a disk thrown along a floor slides until v = 2/3 v0, then rolls for ever") {
-  // v = v0 - mu g t, rim = 2 mu g t: equal at t = v0 / (3 mu g) after v0 t - mu g t^2 / 2 = 5 v0^2 / (18 mu
-  // g).
+  // v = v0 - mu g t, rim = 2 mu g t: equal at t = v0 / (3 mu g) after v0 t - mu g t^2 / 2 = 5 v0^2 / (18 mu g).
   const double v0 = 3, mu = 0.25, radius = 0.4;
   const double t_roll = v0 / (3 * mu * g);
-  Dynamics dynamics = tight();
+  Dynamics dynamics = tight({floor_wall()});
   dynamics.interaction.friction = mu;
   const Index slide_steps = 200;
   dynamics.time.step = t_roll / static_cast<double>(slide_steps);
-  dynamics.boundaries = {floor_wall()};
   Simulation simulation = simulation_of({{.y = radius, .radius = radius, .mass = 2, .velocity_x = v0}}, dynamics);
   advance(simulation, slide_steps / 2);
   CHECK(simulation.state.velocity_x[0] == doctest::Approx(v0 - mu * g * t_roll / 2).epsilon(1e-12));
@@ -100,10 +97,9 @@ TEST_CASE("a disk thrown along a floor slides until v = 2/3 v0, then rolls for e
 TEST_CASE("with backspin 2 v0 / R a disk slides to a stop after v0^2 / (2 mu g), and stays") {
   // v = v0 - mu g t and rim = 2 v0 - 2 mu g t vanish together: slip never changes its sign before.
   const double v0 = 2, mu = 0.4, radius = 0.2;
-  Dynamics dynamics = tight();
+  Dynamics dynamics = tight({floor_wall()});
   dynamics.interaction.friction = mu;
   dynamics.time.step = v0 / (mu * g) / 400;
-  dynamics.boundaries = {floor_wall()};
   Simulation simulation =
       simulation_of({{.y = radius, .radius = radius, .velocity_x = v0, .spin = 2 * v0 / radius}}, dynamics);
   advance(simulation, 200);
@@ -120,9 +116,8 @@ TEST_CASE("with backspin 2 v0 / R a disk slides to a stop after v0^2 / (2 mu g),
 TEST_CASE("conveyor: a disk put on a moving belt ends up rolling at a third of its speed") {
   // m V = J and m/2 rim = J until slip U - V - rim = 0: V = U / 3.
   const double belt = 1.5, mu = 0.2;
-  Dynamics dynamics = tight();
+  Dynamics dynamics = tight({wall("belt", {0, 0}, {1, 0}, moving({belt, 0, 0}))});
   dynamics.interaction.friction = mu;
-  dynamics.boundaries = {wall("belt", {0, 0}, {1, 0}, moving({belt, 0, 0}))};
   Simulation simulation = simulation_of({{.y = 0.5, .mass = 4}}, dynamics);
   advance(simulation, 10);
   CHECK(simulation.state.velocity_x[0] == doctest::Approx(mu * g * 0.05).epsilon(1e-12));
@@ -146,10 +141,9 @@ TEST_CASE("bounce: speeds fall by e, heights by e^2, within the error of the ste
   const double height = 1, radius = 0.3;
   for (const double e : {0.5, 0.9, 1.0}) {
     CAPTURE(e);
-    Dynamics dynamics = tight();
+    Dynamics dynamics = tight({floor_wall()});
     dynamics.interaction.restitution = e;
     dynamics.time.step = 1e-4;
-    dynamics.boundaries = {floor_wall()};
     Simulation simulation = simulation_of({{.y = radius + height, .radius = radius}}, dynamics);
     const double impact = std::sqrt(2 * g * height);
     for (int bounce = 1; bounce <= 3; ++bounce) {
@@ -177,9 +171,8 @@ TEST_CASE("bounce: speeds fall by e, heights by e^2, within the error of the ste
 }
 
 TEST_CASE("inelastic impact: the disk stops on the floor without overlap and stays") {
-  Dynamics dynamics = tight();
+  Dynamics dynamics = tight({floor_wall()});
   dynamics.time.step = 0.005;
-  dynamics.boundaries = {floor_wall()};
   for (const double drop : {0.013, 0.2, 1.7}) {
     Simulation simulation = simulation_of({{.y = 0.5 + drop}}, dynamics);
     double lowest_middle = 1;  // of q_m, where the scheme promises no overlap
@@ -200,11 +193,10 @@ TEST_CASE("cohesion: a disk hangs from a ceiling iff its weight is at most the c
   for (const double share : {0.2, 0.999, 1.001, 2.0}) {
     CAPTURE(share);
     const double mass = 1.5, h = 0.002;
-    Dynamics dynamics = tight();
+    Dynamics dynamics = tight({wall("ceiling", {1, 0}, {0, 0})});
     dynamics.interaction.law = "cohesive";
     dynamics.interaction.cohesion = mass * g / share;
     dynamics.time.step = h;
-    dynamics.boundaries = {wall("ceiling", {1, 0}, {0, 0})};
     Simulation simulation = simulation_of({{.y = -0.5, .mass = mass}}, dynamics);
     advance(simulation, 3);
     if (share < 1) {
@@ -221,9 +213,7 @@ TEST_CASE("cohesion: bodies that do not touch do not attract each other, whateve
   for (const double gap : {0.02, 0.002, 0.0})
     for (const double alert : {0.0, 0.01, 0.05, 0.2})
       for (const double restitution : {0.0, 0.5}) {
-        CAPTURE(gap);
-        CAPTURE(alert);
-        CAPTURE(restitution);
+        INFO("gap = ", gap, ", alert = ", alert, ", restitution = ", restitution);
         Dynamics dynamics = tight();
         dynamics.interaction.law = "cohesive";
         dynamics.interaction.cohesion = 10;
@@ -249,11 +239,10 @@ TEST_CASE("cohesion: a touching contact holds until it is pulled apart, then for
   // A disk that hangs from a ceiling at half the cohesive force; gravity doubles, and more, for a while.
   for (const double restitution : {0.0, 0.5}) {
     CAPTURE(restitution);
-    Dynamics dynamics = tight();
+    Dynamics dynamics = tight({wall("ceiling", {1, 0}, {0, 0})});
     dynamics.interaction.law = "cohesive";
     dynamics.interaction.cohesion = 2 * g;
     dynamics.interaction.restitution = restitution;
-    dynamics.boundaries = {wall("ceiling", {1, 0}, {0, 0})};
     Simulation simulation = simulation_of({{.y = -0.5}}, dynamics);
     advance(simulation, 200);
     CHECK(std::abs(simulation.state.y[0] + 0.5) < 1e-12);
@@ -270,13 +259,12 @@ TEST_CASE("cohesion: a touching contact holds until it is pulled apart, then for
 TEST_CASE("linear viscous law: a disk sinks into the floor at the speed epsilon m g h") {
   // r = -v / epsilon and at constant speed r = m g h; before: v_{k+1} = (v_k - g h) / (1 + 1 / (epsilon m)).
   const double epsilon = 0.7, mass = 2, h = 0.001;
-  Dynamics dynamics = tight();
+  Dynamics dynamics = tight({floor_wall()});
   dynamics.interaction.law = "linear_viscous";
   SUBCASE("epsilon in 1/kg") { dynamics.interaction.epsilon = epsilon; }
   SUBCASE("epsilon as a multiple of W = 1/m") { dynamics.interaction.epsilon = {epsilon * mass, true}; }
   dynamics.time.step = h;
   dynamics.time.penetration_correction = 0;
-  dynamics.boundaries = {floor_wall()};
   Simulation simulation = simulation_of({{.y = 0.5, .mass = mass, .velocity_x = 0.3, .spin = 0.8}}, dynamics);
   double vy = 0, vx = 0.3, rim = 0.4;
   for (int k = 0; k < 60; ++k) {

@@ -13,12 +13,10 @@ using namespace nscdd::testing;
 TEST_CASE("column of disks between walls: every reaction is the weight above it") {
   for (const std::string law : {"coulomb", "frictionless"})
     for (const std::string order : {"natural", "reverse", "random", "coloured", "interleaved"}) {
-      CAPTURE(law);
-      CAPTURE(order);
-      Dynamics dynamics = tight();
+      INFO("law = ", law, ", order = ", order);
+      Dynamics dynamics = tight({floor_wall(), wall("left", {-0.5, 1}, {-0.5, 0}), wall("right", {0.5, 0}, {0.5, 1})});
       dynamics.interaction.law = law;
       dynamics.solver.order = order;
-      dynamics.boundaries = {floor_wall(), wall("left", {-0.5, 1}, {-0.5, 0}), wall("right", {0.5, 0}, {0.5, 1})};
       std::vector<Grain> grains;
       const Index n = 8;
       for (Index i = 0; i < n; ++i)
@@ -64,11 +62,10 @@ TEST_CASE("three-disk pile stands iff mu >= tan 15 deg between grains and >= tan
   // W/2; the floor carries 3 W / 2. The two lower disks do not press on each other.
   const double grain_bound = std::tan(std::numbers::pi / 12), floor_bound = grain_bound / 3;
   const auto fastest_after = [](double grain_friction, double floor_friction) {
-    Dynamics dynamics = tight();
+    Dynamics dynamics = tight({floor_wall()});
     dynamics.solver.tolerance = 1e-11;
     dynamics.interaction.friction = grain_friction;
     dynamics.interaction.boundary_friction = floor_friction;
-    dynamics.boundaries = {floor_wall()};
     Simulation simulation =
         simulation_of({{.x = -0.5, .y = 0.5}, {.x = 0.5, .y = 0.5}, {.x = 0, .y = 0.5 + std::sqrt(0.75)}}, dynamics);
     advance(simulation, 20);
@@ -98,8 +95,7 @@ TEST_CASE("total vertical reaction of floor and walls equals the weight of a set
     for (std::size_t i = 0; i < simulation.system.mass.size(); ++i)
       momentum += simulation.system.mass[i] * simulation.state.velocity_y[i];
     const Index n = simulation.system.grains();
-    // n points from the grain into the boundary and the grain feels -r: floor n = (0, -1), walls (-1, 0), (1,
-    // 0).
+    // n points from the grain into the boundary and the grain feels -r: floor n = (0, -1), walls (-1, 0), (1, 0).
     for (const RememberedImpulse& one : simulation.state.impulses) {
       if (one.b == n) upward += one.impulse[0];
       if (one.b == n + 1) upward += one.impulse[1];  // left: t = (0, -1)

@@ -4,7 +4,6 @@
 #include "two_stage/granular_two_stage.hpp"
 
 #include "../support/granular.hpp"
-#include "../support/granular_solution.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 
@@ -77,8 +76,7 @@ void set(StepSolver& solver, const Variant& v) {
   solver.interface_relaxation = v.omega;
 }
 
-// Flexibilities far below 1 / mass make Stage 2 too stiff and diverge, as the analysis of active contacts
-// says.
+// Flexibilities far below 1 / mass make Stage 2 too stiff and diverge, as the analysis of active contacts says.
 std::vector<Variant> variants() {
   return {{.name = "generic"},
           {.name = "generic, 10 sweeps", .sweeps = 10},
@@ -140,9 +138,7 @@ TEST_CASE("one subdomain, generic or enriched, is plain Gauss-Seidel and a loop 
   for (const Local local : {Local{1, 0}, {0.7, 0}, {1.5, 0.4}})
     for (const std::string order : {"natural", "reverse", "random", "coloured", "interleaved"})
       for (const std::string law : {"coulomb", "frictionless", "cohesive", "linear_viscous"}) {
-        CAPTURE(local.relaxation);
-        CAPTURE(order);
-        CAPTURE(law);
+        INFO("relaxation = ", local.relaxation, ", order = ", order, ", law = ", law);
         Dynamics dynamics = shaking(law);
         dynamics.interaction.cohesion = 20;
         dynamics.interaction.epsilon = 0.1;
@@ -170,9 +166,7 @@ TEST_CASE("frictionless: any subdomains, variant and order come to the velocitie
   REQUIRE(reference.map < 1e-10);
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {3, 3}})
     for (const Variant& variant : variants()) {
-      CAPTURE(grid[0]);
-      CAPTURE(grid[1]);
-      CAPTURE(variant.name);
+      INFO("grid ", grid[0], " x ", grid[1], ", name = ", variant.name);
       Simulation divided = whole;
       divided.partitioner = GridPartitioner{grid};
       set(divided.dynamics.solver, variant);
@@ -191,9 +185,7 @@ TEST_CASE("frictionless: any order and relaxation of the contacts come to the ve
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{1, 1}, {2, 2}})
     for (const std::string order : {"natural", "reverse", "random", "coloured", "interleaved"})
       for (const double relaxation : {0.7, 1.0, 1.5}) {
-        CAPTURE(grid[0]);
-        CAPTURE(order);
-        CAPTURE(relaxation);
+        INFO("grid[0] = ", grid[0], ", order = ", order, ", relaxation = ", relaxation);
         Simulation other = whole;
         other.partitioner = GridPartitioner{grid};
         other.dynamics.solver.algorithm = "generic";
@@ -210,8 +202,7 @@ TEST_CASE("frictionless: Stage 2 links no rims, so that a flexibility of 1 / mas
   const Close reference = closely(whole);
   for (const std::string network : {"all", "active"})
     for (const std::string eta : {"1", "3"}) {
-      CAPTURE(network);
-      CAPTURE(eta);
+      INFO("network = ", network, ", eta = ", eta);
       Simulation divided = whole;
       divided.partitioner = GridPartitioner{{2, 1}};
       set(divided.dynamics.solver, {.name = "", .algorithm = "enriched", .eta = eta, .sweeps = 10, .network = network});
@@ -228,9 +219,7 @@ TEST_CASE("friction: whatever the variant, glued copies obey Coulomb's law as cl
   CHECK(relative_natural_map(reference.contacts, velocities_of(reference.problem, reference.contacts)) < law_tolerance);
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {3, 3}})
     for (const Variant& variant : variants()) {
-      CAPTURE(grid[0]);
-      CAPTURE(grid[1]);
-      CAPTURE(variant.name);
+      INFO("grid ", grid[0], " x ", grid[1], ", name = ", variant.name);
       Simulation divided = whole;
       divided.partitioner = GridPartitioner{grid};
       set(divided.dynamics.solver, variant);
@@ -282,8 +271,7 @@ TEST_CASE("a criterion that is looked at in every k-th iteration ends the same i
 TEST_CASE("mean velocities of copies are V_free + M^-1 H r at every iteration, converged or not") {
   for (const Variant& variant : variants())
     for (const Index iterations : {Index{1}, Index{2}, Index{7}}) {
-      CAPTURE(variant.name);
-      CAPTURE(iterations);
+      INFO("name = ", variant.name, ", iterations = ", iterations);
       Dynamics dynamics = shaking("coulomb");
       set(dynamics.solver, variant);
       dynamics.solver.criterion = "none";
@@ -411,12 +399,11 @@ TEST_CASE("determinism: 300 grains, 15 steps, the same final state to the last b
 TEST_CASE("warm start: a column at rest is solved at a fraction of its first cost, divided or not") {
   for (const std::string algorithm : {"nlgs", "generic"}) {
     CAPTURE(algorithm);
-    Dynamics dynamics = tight();
+    Dynamics dynamics = tight({floor_wall()});
     dynamics.solver.algorithm = algorithm;
     dynamics.solver.criterion = "zeta";
     dynamics.solver.tolerance = 1e-12;
     dynamics.solver.warm_start = true;
-    dynamics.boundaries = {floor_wall()};
     // Blocks at rest: the impulses of one step are those of the next.
     std::vector<Grain> grains;
     for (int k = 0; k < 5; ++k) grains.push_back({.x = 0, .y = 0.5 + k});
@@ -429,12 +416,11 @@ TEST_CASE("warm start: a column at rest is solved at a fraction of its first cos
 }
 
 TEST_CASE("warm start: a pile that friction holds is solved at a fraction of its first cost") {
-  Dynamics dynamics = tight();
+  Dynamics dynamics = tight({floor_wall()});
   dynamics.interaction.friction = 0.5;
   dynamics.solver.criterion = "zeta";
   dynamics.solver.tolerance = 1e-12;
   dynamics.solver.warm_start = true;
-  dynamics.boundaries = {floor_wall()};
   Simulation simulation =
       simulation_of({{.x = -0.5, .y = 0.5}, {.x = 0.5, .y = 0.5}, {.x = 0, .y = 0.5 + std::sqrt(0.75)}}, dynamics);
   const Index cold = advance(simulation).last.iteration;
@@ -446,8 +432,7 @@ TEST_CASE("warm start: a pile that friction holds is solved at a fraction of its
 TEST_CASE("contact solvers on the whole packing meet the law, cohesion and restitution too, as sweeps do") {
   for (const std::string law : {"coulomb", "frictionless", "cohesive"})
     for (const double restitution : {0.0, 0.4}) {
-      CAPTURE(law);
-      CAPTURE(restitution);
+      INFO("law = ", law, ", restitution = ", restitution);
       Dynamics dynamics = shaking(law);
       dynamics.interaction.cohesion = 20;
       dynamics.interaction.restitution = dynamics.interaction.tangential_restitution = restitution;

@@ -40,13 +40,6 @@ void require_equal(const std::vector<double>& a, const std::vector<double>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) CHECK(a[i] == doctest::Approx(b[i]).epsilon(1e-9));
 }
 
-std::vector<Case> shared_problems() {
-  std::vector<Case> all;
-  for (const Case& one : every_problem())
-    if (build(one).parts.interface_size() > 0) all.push_back(one);
-  return all;
-}
-
 // Permutes the contacts of a problem and of its partition together.
 void permute_contacts(ReferenceProblem& problem, Partition& partition, std::uint64_t seed) {
   std::vector<Index> order(at(problem.contacts()));
@@ -67,7 +60,7 @@ void permute_contacts(ReferenceProblem& problem, Partition& partition, std::uint
 }  // namespace
 
 TEST_CASE("rotation and translation of the packing") {
-  for (const Case& one : shared_problems()) {
+  for (const Case& one : with_interface(every_problem())) {
     CAPTURE(one.spec.name);
     const Model still = build(one), turned = moved(one, 0.7, 13.0, -5.0);
     REQUIRE(turned.network.size() == still.network.size());
@@ -76,7 +69,7 @@ TEST_CASE("rotation and translation of the packing") {
 }
 
 TEST_CASE("renumbering of grains, contacts and subdomains") {
-  for (const Case& one : shared_problems()) {
+  for (const Case& one : with_interface(every_problem())) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     const std::vector<double> expected = ends(model.problem, model.parts);
@@ -96,7 +89,7 @@ TEST_CASE("renumbering of grains, contacts and subdomains") {
 }
 
 TEST_CASE("another full-rank gluing: star in place of chain, and any regular combination of the rows") {
-  for (const Case& one : shared_problems()) {
+  for (const Case& one : with_interface(every_problem())) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     const std::vector<double> expected = ends(model.problem, model.parts);
@@ -111,7 +104,7 @@ TEST_CASE("another full-rank gluing: star in place of chain, and any regular com
 }
 
 TEST_CASE("masses times a factor: flexibilities divided by it") {
-  for (const Case& one : shared_problems()) {
+  for (const Case& one : with_interface(every_problem())) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     ReferenceProblem heavy = model.problem;
@@ -145,10 +138,8 @@ TEST_CASE("masses 7 000 times as large: the same radii at the same relative eta 
     CAPTURE(light.spec.name);
     Case heavy = light;
     for (double& mass : heavy.packing.mass) mass *= 7000;
-    SweepParameters parameters;
-    parameters.epsilon = {0.02, 1};
-    parameters.eta = {0.5, 3, infinity};
-    parameters.relative_epsilon = parameters.relative_eta = true;
+    SweepParameters parameters{
+        .epsilon = {0.02, 1}, .eta = {0.5, 3, infinity}, .relative_epsilon = true, .relative_eta = true};
     const auto results = [&](const Case& one) {
       std::vector<SweepResult> all;
       sweep(build(one), parameters, [&](const SweepResult& result) { all.push_back(result); });

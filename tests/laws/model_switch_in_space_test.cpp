@@ -15,16 +15,14 @@ using namespace nscdd::testing;
 namespace {
 
 Dynamics divided(SwitchedModel model, double friction) {
-  Dynamics dynamics = tight();
+  Dynamics dynamics = tight({plane("floor", Vector3::Zero(), Vector3::UnitZ())});
   dynamics.interaction.friction = friction;
   dynamics.solver.algorithm = "generic";
-  dynamics.solver.tolerance = 1e-7;
-  dynamics.solver.gluing_tolerance = 1e-7;
+  dynamics.solver.tolerance = dynamics.solver.gluing_tolerance = 1e-7;
   dynamics.solver.maximum_iterations = 50'000;
   dynamics.solver.model = model;
   dynamics.solver.switch_after = 5;
   dynamics.solver.switch_flexibility = Flexibility(1e-8, true);
-  dynamics.boundaries = {plane("floor", Vector3::Zero(), Vector3::UnitZ())};
   return dynamics;
 }
 
@@ -35,15 +33,6 @@ Simulation column(SwitchedModel model) {
     balls.push_back(
         {.centre = {k % 2 == 0 ? 0.0 : 0.16, k % 2 == 0 ? 0.0 : 0.12, 0.5 + std::sqrt(0.96) * k}, .mass = 1 + 0.1 * k});
   return simulation_of(balls, divided(model, 2), {1, 1, 4});
-}
-
-double largest_difference(const std::vector<GrainVelocity<3>>& a, const std::vector<GrainVelocity<3>>& b) {
-  double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const GrainUnknowns<3> one = unknowns(a[i]), other = unknowns(b[i]);
-    for (std::size_t k = 0; k < one.size(); ++k) largest = std::max(largest, std::abs(one[k] - other[k]));
-  }
-  return largest;
 }
 
 // M (V - V_0) = G d, N^T V + bias = -alpha d as one dense system in V and d, where contacts stick in all three
@@ -97,13 +86,6 @@ std::vector<GrainVelocity<3>> frozen_by_hand(const GranularSubdomain<3>& subdoma
     moved[at(i)] = with_unknowns(own, moved[at(i)].inverse_mass);
   }
   return moved;
-}
-
-std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubdomain<3>& subdomain) {
-  std::vector<ContactStatus> statuses;
-  for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-    statuses.push_back(status_of(law, subdomain.contacts.contact(k, subdomain.velocities)));
-  return statuses;
 }
 
 Index linear_iterations(const SolvedStep<3>& step) {
@@ -165,8 +147,7 @@ TEST_CASE("spheres that slide with friction keep their subdomain as it is; witho
   for (const double friction : {0.05, 0.0}) {
     CAPTURE(friction);
     Dynamics dynamics = divided(SwitchedModel::linear, friction);
-    dynamics.solver.tolerance = 1e-9;
-    dynamics.solver.gluing_tolerance = 1e-9;
+    dynamics.solver.tolerance = dynamics.solver.gluing_tolerance = 1e-9;
     dynamics.boundaries.clear();
     const Simulation switched = shaken_cube(4, dynamics, {2, 2, 1});
     Simulation plain = switched;

@@ -20,8 +20,7 @@ Dynamics divided(SwitchedModel model) {
   Dynamics dynamics = tight();
   dynamics.interaction.friction = 0.4;
   dynamics.solver.algorithm = "generic";
-  dynamics.solver.tolerance = 1e-7;
-  dynamics.solver.gluing_tolerance = 1e-7;
+  dynamics.solver.tolerance = dynamics.solver.gluing_tolerance = 1e-7;
   dynamics.solver.maximum_iterations = 50'000;
   dynamics.solver.model = model;
   dynamics.solver.switch_after = 5;
@@ -39,13 +38,6 @@ Simulation column(SwitchedModel model) {
   dynamics.interaction.friction = 2;
   dynamics.boundaries.push_back(floor_wall());
   return simulation_of(grains, dynamics, {1, 4});
-}
-
-std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubdomain<2>& subdomain) {
-  std::vector<ContactStatus> statuses;
-  for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-    statuses.push_back(status_of(law, subdomain.contacts.contact(k, subdomain.velocities)));
-  return statuses;
 }
 
 // M, G, N and the biases of a subdomain at frozen statuses, dense, in (x, y, rim) of all bodies, written out from the

@@ -95,10 +95,7 @@ TEST_CASE("passages: grains that meet head-on end with the speed of their moment
       {0.01, 1e-3, 0.01, 10, 0.002, 19}, {0.01, 10, 0.01, 1e-3, 0.002, 7}, {0.01, 1, 0.05, 125, 0.002, 19},
       {0.05, 125, 0.01, 1, 0.002, 19},   {0.01, 1, 0.0013, 2e-3, 0.01, 3}, {1, 3, 0.9, 2, 0.4, 250}};
   for (const Pair& p : pairs) {
-    CAPTURE(p.r0);
-    CAPTURE(p.r1);
-    CAPTURE(p.m0);
-    CAPTURE(p.gap);
+    INFO("p.r0 = ", p.r0, ", p.r1 = ", p.r1, ", p.m0 = ", p.m0, ", p.gap = ", p.gap);
     for (const double theta : {0.5, 0.75, 1.0}) {
       CAPTURE(theta);
       const auto scene = [&](double h) {
@@ -124,8 +121,7 @@ TEST_CASE("passages: oblique impacts, with restitution from anywhere, without fr
   const double r0 = 0.3, r1 = 0.5, m0 = 0.7, m1 = 2, speed = 3, touch = r0 + r1;
   for (const double restitution : {0.0, 0.5, 1.0})
     for (const double part : {0.0, 0.2, 0.5, 0.7, 0.85, 0.95, 0.99}) {
-      CAPTURE(restitution);
-      CAPTURE(part);
+      INFO("restitution = ", restitution, ", part = ", part);
       const double offset = part * touch, along = std::sqrt(touch * touch - offset * offset);
       // Along the path: far away, or in touch to begin with (by rounding 1e-16 before or after).
       const double gap = restitution == 0.5 ? 1.7 : 0;
@@ -198,8 +194,7 @@ TEST_CASE("passages: spheres, and a row of driven ones") {
   const double touch = 0.5;  // radii 0.2 and 0.3
   for (const bool driven : {false, true})
     for (const double part : {0.0, 0.6, 0.9}) {
-      CAPTURE(driven);
-      CAPTURE(part);
+      INFO("driven = ", driven, ", part = ", part);
       const Vector3 aside = direction.cross(Vector3(0, 0, 1)).normalized() * part * touch;
       const Vector3 start = -direction * (std::sqrt(1 - part * part) * touch + 0.01) - aside;
       const auto scene = [&](double h) {
@@ -222,8 +217,7 @@ TEST_CASE("passages: spheres, and a row of driven ones") {
 TEST_CASE("passages: a wall that comes fast, or a grain that flies at it, are met or refused") {
   for (const double restitution : {0.0, 0.5})
     for (const bool wall_moves : {false, true}) {
-      CAPTURE(restitution);
-      CAPTURE(wall_moves);
+      INFO("restitution = ", restitution, ", wall_moves = ", wall_moves);
       const auto scene = [&](double h) {
         Dynamics dynamics = free_flight(h, restitution);
         dynamics.boundaries = {wall("wall", {-1, 0}, {1, 0}, moving({0, wall_moves ? 8.0 : 0.0, 0}))};
@@ -281,15 +275,8 @@ TEST_CASE("passages: a cylinder that grains are outside of, and one that they ar
     CAPTURE(inside);
     const auto scene = [&](double h) {
       Dynamics dynamics = free_flight(h, 1);
-      BoundarySpec cylinder;
-      cylinder.name = "cylinder";
-      cylinder.dimension = 3;
-      cylinder.shape = BoundaryShape::cylinder;
-      cylinder.from = {0, 0, 0};
-      cylinder.to = {0, 1, 0};
-      cylinder.radius = inside ? 1.4 : 0.1;
-      cylinder.side = inside ? CylinderSide::inside : CylinderSide::outside;
-      dynamics.boundaries = {cylinder};
+      dynamics.boundaries = {cylinder("cylinder", Vector3::Zero(), Vector3::UnitY(), inside ? 1.4 : 0.1,
+                                      inside ? CylinderSide::inside : CylinderSide::outside)};
       return simulation_of({Ball{.centre = {-1, 3, 0}, .radius = 0.2, .velocity = {7, 2, 0}}}, dynamics);
     };
     const int refused = try_steps(1e-3, 0.25, inside ? 0.45 : 0.3, scene, [&](const Ended& ended) {
@@ -328,8 +315,7 @@ TEST_CASE("passages: a piston that turns back before contacts are found has hit 
 TEST_CASE("passages: a grain that falls ever faster is met by a plate or a heavy grain, or its step is refused") {
   for (const double theta : {0.5, 0.8, 1.0})
     for (const bool grain : {false, true}) {
-      CAPTURE(theta);
-      CAPTURE(grain);
+      INFO("theta = ", theta, ", grain = ", grain);
       const double height = 2, radius = 0.02, gravity = 9.81, restitution = 0.8;
       const auto scene = [&](double h) {
         Dynamics dynamics = tight();
@@ -362,8 +348,7 @@ TEST_CASE("passages: a light grain that a heavy one throws does not fly through 
   // Head-on with restitution e: the light one is thrown at v1 = (1 + e) m0 v / (m0 + m1), faster than the heavy one.
   for (const double restitution : {0.0, 1.0})
     for (const double gap : {0.3, 1.1, 2.7}) {
-      CAPTURE(restitution);
-      CAPTURE(gap);
+      INFO("restitution = ", restitution, ", gap = ", gap);
       const double m0 = 20, m1 = 0.5, m2 = 0.5, speed = 6;
       const auto scene = [&](double h) {
         return simulation_of({{.radius = 0.3, .mass = m0, .velocity_x = speed},
@@ -464,8 +449,7 @@ TEST_CASE("passages: overlaps of the packing itself are told from those that a s
 TEST_CASE("passages: without restitution grains that miss each other are no contact, however fast they are") {
   for (const double speed : {40.0, 130.0, 400.0})
     for (const double clearance : {1e-3, 0.2, 0.5}) {
-      CAPTURE(speed);
-      CAPTURE(clearance);
+      INFO("speed = ", speed, ", clearance = ", clearance);
       Simulation s = simulation_of({{.x = -6.3, .radius = 0.5, .velocity_x = speed},
                                     {.x = 6.3, .y = 1 + clearance, .radius = 0.5, .velocity_x = -speed}},
                                    free_flight(0.01, 0));

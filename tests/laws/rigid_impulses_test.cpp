@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Impulses of networks of thousands of contacts: minutes where the sanitizers watch, so not among the unit
-// tests.
+// Impulses of networks of thousands of contacts: minutes where the sanitizers watch, so not among the unit tests.
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"

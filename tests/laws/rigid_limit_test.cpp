@@ -108,10 +108,9 @@ TEST_CASE("rigid limit of hyperstatic packings without order: shift-invert prove
     for (const std::uint64_t seed : seeds) {
       const Case one = disordered_fcc(seed, vacancies, GridPartitioner{{2, 2, 2}});
       CAPTURE(one.spec.name);
-      const InterfaceFamily family(build(one).parts);
-      const Contraction b{family.at(infinity), family.at(0)};
+      const Contraction b = contraction_of(one, 0);
       const SpectralRadius found = shift_inverted(b);
-      const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+      const SpectralRadius dense = dense_pencil_radius(b);
       CHECK(found.converged);
       CHECK(dense.converged);
       CHECK(found.unit_multiplicity == dense.unit_multiplicity);
@@ -125,7 +124,7 @@ TEST_CASE("rigid limit where a rank is in doubt: neither shift-invert nor the de
   const Contraction b{family.at(infinity), family.at(0)};
   CHECK_FALSE(b.system.nullity_is_clear());
   CHECK_FALSE(shift_inverted(b).converged);
-  CHECK_FALSE(spectral_radius(b, {.solver = SpectralSolver::dense}).converged);
+  CHECK_FALSE(dense_pencil_radius(b).converged);
   CHECK(family.at(1).nullity_is_clear());
 }
 
@@ -157,13 +156,11 @@ TEST_CASE("rigid limit of contacts given twice, slightly turned: two solvers tha
                                {1e-7, infinity},
                                {2e-7, infinity}}) {
       const double turn = turned.first, eta = turned.second;
-      CAPTURE(one.spec.name);
-      CAPTURE(turn);
-      CAPTURE(eta);
+      INFO("name = ", one.spec.name, ", turn = ", turn, ", eta = ", eta);
       const InterfaceFamily family(with_contacts_given_twice(build(one).parts, turn));
       const Contraction b{family.at(eta), family.at(0)};
       const SpectralRadius found = spectral_radius(b, {.solver = SpectralSolver::shift_invert, .certify = true});
-      const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+      const SpectralRadius dense = dense_pencil_radius(b);
       const SpectralRadius lanczos = spectral_radius(b, {.solver = SpectralSolver::arpack});
       if (turn < 1e-13) CHECK((found.converged && dense.converged));
       if (turn > 5e-8) CHECK_FALSE((found.converged || dense.converged));
@@ -197,7 +194,7 @@ TEST_CASE("rigid limit of redundant packings: shift-invert proves what the dense
       CAPTURE(eta);
       const Contraction b{family.at(eta), family.at(0)};
       const SpectralRadius found = shift_inverted(b, &memory);
-      const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+      const SpectralRadius dense = dense_pencil_radius(b);
       CHECK(found.converged);
       CHECK(found.unit_multiplicity == dense.unit_multiplicity);
       CHECK(std::abs(found.subdominant_min - dense.subdominant_min) <= 1e-8);
@@ -224,8 +221,7 @@ TEST_CASE("rigid limit along eta: what does not depend on it is found once, and 
 }
 
 TEST_CASE("rigid limit: a number of unit eigenvalues that no count next to zero confirms is no result") {
-  const InterfaceFamily family(build(hexagons(24, 24, {4, 1})).parts);
-  const Contraction b{family.at(infinity), family.at(0)};
+  const Contraction b = contraction_of(hexagons(24, 24, {4, 1}), 0);
   SpectrumMemory memory;
   const SpectralRadius right = shift_inverted(b, &memory);
   REQUIRE(right.converged);
@@ -253,8 +249,7 @@ TEST_CASE("rigid limit along eta: a point that cannot be proved spoils none of t
 }
 
 TEST_CASE("rigid limit of 10^4 disks in sixteen full strips: proved, unit eigenvalues counted twice") {
-  const InterfaceFamily family(build(hexagons(100, 100, {16, 1})).parts);
-  const Contraction b{family.at(infinity), family.at(0)};
+  const Contraction b = contraction_of(hexagons(100, 100, {16, 1}), 0);
   const SpectralRadius found = shift_inverted(b);
   CHECK(found.converged);
   CHECK(found.unit_multiplicity == 2205);
@@ -268,7 +263,7 @@ TEST_CASE("rigid limit at small eta: proved by our factors and by those of MUMPS
   for (const double eta : {1e-3, 1e-4}) {
     CAPTURE(eta);
     const Contraction b{family.at(eta), family.at(0)};
-    const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+    const SpectralRadius dense = dense_pencil_radius(b);
     for (const InertiaMethod& method : {multifrontal(), mumps(0.3)}) {
       CAPTURE(method.name);
       const SpectralRadius found =

@@ -20,10 +20,9 @@ Eigen::Quaterniond askew() { return Eigen::Quaterniond(0.8, 0.3, -0.4, 0.2).norm
 double close(const Vector3& a, const Vector3& b) { return (a - b).norm() / std::max(1e-300, b.norm()); }
 
 Dynamics on_plane(const Vector3& normal, double friction, double step) {
-  Dynamics dynamics = tight();
+  Dynamics dynamics = tight({plane("floor", Vector3::Zero(), normal)});
   dynamics.interaction.friction = friction;
   dynamics.time.step = step;
-  dynamics.boundaries = {plane("floor", Vector3::Zero(), normal)};
   return dynamics;
 }
 
@@ -33,8 +32,7 @@ TEST_CASE("incline: a sphere rolls at 5/7 g sin where tan <= 7/2 mu, slides at g
   const double radius = 0.25, mass = 3, step = 0.002, t = 100 * step;
   for (const double angle : {0.1, 0.5, 0.9})
     for (const double share : {0.5, 0.99, 1.01, 3.0}) {
-      CAPTURE(angle);
-      CAPTURE(share);
+      INFO("angle = ", angle, ", share = ", share);
       const double mu = share * 2 / 7 * std::tan(angle);
       const Vector3 side = Vector3(3, -4, 0) / 5;  // the slope falls along it
       const Vector3 normal = std::cos(angle) * up + std::sin(angle) * side;
@@ -60,8 +58,7 @@ TEST_CASE("incline: a sphere rolls at 5/7 g sin where tan <= 7/2 mu, slides at g
     }
 }
 
-TEST_CASE(
-    "a sphere that spins on a floor slips until it rolls at 2/7 of its rim, and its spin about the normal stays") {
+TEST_CASE("a sphere that spins on a floor slips until it rolls at 2/7 of its rim; its spin about the normal stays") {
   const double radius = 0.2, mu = 0.1, step = 0.001;
   const Vector3 spin(6, -8, 5);
   Simulation simulation =
@@ -98,8 +95,7 @@ TEST_CASE("two spheres collide: restitution along the normal and across it, mome
   const Eigen::Quaterniond q = askew();
   for (const double tangential : {0.0, 0.4})
     for (const double mu : {0.05, 100.0}) {
-      CAPTURE(tangential);
-      CAPTURE(mu);
+      INFO("tangential = ", tangential, ", mu = ", mu);
       Dynamics dynamics = tight();
       dynamics.time.gravity = {0, 0, 0};
       dynamics.time.step = 1e-3;
@@ -221,17 +217,9 @@ TEST_CASE("turntable: a sphere that rolls on it goes round on a circle, 2/7 as f
 
 TEST_CASE("cylinder: a sphere rolls to and fro in it, at the bottom of one that turns it stays and spins") {
   const double radius = 0.1, drum = 1, step = 0.002;
-  Dynamics dynamics = tight();
+  Dynamics dynamics = tight({cylinder("drum", Vector3::Zero(), 2 * Vector3::UnitY(), drum)});
   dynamics.time.step = step;
   dynamics.interaction.friction = 10;
-  BoundarySpec spec;
-  spec.name = "drum";
-  spec.dimension = 3;
-  spec.shape = BoundaryShape::cylinder;
-  spec.from = {0, 0, 0};
-  spec.to = {0, 2, 0};
-  spec.radius = drum;
-  dynamics.boundaries = {spec};
   const auto centre = [&](double angle) {
     return Vector3((drum - radius) * std::sin(angle), 0.3, -(drum - radius) * std::cos(angle));
   };
@@ -278,11 +266,10 @@ TEST_CASE("a driven group goes round an axis as one body, and what stands on it 
   const BoundarySpec spec = driven_grains("table", 0, 2, moving_in_space(Vector3::Zero(), omega * up, axis_point));
   // How far the fourth, which three hold, is from where it would be as a part of the table.
   const auto drift = [&](Index steps) {
-    Dynamics dynamics = tight();
+    Dynamics dynamics = tight({spec});
     dynamics.time.step = 0.2 / static_cast<double>(steps);
     dynamics.solver.tolerance = 1e-9;
     dynamics.interaction.friction = 0.5;  // with 1 plain sweeps run round in a cycle
-    dynamics.boundaries = {spec};
     Simulation simulation = simulation_of(balls, dynamics);
     const StepReport last = advance_in_space(simulation, steps);
     const GranularState& state = simulation.state;
@@ -340,10 +327,9 @@ TEST_CASE("a driven group of fixed orientation goes round, but its spheres neith
 
 TEST_CASE("cohesion: a sphere hangs below a plane while its weight is less, and falls with more") {
   for (const double share : {0.9, 1.1}) {
-    Dynamics dynamics = tight();
+    Dynamics dynamics = tight({plane("ceiling", Vector3(0, 0, 0.5), -up)});
     dynamics.interaction.law = "cohesive";
     dynamics.interaction.cohesion = 2 * g / share;
-    dynamics.boundaries = {plane("ceiling", Vector3(0, 0, 0.5), -up)};
     Simulation simulation = simulation_of({Ball{.mass = 2}}, dynamics);
     advance_in_space(simulation, 10);
     if (share < 1) {

@@ -23,16 +23,6 @@ Vector3 momentum_of(const Simulation& s) {
   return sum;
 }
 
-double largest_difference_in_space(const std::vector<GrainVelocity<3>>& a, const std::vector<GrainVelocity<3>>& b,
-                                   std::size_t grains) {
-  double largest = 0;
-  for (std::size_t i = 0; i < grains; ++i) {
-    const GrainUnknowns<3> one = unknowns(a[i]), other = unknowns(b[i]);
-    for (std::size_t k = 0; k < one.size(); ++k) largest = std::max(largest, std::abs(one[k] - other[k]));
-  }
-  return largest;
-}
-
 Dynamics shaken(double friction) {
   Dynamics dynamics = tight();
   dynamics.interaction.friction = friction;
@@ -69,11 +59,10 @@ TEST_CASE("spheres: every algorithm finds the velocities of plain sweeps where t
       Simulation cut = whole;
       cut.partitioner = GridPartitioner{grid};
       cut.dynamics.solver.algorithm = name;
-      cut.dynamics.solver.tolerance = 1e-10;
-      cut.dynamics.solver.gluing_tolerance = 1e-10;
+      cut.dynamics.solver.tolerance = cut.dynamics.solver.gluing_tolerance = 1e-10;
       const SolvedStep<3> step = solve_step<3>(cut);
       CHECK(step.report.status == SolverStatus::converged);
-      CHECK(largest_difference_in_space(step.velocities, plain.velocities, 64) < 1e-7);
+      CHECK(largest_difference(step.velocities, plain.velocities, 64) < 1e-7);
     }
 }
 
@@ -82,13 +71,12 @@ TEST_CASE("spheres: with friction every algorithm solves the step, and cut ones 
     CAPTURE(std::string(name));
     Simulation simulation = shaken_cube(4, shaken(0.3), {2, 2, 2});
     simulation.dynamics.solver.algorithm = name;
-    simulation.dynamics.solver.tolerance = 1e-9;
-    simulation.dynamics.solver.gluing_tolerance = 1e-9;
+    simulation.dynamics.solver.tolerance = simulation.dynamics.solver.gluing_tolerance = 1e-9;
     const SolvedStep<3> step = solve_step<3>(simulation);
     CHECK(step.report.status == SolverStatus::converged);
     // Of what is kept: the velocities are those of the impulses, and obey the law.
     const std::vector<GrainVelocity<3>> found = velocities_of(step.problem, step.contacts);
-    CHECK(largest_difference_in_space(found, step.velocities, 64) < 1e-7);
+    CHECK(largest_difference(found, step.velocities, 64) < 1e-7);
     CHECK(contact_residual(step.problem.law, step.contacts, found).relative_natural_map() < 1e-7);
     CHECK(step.report.residual.stick > 5);
     CHECK(step.report.residual.slide > 5);
@@ -104,11 +92,11 @@ TEST_CASE("spheres: threads change no bit of Algorithm 1, and one subdomain is p
     const ThreadLimit limit(threads);
     return solve_step<3>(s).velocities;
   };
-  CHECK(largest_difference_in_space(solved(simulation, 1), solved(simulation, 2), 64) == 0);
+  CHECK(largest_difference(solved(simulation, 1), solved(simulation, 2), 64) == 0);
   Simulation plain = simulation, alone = simulation;
   plain.dynamics.solver.algorithm = "nlgs";
   alone.partitioner = GridPartitioner{{1, 1, 1}};
-  CHECK(largest_difference_in_space(solved(plain, 1), solved(alone, 1), 64) == 0);
+  CHECK(largest_difference(solved(plain, 1), solved(alone, 1), 64) == 0);
 }
 
 TEST_CASE("spheres in a plane move as disks do where nothing rubs") {

@@ -54,9 +54,7 @@ TEST_CASE("steps cut into subdomains end as undivided ones do, with any law and 
   for (const std::string law : {"coulomb", "frictionless", "cohesive"})
     for (const double restitution : {0.0, 0.4})
       for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {4, 2}}) {
-        CAPTURE(law);
-        CAPTURE(restitution);
-        CAPTURE(grid[0] * grid[1]);
+        INFO("law = ", law, ", restitution = ", restitution, ", grid[0] * grid[1] = ", grid[0] * grid[1]);
         const Simulation simulation = shaken_lattice(10, 8, newton(law, restitution), grid);
         const SolvedStep<2> found = solve_step(simulation), expected = undivided(simulation);
         check_solved(simulation, found, expected);
@@ -85,8 +83,7 @@ TEST_CASE("every network of Stage 2 leads to the same answer") {
 TEST_CASE("two-stage ADMM takes the iterations of undivided ADMM, and one at the interface for each with X_rho") {
   for (const std::string law : {"coulomb", "frictionless", "cohesive"})
     for (const std::string network : {"active", "none"}) {
-      CAPTURE(law);
-      CAPTURE(network);
+      INFO("law = ", law, ", network = ", network);
       Simulation simulation = shaken_lattice(10, 8, newton(law), {4, 2});
       simulation.dynamics.solver.algorithm = "two_stage_admm";
       simulation.dynamics.solver.interface_network = network;

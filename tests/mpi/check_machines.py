@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 
 MPIEXEC, SERIAL, SHARED, SOURCE = sys.argv[1:5]
 SMALL = "work=radius,grains=1024,processes=1,processes=2"
@@ -38,8 +39,7 @@ def counts(folder):
     code, said = measure(path, "--counts-only", "--only", SMALL)
     check(code == 0, f"counts: exit code {code}: {said}")
     found = rows(path)
-    with open(os.path.join(SOURCE, "studies", "machines", "baseline.csv"), newline="", encoding="utf-8") as file:
-        baseline = list(csv.DictReader(file))
+    baseline = rows(os.path.join(SOURCE, "studies", "machines", "baseline.csv"))
     check(list(found[0]) == list(baseline[0]), f"columns of the baseline expected, met {list(found[0])}")
     check([(row["program"], row["processes"], row["threads"]) for row in found]
           == [("nscdd", "1", "1"), ("nscdd", "1", "2"), ("nscdd-mpi", "1", "1"), ("nscdd-mpi", "2", "1")],
@@ -58,10 +58,8 @@ def counts(folder):
 
 def resumed(path):
     """A killed measurement goes on: what is there stays as it is, and what is missing is measured."""
-    with open(path, encoding="utf-8") as file:
-        lines = file.read().splitlines(keepends=True)
-    with open(path, "w", encoding="utf-8") as file:
-        file.writelines(lines[:1] + lines[2:])
+    lines = Path(path).read_text(encoding="utf-8").splitlines(keepends=True)
+    Path(path).write_text("".join(lines[:1] + lines[2:]), encoding="utf-8")
     code, said = measure(path, "--only", SMALL, "--resume", "--beside-others", "--repeat", "2")
     check(code == 0 and said.count("counts and seconds in") == 1 and said.count(": seconds in") == 3,
           f"--resume: exit code {code}: {said}")
@@ -90,12 +88,10 @@ def iterations(folder):
 
 
 def refusals(folder, path):
-    with open(path, encoding="utf-8") as file:
-        before = file.read()
+    before = Path(path).read_text(encoding="utf-8")
     new = os.path.join(folder, "refused.csv")
     other = os.path.join(folder, "other.csv")
-    with open(other, "w", encoding="utf-8") as file:
-        file.write("x,y\n1,2\n")
+    Path(other).write_text("x,y\n1,2\n", encoding="utf-8")
     for expected, arguments, program in (
             ("exists already", [path, "--only", SMALL], SERIAL),
             ("expected the columns", [other, "--only", SMALL, "--resume"], SERIAL),
@@ -108,8 +104,7 @@ def refusals(folder, path):
         code, said = measure(*arguments, program=program)
         check(code == 2 and expected in said, f"{arguments}: expected '{expected}' and exit code 2, met {code}: {said}")
     check(not os.path.exists(new), "a refusal left a table")
-    with open(path, encoding="utf-8") as file:
-        check(file.read() == before, "a refusal changed a table")
+    check(Path(path).read_text(encoding="utf-8") == before, "a refusal changed a table")
 
 
 def main():

@@ -63,6 +63,25 @@ def rows(text):
     return list(csv.DictReader(text.splitlines()))
 
 
+def read(path):
+    with open(path) as file:
+        return file.read()
+
+
+def write(path, text):
+    with open(path, "w") as file:
+        file.write(text)
+    return path
+
+
+def check_refused(processes, arguments, message):
+    """Exit code 2, one error with `message`, and no output."""
+    code, out, err = run(processes, *arguments)
+    check(code == 2, f"{arguments}: exit code 2 expected, {code} met: {err}")
+    check(err.count("nscdd: error:") == 1 and message in err, f"{arguments}: one message expected, met {err!r}")
+    check(out == "", f"{arguments}: no output expected, met {out!r}")
+
+
 def compare(expected, met, where):
     """Texts and counts are equal, numbers agree to the residuals."""
     check(len(expected) == len(met) > 0, f"{where}: {len(expected)} rows expected, {len(met)} met")
@@ -110,9 +129,7 @@ def same_reports(folder):
     """inspect: the words of nscdd and its histogram, written once."""
     def inspected(processes, *arguments):
         path = os.path.join(folder, f"{processes}.csv")
-        done = run(processes, "inspect", *arguments, "--histogram", path, "--force")
-        with open(path) as file:
-            return done, file.read()
+        return run(processes, "inspect", *arguments, "--histogram", path, "--force"), read(path)
 
     for arguments, many in ((BED, (1, 4)), (["disks12"], (2,))):
         expected = inspected(0, *arguments)
@@ -133,8 +150,7 @@ def same_counts(folder):
         path = os.path.join(folder, "counts.csv")
         code, _, err = run(processes, *arguments, "--counts", path, "--force")
         check(code == 0, f"{arguments} --counts, {processes} process(es): exit code {code}, {err}")
-        with open(path) as file:
-            table = rows(file.read())
+        table = rows(read(path))
         check([row["process"] for row in table] == [str(k) for k in range(max(1, processes))],
               f"counts of {processes} process(es): a row for each expected, met {table}")
         check(all(0 < float(row["seconds"]) < 100 and 1e6 < float(row["memory"]) < 1e10 for row in table),
@@ -183,9 +199,7 @@ def same_counts(folder):
 
 def nothing_to_share(folder):
     """A partition that cuts no piece of the packing: radius 0, and one process says why."""
-    pieces = os.path.join(folder, "pieces.csv")
-    with open(pieces, "w") as file:
-        file.write("x,y,radius\n0,0,0.5\n1,0,0.5\n10,0,0.5\n11,0,0.5\n")
+    pieces = write(os.path.join(folder, "pieces.csv"), "x,y,radius\n0,0,0.5\n1,0,0.5\n10,0,0.5\n11,0,0.5\n")
     met = [run(processes, "sweep", pieces, "--subdomains", "2x1", "--epsilon", "1", "--csv", "-")
            for processes in (0, 2)]
     check(met[0] == met[1], f"an empty interface: {met[0]} expected, {met[1]} met")
@@ -193,9 +207,7 @@ def nothing_to_share(folder):
 
 
 def refusals(folder):
-    taken = os.path.join(folder, "taken.csv")
-    with open(taken, "w") as file:
-        file.write("mine\n")
+    taken = write(os.path.join(folder, "taken.csv"), "mine\n")
     new = os.path.join(folder, "new.csv")
     cases = {
         "expected a verb that several processes can share": ["solve", "x.hdf5"],
@@ -210,24 +222,18 @@ def refusals(folder):
                                                   "--solver", "arpack", "--csv", new],
     }
     for message, arguments in cases.items():
-        code, out, err = run(2, *arguments)
-        check(code == 2, f"{arguments}: exit code 2 expected, {code} met: {err}")
-        check(err.count("nscdd: error:") == 1 and message in err, f"{arguments}: one message expected, met {err!r}")
-        check(out == "", f"{arguments}: no output expected, met {out!r}")
+        check_refused(2, arguments, message)
     code, _, err = run(0, "sweep", "disks12", "--epsilon", "1", "--solver", "slepc", "--csv", new)
     check(code == 2 and "met slepc, which nscdd-mpi has" in err, f"slepc by nscdd: {code}, {err}")
     code, out, err = run(4, "sweep", "disks4", "--epsilon", "1", "--csv", new)
     check(code == 2 and "at most one for each of 2 subdomain(s), met 4" in err, f"too many processes: {code}, {err}")
     check(sorted(os.listdir(folder)) == ["taken.csv"], f"refusals leave {os.listdir(folder)}")
-    with open(taken) as file:
-        check(file.read() == "mine\n", "a refusal changed a file")
+    check(read(taken) == "mine\n", "a refusal changed a file")
 
 
 def one_fails(folder):
     """A file that one process cannot read, and a disk that is full for the one that writes."""
-    case = os.path.join(folder, "seen.toml")
-    with open(os.path.join(SOURCE, "cases", "disks12.toml")) as source, open(case, "w") as file:
-        file.write(source.read())
+    case = write(os.path.join(folder, "seen.toml"), read(os.path.join(SOURCE, "cases", "disks12.toml")))
     common = ["--epsilon", "1", "--csv", os.path.join(folder, "out.csv")]
     code, _, said = run_apart(["sweep", case, *common], ["sweep", os.path.join(folder, "unseen.toml"), *common])
     check(code == 2, f"one file missing: exit code 2 expected, {code} met: {said}")
@@ -307,8 +313,7 @@ def pictures(folder, trajectory):
 
 
 def iterations(path):
-    with open(path) as file:
-        return [{key: value for key, value in row.items() if key != "seconds"} for row in csv.DictReader(file)]
+    return [{key: value for key, value in row.items() if key != "seconds"} for row in rows(read(path))]
 
 
 def same_runs(folder):
@@ -322,25 +327,25 @@ def same_runs(folder):
         check(code == 0, f"{name}: exit code {code}, {err}")
         return out.split("time:")[0].splitlines()[1:]
 
+    def check_same(one, other):
+        check(iterations(files(other)[1]) == iterations(files(one)[1]), f"{other}: other bits")
+        check(pictures(folder, files(other)[0]) == pictures(folder, files(one)[0]), f"{other}: another trajectory")
+
     said = simulate(0, "one", "6")
     expected, indicators = pictures(folder, files("one")[0]), iterations(files("one")[1])
     check(len(expected) > 6 and len(indicators) > 60, "one: steps and iterations expected")
     for processes in (1, 6):
         name = f"of-{processes}"
         check(simulate(processes, name, "6") == said, f"{name}: another report")
-        check(pictures(folder, files(name)[0]) == expected, f"{name}: another trajectory")
-        check(iterations(files(name)[1]) == indicators, f"{name}: other indicators")
+        check_same("one", name)
     simulate(2, "restarted", "2")
     simulate(4, "restarted", "4", "--restart")
     simulate(0, "restarted", "6", "--restart")
-    check(pictures(folder, files("restarted")[0]) == expected, "restarted: another trajectory")
-    check(iterations(files("restarted")[1]) == indicators, "restarted: other indicators")
+    check_same("one", "restarted")
     conjugate = ["--set", "solver.interface_method=conjugate_gradient", "--gauss-seidel-sweeps", "3"]
     simulate(0, "conjugate", "2", *conjugate)
     simulate(3, "conjugate-3", "2", *conjugate)
-    check(iterations(files("conjugate")[1]) == iterations(files("conjugate-3")[1]), "conjugate gradients: other bits")
-    check(pictures(folder, files("conjugate")[0]) == pictures(folder, files("conjugate-3")[0]),
-          "conjugate gradients: another trajectory")
+    check_same("conjugate", "conjugate-3")
     # A partition that is kept for some steps, during which the run goes on with other processes: contacts come and go,
     # and every process must know which of them another one has.
     for name, more in {"kept": ["--subdomains", "4x2"], "metis": ["--subdomains", "metis:7"],
@@ -350,28 +355,21 @@ def same_runs(folder):
         simulate(0, name, "13", start=kept)
         simulate(3, f"{name}-3", "8", start=kept)
         simulate(5, f"{name}-3", "13", "--restart", start=kept)
-        expected = pictures(folder, files(name)[0])
-        check(len(expected) > 13, f"{name}: steps expected")
-        check(pictures(folder, files(f"{name}-3")[0]) == expected, f"{name}: another trajectory")
-        check(iterations(files(f"{name}-3")[1]) == iterations(files(name)[1]), f"{name}: other bits")
-    drum = os.path.join(folder, "drum.toml")
-    with open(drum, "w") as file:
-        file.write(DRUM)
-    spheres = ["simulate", drum]
+        check(len(pictures(folder, files(name)[0])) > 13, f"{name}: steps expected")
+        check_same(name, f"{name}-3")
+    spheres = ["simulate", write(os.path.join(folder, "drum.toml"), DRUM)]
     simulate(0, "spheres", "80", start=spheres)
     check(len(iterations(files("spheres")[1])) > 200, "spheres: steps of several iterations expected")
     simulate(3, "spheres-3", "70", start=spheres)
     simulate(2, "spheres-3", "80", "--restart", start=spheres)
-    check(pictures(folder, files("spheres")[0]) == pictures(folder, files("spheres-3")[0]), "spheres: another trajectory")
-    check(iterations(files("spheres")[1]) == iterations(files("spheres-3")[1]), "spheres: other bits")
+    check_same("spheres", "spheres-3")
     newton = ["simulate", "settle-1k", "--subdomains", "3x2", "--algorithm", "two_stage_newton", "--tolerance", "1e-11",
               "--iterations", "1000", "--set", "solver.interface_network=none"]
     simulate(0, "newton", "1", start=newton)
     for processes in (2, 3):
         name = f"newton-of-{processes}"
         simulate(processes, name, "1", start=newton)
-        check(iterations(files(name)[1]) == iterations(files("newton")[1]), f"{name}: other bits")
-        check(pictures(folder, files(name)[0]) == pictures(folder, files("newton")[0]), f"{name}: another trajectory")
+        check_same("newton", name)
     check(int(iterations(files("newton")[1])[-1]["iteration"]) > 50, "newton: 500 sweeps were enough, none was cut")
 
 
@@ -428,34 +426,28 @@ def broken_runs(folder):
         check(met[0] == 1 and met[2] == expected[2], f"{name} of 5: {expected[2]!r} expected, {met[2]!r}")
 
 
+def refused_in_the_same_words(folder, distance, more_grains, more, words):
+    """A square lattice of 100 grains that cannot move."""
+    lattice = "".join(f"{k % 10 * distance},{k // 10 * distance},0.5\n" for k in range(100))
+    write(os.path.join(folder, "grains.csv"), "x,y,radius\n" + lattice + more_grains)
+    case = write(os.path.join(folder, "case.toml"), '[packing]\nfile = "grains.csv"\n[masses]\nmodel = "density"\n'
+                 f"density = 1000\n[partition]\ngrid = [4, 4]\n[dynamics]\n{more}")
+    base = ["simulate", case, "--algorithm", "generic", "--subdomains", "4x4", "-o", os.path.join(folder, "run.h5")]
+    expected = run(0, *base)
+    check(expected[0] == 2 and words in expected[2], f"{words}: {expected}")
+    met = run(6, *base)
+    check(met == expected, f"{words}, 6 processes: {expected} expected, {met} met")
+
+
 def overlapping(folder):
     """Bodies that overlap too far are refused in the words of one process, whoever finds them."""
-    packing, case = os.path.join(folder, "deep.csv"), os.path.join(folder, "deep.toml")
-    with open(packing, "w") as file:
-        file.write("x,y,radius\n" + "".join(f"{k % 10 * 0.99},{k // 10 * 0.99},0.5\n" for k in range(100)))
-        file.write("3.2,5.1,0.5\n7.4,2.1,0.5\n")
-    with open(case, "w") as file:
-        file.write('[packing]\nfile = "deep.csv"\n[masses]\nmodel = "density"\ndensity = 1000\n[partition]\ngrid = [4, 4]\n[dynamics]\n')
-    base = ["simulate", case, "--algorithm", "generic", "--subdomains", "4x4", "-o", os.path.join(folder, "deep.h5")]
-    expected = run(0, *base)
-    check(expected[0] == 2 and "expected an overlap of at most" in expected[2], f"overlap: {expected}")
-    met = run(6, *base)
-    check(met == expected, f"overlap, 6 processes: {expected} expected, {met} met")
+    refused_in_the_same_words(folder, 0.99, "3.2,5.1,0.5\n7.4,2.1,0.5\n", "", "expected an overlap of at most")
 
 
 def too_long(folder):
     """A step in which a grain flies through another is refused in the words of one process, with the same safe step."""
-    packing, case = os.path.join(folder, "shot.csv"), os.path.join(folder, "shot.toml")
-    with open(packing, "w") as file:
-        file.write("x,y,radius\n" + "".join(f"{k % 10 * 1.2},{k // 10 * 1.2},0.5\n" for k in range(100)))
-    with open(case, "w") as file:
-        file.write('[packing]\nfile = "shot.csv"\n[masses]\nmodel = "density"\ndensity = 1000\n[partition]\ngrid = [4, 4]\n'
-                   "[dynamics]\nsteps = 3\n[[prescribed]]\ngrain = 44\nvelocity = [400, 30]\n")
-    base = ["simulate", case, "--algorithm", "generic", "--subdomains", "4x4", "-o", os.path.join(folder, "shot.h5")]
-    expected = run(0, *base)
-    check(expected[0] == 2 and "dynamics.step: expected at most" in expected[2], f"too long a step: {expected}")
-    met = run(6, *base)
-    check(met == expected, f"too long a step, 6 processes: {expected} expected, {met} met")
+    refused_in_the_same_words(folder, 1.2, "", "steps = 3\n[[prescribed]]\ngrain = 44\nvelocity = [400, 30]\n",
+                              "dynamics.step: expected at most")
 
 
 def shared_memory(folder):
@@ -465,8 +457,7 @@ def shared_memory(folder):
         code, _, err = run(processes, "simulate", case, "--algorithm", "generic", "--subdomains", "8x8", "--steps", "1",
                            "--iterations", "2", "-o", os.path.join(folder, "run.h5"), "--counts", path, "--force")
         check(code == 0, f"{case} of {processes} process(es): exit code {code}, {err}")
-        with open(path) as file:
-            return [float(row["memory"]) for row in rows(file.read())]
+        return [float(row["memory"]) for row in rows(read(path))]
 
     program = min(memory(4, "settle-1k"))
     one = max(memory(1, "settle-100k")) - program
@@ -486,10 +477,7 @@ def refused_runs(folder):
         "expected an integer": ["--algorithm", "generic", "--iterations", "many"],
     }
     for message, arguments in cases.items():
-        code, out, err = run(2, *base, *(["--subdomains", "3x2"] if "generic" in arguments else []), *arguments)
-        check(code == 2, f"{arguments}: exit code 2 expected, {code} met: {err}")
-        check(err.count("nscdd: error:") == 1 and message in err, f"{arguments}: one message expected, met {err!r}")
-        check(out == "", f"{arguments}: no output expected, met {out!r}")
+        check_refused(2, [*base, *(["--subdomains", "3x2"] if "generic" in arguments else []), *arguments], message)
     base += ["--subdomains", "3x2"]
     code, _, err = run(7, *base, "--algorithm", "generic")
     check(code == 2 and "at most one for each of 6 subdomain(s), met 7" in err, f"too many processes: {code}, {err}")
@@ -537,10 +525,7 @@ def killed_and_resumed(folder):
     arguments = ["sweep", *BED, "--epsilon", "1e-4:1:120", "--eta", "0.3", "--solver", "shift-invert", "--csv", table]
 
     def kept_rows():
-        if not os.path.exists(partial):
-            return 0
-        with open(partial) as file:
-            return file.read().count("\n") - 1
+        return read(partial).count("\n") - 1 if os.path.exists(partial) else 0
 
     kill_one(arguments, lambda: kept_rows() >= 10)
     check(not os.path.exists(table), "killed: a table that is not complete has its name")
@@ -548,13 +533,11 @@ def killed_and_resumed(folder):
     check(10 <= kept < 120, f"killed: {kept} rows are left")
     code, _, err = run(4, *arguments, "--resume")
     check(code == 0, f"resumed: exit code {code}, {err}")
-    with open(table) as file:
-        met = rows(file.read())
+    met = rows(read(table))
     whole = os.path.join(folder, "whole.csv")
     code, _, err = run(0, *arguments[:-1], whole)
     check(code == 0, f"nscdd: exit code {code}, {err}")
-    with open(whole) as file:
-        compare(rows(file.read()), met, "resumed")
+    compare(rows(read(whole)), met, "resumed")
     check(sorted(os.listdir(folder)) == ["curve.csv", "whole.csv"], f"resumed: leaves {os.listdir(folder)}")
 
 

@@ -52,6 +52,7 @@ import tempfile
 from dataclasses import dataclass
 from decimal import Context, Decimal, InvalidOperation
 from fractions import Fraction
+from functools import reduce
 
 GRAIN_COUNTS = {"disks4": 4, "disks8": 8, "disks12": 12}
 PRINTED_DIGITS = 30
@@ -62,9 +63,7 @@ COLUMNS = ("case", "contact_set", "epsilon", "eta",
 COMPARED = ("spectral_radius", "eigenvalue_min", "eigenvalue_max")
 
 
-# ---------------------------------------------------------------------------------------------
 # The field Q(sqrt 3)
-# ---------------------------------------------------------------------------------------------
 
 class Surd:
     """(rational + irrational * sqrt 3) / denominator, three integers in lowest terms."""
@@ -141,9 +140,7 @@ ZERO = Surd(0)
 ONE = Surd(1)
 
 
-# ---------------------------------------------------------------------------------------------
 # Dense matrices over the field: lists of rows
-# ---------------------------------------------------------------------------------------------
 
 def zeros(rows, columns):
     return [[ZERO] * columns for _ in range(rows)]
@@ -209,9 +206,7 @@ def equal(left, right):
     return all(a == b for rows in zip(left, right) for a, b in zip(*rows))
 
 
-# ---------------------------------------------------------------------------------------------
 # The packings: M_E, H_E, A_E and the active contacts
-# ---------------------------------------------------------------------------------------------
 
 @dataclass
 class Shape:
@@ -391,16 +386,7 @@ def selection(strip, subdomain, contact_set):
             for local in range(len(subdomain.contacts))]
 
 
-# ---------------------------------------------------------------------------------------------
 # The paper's matrices.  A contraction matrix is P^-1 Y, the pair (P, Y) is returned.
-# ---------------------------------------------------------------------------------------------
-
-def interface_sum(terms):
-    total = None
-    for term in terms:
-        total = term if total is None else add(total, term)
-    return total
-
 
 def enriched_mass(subdomain, flexibility):
     """M_E + K_E / flexibility, (23)-(24)."""
@@ -410,9 +396,8 @@ def enriched_mass(subdomain, flexibility):
 
 def interface_operator(strip, eta):
     """X_eta = sum A_E M_E,eta^-1 A_E^T, (21); eta None: X, with M_E."""
-    return interface_sum(
-        product(s.A, inverse(s.M if eta is None else enriched_mass(s, eta)), transpose(s.A))
-        for s in strip.subdomains)
+    return reduce(add, (product(s.A, inverse(s.M if eta is None else enriched_mass(s, eta)), transpose(s.A))
+                        for s in strip.subdomains))
 
 
 def carrying(subdomain, epsilon):
@@ -432,7 +417,7 @@ def smooth_generic(strip, epsilon):
         W = product(transpose(H), mass_inverse, H)
         W_epsilon = add(W, scale(epsilon, identity(len(W))))
         return product(A_hat, inverse(W_epsilon), transpose(A_hat))
-    return interface_operator(strip, None), interface_sum(map(term, strip.subdomains))
+    return interface_operator(strip, None), reduce(add, map(term, strip.subdomains))
 
 
 def smooth_enriched(strip, epsilon, eta):
@@ -445,7 +430,7 @@ def smooth_enriched(strip, epsilon, eta):
         W_epsilon = add(W, scale(epsilon, identity(len(W))))
         left = product(s.A, inverse(enriched_mass(s, eta)), H)
         return scale(1 - epsilon / eta, product(left, inverse(W_epsilon), transpose(A_hat)))
-    return interface_operator(strip, eta), interface_sum(map(term, strip.subdomains))
+    return interface_operator(strip, eta), reduce(add, map(term, strip.subdomains))
 
 
 def nonsmooth_generic(strip, contact_set, epsilon):
@@ -457,7 +442,7 @@ def nonsmooth_generic(strip, contact_set, epsilon):
         W_bar = product(transpose(G), mass_inverse, G)
         W_bar = add(W_bar, scale(epsilon, identity(len(W_bar))))
         return product(A_bar, inverse(W_bar), transpose(A_bar))
-    return interface_operator(strip, None), interface_sum(map(term, strip.subdomains))
+    return interface_operator(strip, None), reduce(add, map(term, strip.subdomains))
 
 
 def nonsmooth_enriched(strip, contact_set, epsilon, eta):
@@ -477,7 +462,7 @@ def nonsmooth_enriched(strip, contact_set, epsilon, eta):
                              product(transpose(s.H), mass_inverse))
         Z = add(product(C, impulses), scale(Fraction(1) / eta, kinematic))
         return product(s.A, inverse(enriched_mass(s, eta)), s.H, Z, transpose(s.A))
-    return interface_operator(strip, eta), interface_sum(map(term, strip.subdomains))
+    return interface_operator(strip, eta), reduce(add, map(term, strip.subdomains))
 
 
 def contraction_pencil(strip, contact_set, epsilon, eta):
@@ -488,9 +473,7 @@ def contraction_pencil(strip, contact_set, epsilon, eta):
     return nonsmooth_enriched(strip, contact_set, epsilon, eta)
 
 
-# ---------------------------------------------------------------------------------------------
 # Polynomials over the field: coefficients from the constant term upwards
-# ---------------------------------------------------------------------------------------------
 
 def trimmed(polynomial):
     last = len(polynomial)
@@ -671,9 +654,7 @@ def real_roots(polynomial):
     return sorted(roots)
 
 
-# ---------------------------------------------------------------------------------------------
 # The table of references
-# ---------------------------------------------------------------------------------------------
 
 TENS = [Fraction(1, 1000), Fraction(1, 100), Fraction(1, 10),
         Fraction(1), Fraction(10), Fraction(100)]
@@ -728,9 +709,7 @@ def write_table(rows, stream):
     writer.writerows(rows)
 
 
-# ---------------------------------------------------------------------------------------------
 # Comparison with a program
-# ---------------------------------------------------------------------------------------------
 
 def real_number(surd):
     return (surd.rational + surd.irrational * math.sqrt(3)) / surd.denominator
@@ -839,9 +818,7 @@ def check_program_in(folder, program, cases_directory):
     return 1 if messages else 0
 
 
-# ---------------------------------------------------------------------------------------------
 # Self-test
-# ---------------------------------------------------------------------------------------------
 
 def closed_form_disks4(epsilon):
     """det(z I - B_epsilon) for 4 disks, monic: two rational eigenvalues and a quadratic."""
@@ -894,7 +871,7 @@ def flexible_operator(strip, contact_set, epsilon):
         G = product(s.H, selection(strip, s, contact_set))
         mass = add(s.M, scale(Fraction(1) / epsilon, product(G, transpose(G))))
         return product(s.A, inverse(mass), transpose(s.A))
-    return interface_sum(map(term, strip.subdomains))
+    return reduce(add, map(term, strip.subdomains))
 
 
 def identity_checks(case, strip):

@@ -134,10 +134,8 @@ TEST_CASE("4, 8 and 12 disks, four packings of spheres: every radius against exa
     const Model model = model_of(row[column("case")]);
     const double epsilon = parse_number(row[column("epsilon")], "epsilon");
     const double eta = parse_number(row[column("eta")], "eta");
-    CAPTURE(row[column("case")]);
-    CAPTURE(row[column("contact_set")]);
-    CAPTURE(epsilon);
-    CAPTURE(eta);
+    INFO("case = ", row[column("case")], ", contact_set = ", row[column("contact_set")], ", epsilon = ", epsilon,
+         ", eta = ", eta);
     const bool all = row[column("contact_set")] == "all";
     const Contraction b = all ? contraction(model.parts, Enriched{eta}, LinearViscous{epsilon})
                               : contraction(model.parts, Enriched{eta}, LinearViscous{epsilon},

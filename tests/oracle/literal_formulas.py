@@ -66,9 +66,7 @@ class InputError(Exception):
     """Input that cannot be used; the message says what was expected and what was met."""
 
 
-# ---------------------------------------------------------------------------------------------
 # Packing, contacts, partition
-# ---------------------------------------------------------------------------------------------
 
 @dataclass
 class Packing:
@@ -202,9 +200,7 @@ def active_contacts(packing, contacts, prescribed):
     return r > RANK_TOLERANCE * np.abs(r).max()
 
 
-# ---------------------------------------------------------------------------------------------
 # The paper's matrices.  A contraction matrix is P^-1 Y.
-# ---------------------------------------------------------------------------------------------
 
 def delassus_inverse(W, epsilon):
     """(W_E + epsilon I)^-1; the pseudo-inverse in the rigid limit, W_E being singular when the
@@ -323,9 +319,7 @@ def write_table(rows, stream):
                       for name, value in row.items()} for row in rows)
 
 
-# ---------------------------------------------------------------------------------------------
 # Comparison with a program
-# ---------------------------------------------------------------------------------------------
 
 def sweep_command(options):
     def join(values):
@@ -402,9 +396,7 @@ def check_program(rows, options):
     return 1 if messages else 0
 
 
-# ---------------------------------------------------------------------------------------------
 # Random test packings
-# ---------------------------------------------------------------------------------------------
 
 def random_hexagonal(generator, grain_count):
     """A nearly square piece of the hexagonal lattice, unit diameters, one site in six vacant."""
@@ -531,9 +523,7 @@ def write_random_packing(options):
             writer.writerow([repr(float(value)) for value in (*centre, radius, mass)])
 
 
-# ---------------------------------------------------------------------------------------------
 # Command line
-# ---------------------------------------------------------------------------------------------
 
 def number_list(text):
     values = [float(word) for word in text.split(",")]

@@ -6,6 +6,7 @@ import re
 import signal
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -198,8 +199,7 @@ def test_threads_change_no_bit():
 
 
 def open_blas():
-    with open("/proc/self/maps", encoding="utf-8") as maps:
-        paths = {path for path in re.findall(r"/\S+\.so\S*", maps.read())}
+    paths = {path for path in re.findall(r"/\S+\.so\S*", Path("/proc/self/maps").read_text(encoding="utf-8"))}
     for path in sorted(paths):
         library = ctypes.CDLL(path) if "blas" in path else None
         if library is not None and hasattr(library, "openblas_get_num_threads"):
@@ -208,8 +208,7 @@ def open_blas():
 
 
 def caught_signals():
-    with open("/proc/self/status", encoding="utf-8") as status:
-        return re.search(r"SigCgt:\s*(\w+)", status.read()).group(1)
+    return re.search(r"SigCgt:\s*(\w+)", Path("/proc/self/status").read_text(encoding="utf-8")).group(1)
 
 
 def test_the_process_is_left_as_it_was():

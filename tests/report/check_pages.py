@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -43,8 +44,18 @@ def nscdd(folder, *arguments):
                           capture_output=True, text=True, timeout=240).stdout
 
 
+def script_of_page(name):
+    return (Path(os.environ["NSCDD_SOURCE"]) / "src/formats/report/page" / name).read_text(encoding="utf-8")
+
+
 def rows(text):
     return list(csv.DictReader(io.StringIO(text)))
+
+
+def reported(browser, folder, page, *arguments):
+    """The page that nscdd report makes, in the browser."""
+    nscdd(folder, "report", *arguments, "-o", page)
+    return Page(browser, os.path.join(folder, page))
 
 
 def open_browser():
@@ -60,7 +71,7 @@ class Page:
     """One page in the browser."""
 
     def __init__(self, browser, path, width=1280, height=900):
-        self.browser = browser
+        self.browser, self.path = browser, path
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                 {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 800})
         browser.get("file://" + path)
@@ -79,6 +90,15 @@ class Page:
 
     def text(self, name):
         return self.by_id(name).text
+
+    def click(self, name):
+        self.by_id(name).click()
+        self.settle()
+
+    def press(self, name, *keys):
+        """To a control."""
+        self.by_id(name).send_keys(*keys)
+        self.settle()
 
     def keys(self, *keys):
         """To whatever has the focus."""
@@ -230,8 +250,7 @@ def check_mouse(page):
     ActionChains(page.browser, duration=0).move_to_element(scene).click_and_hold().move_by_offset(30, 10).release().perform()
     page.settle()
     check(page.picture() != before, "mouse: dragging moves the picture")
-    page.by_id("whole").click()
-    page.settle()
+    page.click("whole")
     check_wheel(page, scene)
 
 
@@ -248,8 +267,7 @@ def check_wheel(page, scene):
     turn()
     check(page.picture() != before, "wheel: it zooms in the picture that has the focus")
     page.keys(Keys.ESCAPE)
-    page.by_id("whole").click()
-    page.settle()
+    page.click("whole")
 
 
 def check_ticks(page, name):
@@ -266,15 +284,12 @@ def check_ticks(page, name):
 
 def check_modes(page):
     """Arrows change with the point, and grow with the amplitude."""
-    page.by_id("epsilon").send_keys(Keys.END)
-    page.settle()
+    page.press("epsilon", Keys.END)
     last = page.picture()
-    page.by_id("epsilon").send_keys(Keys.HOME)
-    page.settle()
+    page.press("epsilon", Keys.HOME)
     first = page.picture()
     check(first != last, "modes: another ε has another mode")
-    page.by_id("amplitude").send_keys(Keys.END)
-    page.settle()
+    page.press("amplitude", Keys.END)
     check(page.picture() != first, "modes: arrows grow with the amplitude")
     page.by_id("amplitude").send_keys(*[Keys.ARROW_LEFT] * 10)
     page.switch("mode", False)
@@ -325,20 +340,18 @@ def check_colours(page):
     for vision, (distance, _) in colours.closest(filled).items():
         check(distance > 25, f"colours: told apart with {vision} vision (distance {distance:.0f})")
     page.switch("hatching", True)
-    page.by_id("zoom-in").click()
-    page.settle()
-    page.by_id("whole").click()
-    page.settle()
+    page.click("zoom-in")
+    page.click("whole")
     check(page.picture() != flat, "colours: hatching is a second sign")
-    with open(os.path.join(os.environ["NSCDD_SOURCE"], "src/formats/report/page/data.js"), encoding="utf-8") as stream:
-        listed = re.search(r"const palette = \[(.*?)\];", stream.read()).group(1)
+    listed = re.search(r"const palette = \[(.*?)\];", script_of_page("data.js")).group(1)
     palette = [tuple(int(c[i:i + 2], 16) for i in (0, 2, 4)) for c in re.findall(r"#(\w{6})", listed)]
     for vision, (distance, pair) in colours.closest(palette).items():
         check(distance > 15, f"colours: all {len(palette)} told apart with {vision} vision ({distance:.0f}, {pair})")
 
 
 def check_narrow(page, name, sliders):
-    """400 pixels wide: one column, nothing beside the screen, controls large enough for a finger."""
+    """The same 400 pixels wide: one column, nothing beside the screen, controls large enough for a finger."""
+    page = Page(page.browser, page.path, 400, 800)
     check(page.js("return document.documentElement.scrollWidth") <= 400, f"{name}: no scrolling sideways at 400 pixels")
     out = page.js("""return [...document.querySelectorAll("main *, footer *")].filter((e) => !e.closest(".scroll, pre, svg")
       && e.getBoundingClientRect().right > 400.5).map((e) => e.tagName + "#" + e.id)""")
@@ -381,8 +394,7 @@ def check_print(page):
 
 def check_camera(page):
     """The camera of the page is that of the figures in space, and leaves the plane as it is."""
-    with open(os.path.join(os.environ["NSCDD_SOURCE"], "src/formats/report/page/camera.js"), encoding="utf-8") as stream:
-        code = stream.read()
+    code = script_of_page("camera.js")
     low, high = [-1.0, 2.0, 0.5], [4.0, 5.0, 9.0]
     points = np.random.default_rng(1).uniform(low, high, (50, 3))
     for azimuth, elevation in ((28, 16), (-75, 60), (200, -30)):
@@ -403,12 +415,6 @@ def check_camera(page):
     check(sorted(order) == list(range(50)) and np.all(np.diff(points[order, 0]) > -1e-3), "camera: far things come first")
 
 
-def turn_slider(page, name, *keys):
-    page.by_id(name).send_keys(*keys)
-    page.settle()
-    return page.picture()
-
-
 def check_space(page, name):
     """The camera turns, and lets one look into the packing."""
     page.by_id("scene").click()
@@ -425,18 +431,21 @@ def check_space(page, name):
     moved = page.picture()
     page.keys("0")
     check(page.picture() == first != moved, f"{name}: 0 brings back where it was seen from first")
-    sizes = [turn_slider(page, "grain-size", Keys.HOME), turn_slider(page, "grain-size", Keys.END)]
+    page.press("grain-size", Keys.HOME)
+    small = page.picture()
+    page.press("grain-size", Keys.END)
+    large = page.picture()
     drawn = page.pixels()[1]
-    check(len({first, *sizes}) == 3, f"{name}: grains shrink and grow")
+    check(len({first, small, large}) == 3, f"{name}: grains shrink and grow")
     check(page.by_id("grain-size").get_attribute("aria-valuetext") == "100 %", f"{name}: the slider says how much")
-    turn_slider(page, "cut", Keys.END)
+    page.press("cut", Keys.END)
     left = page.pixels()[1]
     check(0.005 < left < 0.8 * drawn, f"{name}: what lies in front is cut away ({drawn:.0%} to {left:.0%})")
-    turn_slider(page, "cut", Keys.HOME)
+    page.press("cut", Keys.HOME)
     page.switch("inner", False)
     check(0.01 < page.pixels()[1] < 0.95 * drawn, f"{name}: grains of the interface alone are shown")
     page.switch("inner", True)
-    check(page.picture() == sizes[1], f"{name}: and all again")
+    check(page.picture() == large, f"{name}: and all again")
 
 
 def check_pages_in_space(browser, folder):
@@ -445,9 +454,7 @@ def check_pages_in_space(browser, folder):
           "packing.layers=6", "-o", "fcc.csv")
     grid = ["--epsilon", EPSILON, "--eta", ETA]
     cut = ["--subdomains", "2x2x2"]
-    nscdd(folder, "report", "fcc.csv", *cut, *grid, "-o", "fcc.html")
-    path = os.path.join(folder, "fcc.html")
-    page = Page(browser, path)
+    page = reported(browser, folder, "fcc.html", "fcc.csv", *cut, *grid)
     check_renders(page, "spheres")
     check_camera(page)
     check_sliders(page, rows(nscdd(folder, "sweep", "fcc.csv", *cut, *grid, "--csv", "-")))
@@ -458,13 +465,11 @@ def check_pages_in_space(browser, folder):
     check_contrast(page, "spheres")
     check("turn" in page.text("scene-help"), "spheres: the help says how to turn")
     page.quiet("spheres")
-    check_narrow(Page(browser, path, 400, 800), "spheres", ("epsilon", "eta"))
+    check_narrow(page, "spheres", ("epsilon", "eta"))
     case = os.path.join(os.environ["NSCDD_SOURCE"], "studies/newton-scalability-in-space/deposit.toml")
     nscdd(folder, "simulate", case, "--algorithm", "generic", "--steps", "3", "--set", "solver.tolerance=1e-2",
           "--convergence", "bed.csv", "-o", "bed.h5")
-    nscdd(folder, "report", "bed.h5", "--convergence", "bed.csv", "-o", "bed.html")
-    path = os.path.join(folder, "bed.html")
-    page = Page(browser, path)
+    page = reported(browser, folder, "bed.html", "bed.h5", "--convergence", "bed.csv")
     check_renders(page, "run of spheres")
     check_run(page, os.path.join(folder, "bed.h5"))
     check_space(page, "run of spheres")
@@ -473,16 +478,14 @@ def check_pages_in_space(browser, folder):
     page.keys("n")
     check(page.text("grain").startswith("Sphere "), f"run of spheres: N names one: {page.text('grain')}")
     page.quiet("run of spheres")
-    check_narrow(Page(browser, path, 400, 800), "run of spheres", ("step",))
+    check_narrow(page, "run of spheres", ("step",))
 
 
 def check_packing_pages(browser, folder):
     grid = ["--epsilon", EPSILON, "--eta", ETA]
-    nscdd(folder, "report", "disks12", *grid, "-o", "disks12.html")
+    page = reported(browser, folder, "disks12.html", "disks12", *grid)
     swept = {contacts: rows(nscdd(folder, "sweep", "disks12", *grid, "--contacts", contacts, "--csv", "-"))
              for contacts in ("all", "active")}
-    path = os.path.join(folder, "disks12.html")
-    page = Page(browser, path)
     check_renders(page, "packing")
     check_sliders(page, swept["all"])
     check_modes(page)
@@ -493,17 +496,16 @@ def check_packing_pages(browser, folder):
     check_contrast(page, "packing")
     check_print(page)
     page.quiet("packing")
-    check_narrow(Page(browser, path, 400, 800), "packing", ("epsilon", "eta"))
-    nscdd(folder, "report", "hexagonal", "--subdomains", "2x2", "--epsilon", "1", "--eta", "1,inf", "-o", "hexagonal.html")
-    page = Page(browser, os.path.join(folder, "hexagonal.html"))
+    check_narrow(page, "packing", ("epsilon", "eta"))
+    page = reported(browser, folder, "hexagonal.html", "hexagonal", "--subdomains", "2x2", "--epsilon", "1",
+                    "--eta", "1,inf")
     check_colours(page)
     page.quiet("lattice")
 
 
 def check_alone(browser, folder):
     """Where no η is finite there is no point next to the best one."""
-    nscdd(folder, "report", "disks12", "--epsilon", "1", "--eta", "inf", "-o", "generic.html")
-    page = Page(browser, os.path.join(folder, "generic.html"))
+    page = reported(browser, folder, "generic.html", "disks12", "--epsilon", "1", "--eta", "inf")
     check("Best η" in page.text("best-text") and not page.by_id("go-best").is_displayed(), "best: no button without η")
     check("∞ 1/kg" not in page.text("figures"), "best: infinity has no unit")
 
@@ -511,25 +513,22 @@ def check_alone(browser, folder):
 def check_run_pages(browser, folder):
     nscdd(folder, "simulate", "settle-1k", "--algorithm", "generic", "--subdomains", "2x1", "--steps", "3", "--set",
           "solver.tolerance=1e-2", "--convergence", "run.csv", "-o", "run.h5")
-    nscdd(folder, "report", "run.h5", "--convergence", "run.csv", "-o", "run.html")
-    path = os.path.join(folder, "run.html")
-    page = Page(browser, path)
+    page = reported(browser, folder, "run.html", "run.h5", "--convergence", "run.csv")
     check_renders(page, "run")
     check_run(page, os.path.join(folder, "run.h5"))
     check_ticks(page, "run")
     check_contrast(page, "run")
     page.quiet("run")
-    check_narrow(Page(browser, path, 400, 800), "run", ("step",))
+    check_narrow(page, "run", ("step",))
     nscdd(folder, "simulate", "settle-1k", "--algorithm", "generic", "--subdomains", "30x30", "--steps", "1", "-o",
           "many.h5")
-    nscdd(folder, "report", "many.h5", "-o", "many.html")
-    page = Page(browser, os.path.join(folder, "many.html"))
+    page = reported(browser, folder, "many.html", "many.h5")
     check("900 subdomains" in page.text("facts"), "run: subdomains without a contact are counted")
     check_renders(page, "run of 900 subdomains")
     check_ticks(page, "run of one step")
     check(page.by_id("play").is_enabled(), "run: the first state and one step are played")
-    nscdd(folder, "report", "many.h5", "--steps", "1", "-o", "one.html")
-    check(not Page(browser, os.path.join(folder, "one.html")).by_id("play").is_enabled(), "run: one step is not played")
+    one = reported(browser, folder, "one.html", "many.h5", "--steps", "1")
+    check(not one.by_id("play").is_enabled(), "run: one step is not played")
     page.quiet("run of 900 subdomains")
 
 
@@ -539,8 +538,7 @@ def check_criterion(browser, folder):
                                        ("zeta", "1e-3", "ζ")):
         nscdd(folder, "simulate", "settle-1k", "--steps", "2", "--criterion", criterion, "--tolerance", tolerance,
               "--convergence", f"{criterion}.csv", "-o", f"{criterion}.h5")
-        nscdd(folder, "report", f"{criterion}.h5", "--convergence", f"{criterion}.csv", "-o", f"{criterion}.html")
-        page = Page(browser, os.path.join(folder, f"{criterion}.html"))
+        page = reported(browser, folder, f"{criterion}.html", f"{criterion}.h5", "--convergence", f"{criterion}.csv")
         for chart in ("criteria", "iterations"):
             keys = page.by_id(chart).find_element("css selector", ".keys").text.split("\n")
             check(name in keys, f"criterion: {name} is among the curves of {chart}, met {keys}")

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every study says what it is about and has the baselines of its tables; those that take seconds are run
-// again.
+// Every study says what it is about and has the baselines of its tables; those that take seconds are run again.
 #include "../support/studies.hpp"
 #include "files/csv.hpp"
 #include "formats/case/case_file.hpp"

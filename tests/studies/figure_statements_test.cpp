@@ -131,8 +131,7 @@ TEST_CASE("Figure 7: below the generic radius, closer to it as eta grows, above 
     CHECK(points.rbegin()->second == doctest::Approx(generic[name]).epsilon(1e-2));  // "closer ... when eta increases"
     CHECK(points.rbegin()->second < generic[name]);
     for (auto next = std::next(best); next != points.end(); ++next) CHECK(next->second > std::prev(next)->second);
-    // width, in decades, of the range where the gain over the generic algorithm is at least half the best
-    // gain
+    // width, in decades, of the range where the gain over the generic algorithm is at least half the best gain
     const double threshold = 0.5 * (best->second + generic[name]);
     double low = infinity, high = 0;
     for (const auto& [eta, radius] : points)

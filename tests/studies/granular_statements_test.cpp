@@ -188,8 +188,7 @@ TEST_CASE("predicted-observed: next to the solution rates agree, and that of 2 0
   for (const Table* table : {&small, &large})
     for (std::size_t i = 0; i < table->rows.size(); ++i) {
       const Row& row = table->rows[i];
-      CAPTURE(text(*table, row, "case"));
-      CAPTURE(number(*table, row, "gauss_seidel_sweeps"));
+      INFO("case = ", text(*table, row, "case"), ", sweeps = ", number(*table, row, "gauss_seidel_sweeps"));
       CHECK(text(*table, row, "converged") == "true");
       CHECK(text(*table, row, "agree") == "true");
       CHECK(number(*table, row, "natural_map") < 1e-13);

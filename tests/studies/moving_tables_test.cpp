@@ -19,10 +19,20 @@ using namespace nscdd::testing;
 
 namespace {
 
-StudyTable table_of(const std::string& observable, const std::string& more) {
-  const std::string text = "[[table]]\nname = \"t\"\nobservable = \"" + observable + "\"\ncases = [\"small\"]\n" + more;
-  const auto read = [](const std::string&) { return parse_case(moving_case(), "small.toml"); };
-  return parse_study(text, "s/study.toml", read).tables[0];
+StudyTable table_of(const std::string& observable, const std::string& more, const std::string& text = moving_case()) {
+  const auto read = [&](const std::string&) { return parse_case(text, "small.toml"); };
+  return parse_study("[[table]]\nname = \"t\"\nobservable = \"" + observable + "\"\ncases = [\"small\"]\n" + more,
+                     "s/study.toml", read)
+      .tables[0];
+}
+
+// With another [solver], whose tolerance Algorithm 1 would not come to.
+std::string solved_by(const std::string& algorithm) {
+  std::string text = moving_case();
+  const auto solver = text.find("[solver]");
+  return text.replace(solver, text.find("[[boundary]]") - solver,
+                      "[solver]\nalgorithm = \"" + algorithm +
+                          "\"\nwarm_start = false\ntolerance = 1e-8\nmaximum_iterations = 20000\n");
 }
 
 struct Run {
@@ -207,15 +217,7 @@ TEST_CASE("contact_solvers: names that there are, each once, and a law whose con
 TEST_CASE("interface_iterations: a row has the step as its solver takes it, and what its spectrum predicts") {
   const std::string more = "steps = [2]\n[table.vary]\n\"partition.grid\" = [\"2,1\", \"3,2\"]\n";
   const auto study = [&](const std::string& algorithm) {
-    std::string text = moving_case();
-    const auto solver = text.find("[solver]");
-    text.replace(solver, text.find("[[boundary]]") - solver,
-                 "[solver]\nalgorithm = \"" + algorithm +
-                     "\"\nwarm_start = false\ntolerance = 1e-8\nmaximum_iterations = 20000\n");
-    const auto read = [&](const std::string&) { return parse_case(text, "small.toml"); };
-    return parse_study("[[table]]\nname = \"t\"\nobservable = \"interface_iterations\"\ncases = [\"small\"]\n" + more,
-                       "s/study.toml", read)
-        .tables[0];
+    return table_of("interface_iterations", more, solved_by(algorithm));
   };
   CHECK_THROWS_WITH_AS(study("auto"), doctest::Contains("expected two_stage_newton, met auto"), Error);
   const StudyTable work = study("two_stage_newton");
@@ -272,18 +274,9 @@ TEST_CASE("interface_iterations of spheres: what the spectrum predicts, with dir
 }
 
 TEST_CASE("interface_iterations: contacts that pull are not open") {
-  std::string text = moving_case();
-  const auto solver = text.find("[solver]");
-  text.replace(solver, text.find("[[boundary]]") - solver,
-               "[solver]\nalgorithm = \"two_stage_newton\"\nwarm_start = false\ntolerance = 1e-8\n"
-               "maximum_iterations = 20000\n");
+  std::string text = solved_by("two_stage_newton");
   text.replace(text.find("[interaction]\n"), 14, "[interaction]\nlaw = \"cohesive\"\ncohesion = 1e7\n");
-  const auto read = [&](const std::string&) { return parse_case(text, "small.toml"); };
-  const StudyTable work =
-      parse_study("[[table]]\nname = \"t\"\nobservable = \"interface_iterations\"\ncases = [\"small\"]\nsteps = [2]\n",
-                  "s/study.toml", read)
-          .tables[0];
-  const Table table = run(work);
+  const Table table = run(table_of("interface_iterations", "steps = [2]\n", text));
   REQUIRE(table.rows.size() == 1);
   CHECK(integer(table, 0, "stick") > 100);
   // With all of them open S is that of loose grains, and one iteration is enough.

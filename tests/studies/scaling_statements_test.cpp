@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the studies size, scalability, disorder and partition found, on those of their packings that take
-// seconds.
+// What the studies size, scalability, disorder and partition found, on those of their packings that take seconds.
 #include "../support/studies.hpp"
 
 #include <doctest/doctest.h>

@@ -43,6 +43,31 @@ void put_matrix(RawFclib& raw, const std::string& path, const SparseMatrix& matr
   }
 }
 
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+void put(Entries& entries, Index row, Index column, double value) {
+  entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+}
+
+void put_disk(Entries& mass, Index body, double m, double radius) {
+  for (Index k = 0; k < 3; ++k) put(mass, 3 * body + k, 3 * body + k, k < 2 ? m : m * radius * radius / 2);
+}
+
+// The normal and the tangent (-y, x) of a contact on the body behind it (side 1) or before it (-1).
+void put_contact(Entries& h, Index contact, Index body, double side, double x, double y, double radius) {
+  put(h, 3 * body, 2 * contact, side * x);
+  put(h, 3 * body + 1, 2 * contact, side * y);
+  put(h, 3 * body, 2 * contact + 1, -side * y);
+  put(h, 3 * body + 1, 2 * contact + 1, side * x);
+  put(h, 3 * body + 2, 2 * contact + 1, -radius);
+}
+
+SparseMatrix matrix_of(const Entries& entries, Index rows, Index columns) {
+  SparseMatrix matrix(rows, columns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
 std::vector<double> list(const Vector& values) { return {values.data(), values.data() + values.size()}; }
 
 void require(bool holds) {
@@ -127,36 +152,24 @@ RawFclib raw_global(const GlobalFrictionProblem& problem, Storage storage) {
 
 GlobalFrictionProblem random_bodies_problem(std::uint64_t seed, Index bodies, Index contacts) {
   RandomStream random(seed);
-  std::vector<Eigen::Triplet<double>> mass, h;
-  const auto put = [](auto& entries, Index row, Index column, double value) {
-    entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
-  };
+  Entries mass, h;
   Vector radius(bodies);
   for (Index b = 0; b < bodies; ++b) {
     radius[b] = 0.5 + random.uniform();
     const double m = 1 + random.uniform();
-    for (Index k = 0; k < 3; ++k) put(mass, 3 * b + k, 3 * b + k, k < 2 ? m : m * radius[b] * radius[b] / 2);
+    put_disk(mass, b, m, radius[b]);
   }
   for (Index c = 0; c < contacts; ++c) {
     // The first contacts join neighbours; further ones hold a body against a wall.
     const bool wall = c + 1 >= bodies;
     const Index i = wall ? c % bodies : c + 1;
     const double angle = 7 * random.uniform(), x = std::cos(angle), y = std::sin(angle);
-    for (const double side : {1.0, -1.0}) {
-      if (side < 0 && wall) continue;
-      const Index body = side > 0 ? i : c;
-      put(h, 3 * body, 2 * c, side * x);
-      put(h, 3 * body + 1, 2 * c, side * y);
-      put(h, 3 * body, 2 * c + 1, -side * y);
-      put(h, 3 * body + 1, 2 * c + 1, side * x);
-      put(h, 3 * body + 2, 2 * c + 1, -radius[body]);
-    }
+    put_contact(h, c, i, 1, x, y, radius[i]);
+    if (!wall) put_contact(h, c, c, -1, x, y, radius[c]);
   }
   GlobalFrictionProblem problem;
-  problem.mass.resize(3 * bodies, 3 * bodies);
-  problem.mass.setFromTriplets(mass.begin(), mass.end());
-  problem.h.resize(3 * bodies, 2 * contacts);
-  problem.h.setFromTriplets(h.begin(), h.end());
+  problem.mass = matrix_of(mass, 3 * bodies, 3 * bodies);
+  problem.h = matrix_of(h, 3 * bodies, 2 * contacts);
   problem.f = random.normal_vector(3 * bodies);
   problem.w = 0.1 * random.normal_vector(2 * contacts);
   problem.friction.resize(contacts);
@@ -194,7 +207,7 @@ GlobalFrictionProblem random_spheres_problem(std::uint64_t seed, Index bodies, I
 }
 
 LocalFrictionProblem in_space(const LocalFrictionProblem& plane) {
-  std::vector<Eigen::Triplet<double>> w;
+  Entries w;
   const auto place = [](Index i) { return static_cast<int>(3 * (i / 2) + i % 2); };
   for (Index j = 0; j < plane.w.cols(); ++j)
     for (SparseMatrix::InnerIterator e(plane.w, j); e; ++e) {
@@ -203,8 +216,7 @@ LocalFrictionProblem in_space(const LocalFrictionProblem& plane) {
     }
   LocalFrictionProblem space;
   space.dimension = 3;
-  space.w.resize(3 * plane.contacts(), 3 * plane.contacts());
-  space.w.setFromTriplets(w.begin(), w.end());
+  space.w = matrix_of(w, 3 * plane.contacts(), 3 * plane.contacts());
   space.q = Vector::Zero(3 * plane.contacts());
   for (Index i = 0; i < plane.q.size(); ++i) space.q[place(i)] = plane.q[i];
   space.friction = plane.friction;
@@ -213,32 +225,22 @@ LocalFrictionProblem in_space(const LocalFrictionProblem& plane) {
 
 GlobalFrictionProblem with_rotations(const Packing& packing, const ContactNetwork& network,
                                      const Vector& arriving_velocity, double friction) {
-  std::vector<Eigen::Triplet<double>> mass, h;
-  const auto put = [](auto& entries, Index row, Index column, double value) {
-    entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
-  };
+  Entries mass, h;
   GlobalFrictionProblem problem;
   problem.f = Vector::Zero(3 * packing.size());
   for (Index i = 0; i < packing.size(); ++i) {
     const double m = packing.mass[at(i)], r = packing.radius[at(i)];
-    for (Index k = 0; k < 3; ++k) put(mass, 3 * i + k, 3 * i + k, k < 2 ? m : m * r * r / 2);
+    put_disk(mass, i, m, r);
     problem.f.segment(3 * i, 2) = m * arriving_velocity.segment(2 * i, 2);
   }
   for (Index c = 0; c < network.size(); ++c) {
     const Contact& contact = network.contacts[at(c)];
     const double x = contact.normal[0], y = contact.normal[1];  // from a to b
-    for (const auto& [grain, side] : {std::pair{contact.a, -1.0}, std::pair{contact.b, 1.0}}) {
-      put(h, 3 * grain, 2 * c, side * x);
-      put(h, 3 * grain + 1, 2 * c, side * y);
-      put(h, 3 * grain, 2 * c + 1, -side * y);
-      put(h, 3 * grain + 1, 2 * c + 1, side * x);
-      put(h, 3 * grain + 2, 2 * c + 1, -packing.radius[at(grain)]);
-    }
+    put_contact(h, c, contact.a, -1, x, y, packing.radius[at(contact.a)]);
+    put_contact(h, c, contact.b, 1, x, y, packing.radius[at(contact.b)]);
   }
-  problem.mass.resize(3 * packing.size(), 3 * packing.size());
-  problem.mass.setFromTriplets(mass.begin(), mass.end());
-  problem.h.resize(3 * packing.size(), 2 * network.size());
-  problem.h.setFromTriplets(h.begin(), h.end());
+  problem.mass = matrix_of(mass, 3 * packing.size(), 3 * packing.size());
+  problem.h = matrix_of(h, 3 * packing.size(), 2 * network.size());
   problem.w = Vector::Zero(2 * network.size());
   problem.friction = Vector::Constant(network.size(), friction);
   return problem;

@@ -6,13 +6,11 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd::testing {
 
-Dynamics swept() {
+Dynamics swept(const std::vector<BoundarySpec>& boundaries) {
   Dynamics dynamics;
+  dynamics.boundaries = boundaries;
   dynamics.solver.algorithm = "nlgs";
   dynamics.solver.criterion = "zeta";
   dynamics.solver.tolerance = 1e-4;
@@ -20,8 +18,8 @@ Dynamics swept() {
   return dynamics;
 }
 
-Dynamics tight() {
-  Dynamics dynamics = swept();
+Dynamics tight(const std::vector<BoundarySpec>& boundaries) {
+  Dynamics dynamics = swept(boundaries);
   dynamics.solver.order = "natural";
   dynamics.solver.criterion = "natural_map";
   dynamics.solver.tolerance = 1e-13;
@@ -30,13 +28,11 @@ Dynamics tight() {
 }
 
 BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, Motion motion) {
-  BoundarySpec spec;
-  spec.name = name;
-  spec.dimension = 2;
-  spec.from = {from[0], from[1], 0};
-  spec.to = {to[0], to[1], 0};
-  spec.motion = std::move(motion);
-  return spec;
+  return {.name = name,
+          .dimension = 2,
+          .from = {from[0], from[1], 0},
+          .to = {to[0], to[1], 0},
+          .motion = std::move(motion)};
 }
 
 BoundarySpec row_of_disks(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, double radius,
@@ -48,13 +44,7 @@ BoundarySpec row_of_disks(const std::string& name, std::array<double, 2> from, s
 }
 
 BoundarySpec driven_grains(const std::string& name, Index first, Index last, Motion motion) {
-  BoundarySpec spec;
-  spec.name = name;
-  spec.shape = BoundaryShape::grains;
-  spec.first = first;
-  spec.last = last;
-  spec.motion = std::move(motion);
-  return spec;
+  return {.name = name, .shape = BoundaryShape::grains, .first = first, .last = last, .motion = std::move(motion)};
 }
 
 BoundarySpec floor_wall() { return wall("floor", {0, 0}, {1, 0}); }
@@ -99,12 +89,10 @@ LocalVector<2> impulse_between(const GranularState& state, Index a, Index b) {
 }
 
 Simulation box_of_grains(Index grains, const Dynamics& dynamics, std::array<Index, 2> grid, Index seed) {
-  Deposit deposit;
-  deposit.grains = grains;
-  deposit.width = std::sqrt(static_cast<double>(grains)) * 0.28;
-  deposit.sizes.radius_min = 0.1;
-  deposit.sizes.radius_max = 0.198;
-  deposit.seed = seed;
+  const Deposit deposit{.grains = grains,
+                        .width = std::sqrt(static_cast<double>(grains)) * 0.28,
+                        .sizes = {.radius_min = 0.1, .radius_max = 0.198},
+                        .seed = seed};
   const Packing packing = with_masses(generate(Generator{deposit}), {.model = MassModel::density, .density = 2500});
   Dynamics own = dynamics;
   own.boundaries.push_back(floor_wall());
@@ -130,17 +118,37 @@ Simulation shaken_lattice(Index columns, Index rows, const Dynamics& dynamics, s
   return {made.system, made.state, own, GridPartitioner{grid}};
 }
 
-double largest_difference(const std::vector<GrainVelocity<2>>& a, const std::vector<GrainVelocity<2>>& b, Index disks) {
-  double largest = 0;
-  for (std::size_t i = 0; i < at(disks); ++i)
-    largest = std::max({largest, std::abs(a[i].x - b[i].x), std::abs(a[i].y - b[i].y), std::abs(a[i].rim - b[i].rim)});
-  return largest;
-}
-
 double largest_speed(const std::vector<GrainVelocity<2>>& v, Index disks) {
   double largest = 0;
   for (std::size_t i = 0; i < at(disks); ++i) largest = std::max(largest, std::hypot(v[i].x, v[i].y));
   return largest;
+}
+
+Close closely(const Simulation& simulation) {
+  PreparedStep<2> step = prepare_solution(simulation);
+  Close result;
+  for (int k = 1; k <= 60'000 && (result.gluing > 1e-10 || result.map > 1e-10); ++k) {
+    step.iteration.iterate();
+    result.gluing = step.iteration.record().gluing;
+    if (k % 20 == 0) result.map = step.iteration.residual().relative_natural_map();
+  }
+  auto [contacts, velocities] = step.iteration.gather(step.problem);
+  result.contacts = std::move(contacts);
+  result.velocities = std::move(velocities);
+  result.interface_size = step.iteration.parts().interface_size();
+  result.problem = std::move(step.problem);
+  return result;
+}
+
+double relative_natural_map(const std::vector<GrainContact<2>>& contacts, const std::vector<GrainVelocity<2>>& v) {
+  double map = 0, impulses = 0;
+  for (const GrainContact<2>& c : contacts) {
+    const LocalVector<2> w = relative_velocity(c, v), r{c.impulse.n, c.impulse.t};
+    const LocalVector<2> one = natural_map(r, {w.n + c.bias.n, w.t + c.bias.t}, c.friction, c.inverse_w.inverse_n);
+    map += one.n * one.n + one.t * one.t;
+    impulses += r.n * r.n + r.t * r.t;
+  }
+  return std::sqrt(map / impulses);
 }
 
 }  // namespace nscdd::testing

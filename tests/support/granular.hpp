@@ -3,7 +3,10 @@
 
 #include "simulation/simulation.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,10 +22,10 @@ struct Grain {
 };
 
 /// Parameters under which a step is solved by sweeps (plain Gauss-Seidel) from zero impulses, to zeta <= 1e-4.
-Dynamics swept();
+Dynamics swept(const std::vector<BoundarySpec>& boundaries = {});
 
 /// The same to rounding: natural map below 1e-13, at most 200 000 sweeps.
-Dynamics tight();
+Dynamics tight(const std::vector<BoundarySpec>& boundaries = {});
 
 /// The straight wall through `from` and `to`, grains on its left.
 BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, Motion motion = {});
@@ -58,10 +61,43 @@ Simulation box_of_grains(Index grains, const Dynamics& dynamics, std::array<Inde
 Simulation shaken_lattice(Index columns, Index rows, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1},
                           std::uint64_t seed = 1);
 
-/// max |V_a - V_b| over disks and components, m/s.
-double largest_difference(const std::vector<GrainVelocity<2>>& a, const std::vector<GrainVelocity<2>>& b, Index disks);
+/// max |V_a - V_b| over the first grains, or all, and their components, m/s.
+template <int D>
+double largest_difference(const std::vector<GrainVelocity<D>>& a, const std::vector<GrainVelocity<D>>& b,
+                          std::optional<Index> grains = {}) {
+  double largest = 0;
+  for (std::size_t i = 0; i < at(grains.value_or(count(a))); ++i) {
+    const GrainUnknowns<D> one = unknowns(a[i]), other = unknowns(b[i]);
+    for (std::size_t k = 0; k < one.size(); ++k) largest = std::max(largest, std::abs(one[k] - other[k]));
+  }
+  return largest;
+}
 
 /// Largest speed of a velocity, m/s.
 double largest_speed(const std::vector<GrainVelocity<2>>& v, Index disks);
+
+/// Of every contact of a subdomain.
+template <int D>
+std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubdomain<D>& subdomain) {
+  std::vector<ContactStatus> statuses;
+  for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+    statuses.push_back(status_of(law, subdomain.contacts.contact(k, subdomain.velocities)));
+  return statuses;
+}
+
+/// A step iterated until impulses obey the law and copies move together (both to 1e-10, 60 000 iterations at
+/// the most). Iterations may rest for thousands of sweeps while impulses drift along a direction that the
+/// network can carry, until a contact opens: no criterion on changes would do.
+struct Close {
+  StepProblem<2> problem;
+  std::vector<GrainContact<2>> contacts;
+  std::vector<GrainVelocity<2>> velocities;
+  double gluing = 1, map = 1;  ///< IterationRecord::gluing and the relative natural map at the end
+  Index interface_size = 0;
+};
+Close closely(const Simulation& simulation);
+
+/// |natural map| / |r| of Coulomb's law, contact by contact.
+double relative_natural_map(const std::vector<GrainContact<2>>& contacts, const std::vector<GrainVelocity<2>>& v);
 
 }  // namespace nscdd::testing

@@ -40,9 +40,8 @@ SparseMatrix lower_triangle(const Matrix& full);  ///< entries that are not 0, a
 /// 0, 1, ..., n - 1: every row on its own.
 std::vector<Index> single_rows(Index n);
 
-/// Well-conditioned symmetric matrices of every shape an elimination meets: definite and indefinite, saddle
-/// points with every multiplier in the group of the rows it ties, arrows, a diagonal, one row, disconnected
-/// blocks, dense.
+/// Well-conditioned symmetric matrices of every shape an elimination meets: definite and indefinite, saddle points with
+/// every multiplier in the group of the rows it ties, arrows, a diagonal, one row, disconnected blocks, dense.
 std::vector<SymmetricProblem> every_symmetric_problem();
 
 /// [K A^T; A -C], K = `first` on pairs of rows 2i, 2i + 1 and random couplings between pairs, multiplier i

@@ -67,6 +67,11 @@ std::vector<Case> every_problem() {
   return all;
 }
 
+std::vector<Case> with_interface(std::vector<Case> all) {
+  std::erase_if(all, [](const Case& one) { return build(one).parts.interface_size() == 0; });
+  return all;
+}
+
 Case renumbered(const Case& one, std::uint64_t seed) {
   const Packing before = build(one).packing;
   std::vector<Index> order(at(before.size()));

@@ -25,6 +25,9 @@ std::vector<Case> plane_problems();
 /// These, and the `spatial_problems`: the laws know no dimension.
 std::vector<Case> every_problem();
 
+/// Those whose subdomains share a grain.
+std::vector<Case> with_interface(std::vector<Case> all);
+
 /// The packing of a case with its grains renumbered at random; the last grain stays the last.
 Case renumbered(const Case& one, std::uint64_t seed);
 

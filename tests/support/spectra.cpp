@@ -45,6 +45,15 @@ Index DenseSpectrum::between(double from, double to) const {
   return (lambda.array() >= from && lambda.array() <= to).count();
 }
 
+Contraction contraction_of(const Case& one, double epsilon, double eta) {
+  const InterfaceFamily family(build(one).parts);
+  return {family.at(eta), family.at(epsilon)};
+}
+
+SpectralRadius dense_pencil_radius(const Contraction& b) {
+  return spectral_radius(b, {.solver = SpectralSolver::dense});
+}
+
 Case lattice_in_grid(Index grains, std::array<Index, 2> grid) {
   const auto n = static_cast<double>(grains);
   const Index columns = std::lround(std::sqrt(std::sqrt(3.0) * n));
@@ -107,11 +116,8 @@ std::vector<Case> packings_up_to(Index largest) {
 }
 
 Optimum optimum_of(const Model& model, double epsilon, ContactSet contacts) {
-  SweepParameters sweep;
-  sweep.epsilon = {epsilon};
-  sweep.contacts = contacts;
   Optimum best;
-  optima(model, sweep, [&](const OptimumResult& result) { best = result.best; });
+  optima(model, {.epsilon = {epsilon}, .contacts = contacts}, [&](const OptimumResult& result) { best = result.best; });
   return best;
 }
 

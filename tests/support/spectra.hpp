@@ -5,6 +5,7 @@
 #include "study/case/case.hpp"
 #include "study/linear/optimum.hpp"
 #include <nscdd/ddm/contraction.hpp>
+#include <nscdd/spectra/spectral_radius.hpp>
 
 #include <vector>
 
@@ -21,6 +22,12 @@ struct DenseSpectrum {
   Index below(double sigma) const { return (lambda.array() < sigma).count(); }
   Index between(double from, double to) const;  ///< [from, to]
 };
+
+/// I - X_eta^-1 X_epsilon of a case with all its contacts.
+Contraction contraction_of(const Case& one, double epsilon, double eta = infinity);
+
+/// spectral_radius by the dense pencil.
+SpectralRadius dense_pencil_radius(const Contraction& b);
 
 /// N disks of a hexagonal lattice of about as many rows as columns are wide, unit masses, cut by a grid.
 Case lattice_in_grid(Index grains, std::array<Index, 2> grid);

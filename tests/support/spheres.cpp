@@ -8,13 +8,23 @@
 namespace nscdd::testing {
 
 BoundarySpec plane(const std::string& name, const Vector3& point, const Vector3& normal, Motion motion) {
-  BoundarySpec spec;
-  spec.name = name;
-  spec.dimension = 3;
-  spec.point = {point[0], point[1], point[2]};
-  spec.normal = {normal[0], normal[1], normal[2]};
-  spec.motion = std::move(motion);
-  return spec;
+  return {.name = name,
+          .dimension = 3,
+          .point = {point[0], point[1], point[2]},
+          .normal = {normal[0], normal[1], normal[2]},
+          .motion = std::move(motion)};
+}
+
+BoundarySpec cylinder(const std::string& name, const Vector3& from, const Vector3& to, double radius,
+                      CylinderSide side) {
+  return {.name = name,
+          .shape = BoundaryShape::cylinder,
+          .dimension = 3,
+          .from = {from[0], from[1], from[2]},
+          .to = {to[0], to[1], to[2]},
+          .radius = radius,
+          .side = side,
+          .motion = {}};
 }
 
 Motion moving_in_space(const Vector3& velocity, const Vector3& spin, const Vector3& centre) {

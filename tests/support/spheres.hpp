@@ -18,6 +18,10 @@ struct Ball {
 /// The plane through a point, spheres where `normal` points to.
 BoundarySpec plane(const std::string& name, const Vector3& point, const Vector3& normal, Motion motion = {});
 
+/// The cylinder about the axis through two points.
+BoundarySpec cylinder(const std::string& name, const Vector3& from, const Vector3& to, double radius,
+                      CylinderSide side = CylinderSide::inside);
+
 /// Uniform motion in space.
 Motion moving_in_space(const Vector3& velocity, const Vector3& spin, const Vector3& centre = Vector3::Zero());
 

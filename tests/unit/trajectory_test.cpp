@@ -2,7 +2,6 @@
 // Trajectories: read back bit for bit, whole at every moment, gone on with exactly.
 #include "formats/trajectory/trajectory.hpp"
 
-#include "../support/error_handler.hpp"
 #include "../support/moving_case.hpp"
 #include "../support/run_program.hpp"
 #include "../support/sanitized.hpp"
@@ -14,6 +13,7 @@
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
+#include <hdf5.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -29,6 +29,20 @@ using nscdd::testing::sanitized;
 using nscdd::testing::TemporaryFolder;
 
 namespace {
+
+// Whether HDF5 has the same error handler after `work` as before.
+bool keeps_error_handler(const std::function<void()>& work) {
+  const H5E_auto2_t mine = [](hid_t, void*) -> herr_t { return 0; };
+  H5E_auto2_t before = nullptr, after = nullptr;
+  void *data_before = nullptr, *data_after = nullptr;
+  int data = 0;
+  H5Eget_auto2(H5E_DEFAULT, &before, &data_before);
+  H5Eset_auto2(H5E_DEFAULT, mine, &data);
+  work();
+  H5Eget_auto2(H5E_DEFAULT, &after, &data_after);
+  H5Eset_auto2(H5E_DEFAULT, before, data_before);
+  return after == mine && data_after == &data;
+}
 
 Simulation small(Index steps) {
   Simulation simulation = simulation_of({parse_case(moving_case(), "c.toml")});
@@ -236,13 +250,13 @@ TEST_CASE("trajectory: reading and writing leave HDF5's error handler as it was,
   const Simulation simulation = small(1);
   const std::string path = folder / "run.h5";
   std::optional<TrajectoryWriter> writer;
-  CHECK(nscdd::testing::keeps_error_handler([&] {
+  CHECK(keeps_error_handler([&] {
     writer.emplace(path, header_of(simulation), TrajectoryStep{simulation.state, {}}, headings(step_columns()));
   }));
-  CHECK(nscdd::testing::keeps_error_handler([&] { writer->end("completed"); }));
-  CHECK(nscdd::testing::keeps_error_handler([&] { read_last_step(path); }));
+  CHECK(keeps_error_handler([&] { writer->end("completed"); }));
+  CHECK(keeps_error_handler([&] { read_last_step(path); }));
   for (const std::string& bytes : {std::string("no HDF5"), to_hdf5({}, std::vector<NamedTable>{})})
-    CHECK(nscdd::testing::keeps_error_handler([&] { CHECK_THROWS_AS(packing_from_hdf5(bytes, "x"), Error); }));
+    CHECK(keeps_error_handler([&] { CHECK_THROWS_AS(packing_from_hdf5(bytes, "x"), Error); }));
 }
 
 TEST_CASE("trajectory: a reader neither disturbs the writer nor is disturbed") {
