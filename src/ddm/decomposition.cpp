@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/ddm/decomposition.hpp>
 
+#include <metis.h>
+
+#include <map>
 #include <numeric>
 
 namespace nscdd {
@@ -21,19 +25,6 @@ SparseMatrix local_connectivity(const ReferenceProblem& problem, const Subdomain
       entries.add(local_number(subdomain.grains, e.row() / d) * d + e.row() % d, c, e.value());
   return entries.matrix(d * count(subdomain.grains), count(subdomain.contacts));
 }
-
-}  // namespace
-
-void check(const Partition& partition, Index contacts) {
-  if (count(partition.subdomain_of_contact) != contacts)
-    fail("partition: expected a subdomain for each of {} contacts, met {}", contacts,
-         partition.subdomain_of_contact.size());
-  for (Index c = 0; c < contacts; ++c)
-    if (const Index e = partition.subdomain_of_contact[at(c)]; e < 0 || e >= partition.subdomains)
-      fail("partition: expected a subdomain in 0..{} for contact {}, met {}", partition.subdomains - 1, c, e);
-}
-
-namespace {
 
 // The contacts of every subdomain, and the grains that these touch, ascending.
 std::vector<Subdomain> with_contacts(const ReferenceProblem& problem, const Partition& partition) {
@@ -82,7 +73,28 @@ Decomposition cut(const ReferenceProblem& problem, const Partition& partition, G
   return parts;
 }
 
+// METIS may leave a part of a small graph empty: it takes the lightest subdomain of a process that has several.
+void fill_empty(std::vector<Index>& process_of, const std::vector<idx_t>& weight, Index processes) {
+  for (Index process = 0; process < processes; ++process) {
+    if (std::ranges::count(process_of, process) > 0) continue;
+    std::optional<std::size_t> lightest;
+    for (std::size_t e = 0; e < process_of.size(); ++e)
+      if (std::ranges::count(process_of, process_of[e]) > 1 && (!lightest || weight[e] < weight[*lightest]))
+        lightest = e;
+    process_of[*lightest] = process;
+  }
+}
+
 }  // namespace
+
+void check(const Partition& partition, Index contacts) {
+  if (count(partition.subdomain_of_contact) != contacts)
+    fail("partition: expected a subdomain for each of {} contacts, met {}", contacts,
+         partition.subdomain_of_contact.size());
+  for (Index c = 0; c < contacts; ++c)
+    if (const Index e = partition.subdomain_of_contact[at(c)]; e < 0 || e >= partition.subdomains)
+      fail("partition: expected a subdomain in 0..{} for contact {}, met {}", partition.subdomains - 1, c, e);
+}
 
 Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
   return cut(problem, partition, shape, {});
@@ -134,13 +146,55 @@ Decomposition of_process(Decomposition parts, const std::vector<Index>& process_
   parts.interface = parts.interface.of_process(process_of_subdomain, processes);
   for (std::size_t e = 0; e < process_of_subdomain.size(); ++e)
     if (process_of_subdomain[e] != processes.rank)
-      parts.subdomains[e] = {.grains = {},
-                             .contacts = {},
-                             .inertia = {},
-                             .h = {},
-                             .a = parts.interface.matrix(static_cast<Index>(e)),
-                             .centres = {}};
+      parts.subdomains[e] = {{}, {}, {}, {}, parts.interface.matrix(static_cast<Index>(e))};
   return parts;
+}
+
+void require_subdomains(Index subdomains, Index processes) {
+  if (processes > subdomains)
+    fail("processes: expected at most one for each of {} subdomain(s), met {}", subdomains, processes);
+}
+
+std::vector<Index> deal_out(const Decomposition& parts, Index processes) {
+  std::vector<Index> weight;
+  for (const Subdomain& subdomain : parts.subdomains) weight.push_back(1 + subdomain.inertia.size());
+  return deal_out(parts.interface, weight, processes);
+}
+
+std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>& weight, Index processes) {
+  const Index subdomains = count(weight);
+  require_subdomains(subdomains, processes);
+  std::vector<Index> process_of(at(subdomains), 0);
+  if (processes == 1) return process_of;
+  std::vector<std::map<Index, idx_t>> shared(at(subdomains));  // rows that a subdomain shares with each other one
+  for (const Gluing& row : interface.gluing()) {
+    ++shared[at(row.first.subdomain)][row.second.subdomain];
+    ++shared[at(row.second.subdomain)][row.first.subdomain];
+  }
+  std::vector<idx_t> start{0}, neighbours, rows, weights;
+  for (Index e = 0; e < subdomains; ++e) {
+    for (const auto& [other, number] : shared[at(e)]) {
+      neighbours.push_back(static_cast<idx_t>(other));
+      rows.push_back(number);
+    }
+    start.push_back(static_cast<idx_t>(neighbours.size()));
+    weights.push_back(static_cast<idx_t>(weight[at(e)]));
+  }
+  auto vertices = static_cast<idx_t>(subdomains), wanted = static_cast<idx_t>(processes);
+  idx_t constraints = 1, cut = 0;
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = 1;
+  std::vector<idx_t> part(at(subdomains), 0);
+  const int status = metis_status([&] {
+    return METIS_PartGraphRecursive(&vertices, &constraints, start.data(), neighbours.data(), weights.data(), nullptr,
+                                    rows.data(), &wanted, nullptr, nullptr, options, &cut, part.data());
+  });
+  if (status != METIS_OK)
+    fail("METIS: expected subdomains dealt out to {} processes, met status {}", processes, status);
+  process_of.assign(part.begin(), part.end());
+  fill_empty(process_of, weights, processes);
+  return process_of;
 }
 
 Subdomain reassemble(const Decomposition& parts) {

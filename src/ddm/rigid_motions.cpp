@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/rigid_motions.hpp"
 
+#include "linalg/pencil.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "mechanics/rigid_clusters.hpp"
 
@@ -11,6 +12,7 @@
 namespace nscdd {
 namespace {
 
+constexpr double independent = 1e-2;    // least singular value of columns of unit length that clearly are
 constexpr double straight = 1e-9;       // how far a column of H may point beside the line of centres
 constexpr double least_inertia = 1e-8;  // of a cluster, the smallest over the largest: below, the smallest is rounding
 
@@ -70,6 +72,17 @@ Rotations rotations_of(const Matrix& centres, const Vector& inertia, const std::
   return result;
 }
 
+// The grains of each cluster, of which some may have none.
+std::vector<std::vector<Index>> members_of(const std::vector<Index>& cluster_of_grain) {
+  std::vector<std::vector<Index>> members;
+  for (Index i = 0; i < count(cluster_of_grain); ++i)
+    if (const Index cluster = cluster_of_grain[at(i)]; cluster >= 0) {
+      if (cluster >= count(members)) members.resize(at(cluster + 1));
+      members[at(cluster)].push_back(i);
+    }
+  return members;
+}
+
 // The cluster of each grain, or -1, and which columns are bars within one.
 struct Clusters {
   std::vector<Index> of_grain;
@@ -79,6 +92,8 @@ struct Clusters {
 Clusters clusters_of(const Matrix& centres, const Vector& inertia, const SparseMatrix& h) {
   const Index d = centres.rows(), grains = centres.cols();
   Clusters result{std::vector<Index>(at(grains), -1), std::vector<char>(at(h.cols()), 0)};
+  for (Index i = 0; i < grains; ++i)  // motions are told apart by masses that are the same in all directions
+    if (inertia.segment(d * i, d).maxCoeff() != inertia.segment(d * i, d).minCoeff()) return result;
   std::vector<Bar> bars;
   std::vector<Index> column_of_bar;
   for (Index c = 0; c < h.cols(); ++c)
@@ -87,36 +102,23 @@ Clusters clusters_of(const Matrix& centres, const Vector& inertia, const SparseM
       column_of_bar.push_back(c);
     }
   result.of_grain = rigid_clusters(centres, bars);
-  for (Index i = 0; i < grains; ++i)  // motions are told apart by masses that are the same in all directions
-    if (inertia.segment(d * i, d).maxCoeff() != inertia.segment(d * i, d).minCoeff())
-      return {std::vector<Index>(at(grains), -1), std::vector<char>(at(h.cols()), 0)};
-  // A cluster whose bars are all independent would spare nothing but unknowns, and hide that its grains can be set
-  // aside.
-  std::vector<Index> bars_within, points;
-  const auto add = [](std::vector<Index>& to, Index cluster) {
-    if (cluster >= count(to)) to.resize(at(cluster + 1), 0);
-    ++to[at(cluster)];
-  };
   const auto cluster_of = [&](const Bar& bar) {
     const Index a = result.of_grain[at(bar.a)];
     return a == result.of_grain[at(bar.b)] ? a : -1;
   };
-  for (const Index cluster : result.of_grain)
-    if (cluster >= 0) add(points, cluster);
-  bars_within.resize(points.size(), 0);
+  const std::vector<std::vector<Index>> members = members_of(result.of_grain);
+  std::vector<Index> bars_within(members.size(), 0);
   for (const Bar& bar : bars)
-    if (const Index cluster = cluster_of(bar); cluster >= 0) add(bars_within, cluster);
-  for (Index& cluster : result.of_grain)
-    if (cluster >= 0 && bars_within[at(cluster)] <= d * points[at(cluster)] - d * (d + 1) / 2) cluster = -1;
-  // One with a few heavy grains in a line among light ones has next to no inertia about that line.
-  std::vector<std::vector<Index>> members(points.size());
-  for (Index i = 0; i < grains; ++i)
-    if (const Index cluster = result.of_grain[at(i)]; cluster >= 0) members[at(cluster)].push_back(i);
-  for (const std::vector<Index>& own : members) {
-    if (own.empty()) continue;
-    const Eigen::Vector3d moments = rotations_of(centres, inertia, own).inertia;
-    if (!(moments.minCoeff() > least_inertia * moments.maxCoeff()))
-      for (const Index i : own) result.of_grain[at(i)] = -1;
+    if (const Index cluster = cluster_of(bar); cluster >= 0) ++bars_within[at(cluster)];
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    // If its bars are all independent, a cluster would spare nothing but unknowns, and hide that its grains can be set
+    // aside. With a few heavy grains in a line among light ones it has next to no inertia about that line.
+    const std::vector<Index>& own = members[k];
+    if (bars_within[k] > d * count(own) - d * (d + 1) / 2) {
+      const Eigen::Vector3d moments = rotations_of(centres, inertia, own).inertia;
+      if (moments.minCoeff() > least_inertia * moments.maxCoeff()) continue;
+    }
+    for (const Index i : own) result.of_grain[at(i)] = -1;
   }
   for (std::size_t k = 0; k < bars.size(); ++k) result.within[at(column_of_bar[k])] = cluster_of(bars[k]) >= 0;
   return result;
@@ -133,6 +135,75 @@ SparseMatrix without_rows(const RigidMotions& motions, const std::vector<char>& 
   });
   return entries.matrix(motions.h.rows(), motions.h.cols());
 }
+
+// Columns of Z^T H, told apart by whether bodies could be set aside with them.
+struct Peeled {
+  std::vector<Index> set_aside = {};  // independent of each other and of all that are left
+  std::vector<Index> left = {};       // ascending; none of them acts on a body that was set aside
+};
+
+// Sets aside, again and again, each body that has few columns, all of them clearly independent by what they do to this
+// body alone. `grounded`: a flag for each body that does not move, or none; a column of such bodies alone is in neither
+// list.
+class Peeling {
+ public:
+  Peeling(const std::vector<RigidBody>& bodies, const std::vector<char>& grounded, const SparseMatrix& h)
+      : bodies_(bodies), h_(h), body_of_row_(at(h.rows()), -1), columns_of_(bodies.size()), left_(at(h.cols()), 1) {
+    for (Index b = 0; b < count(bodies); ++b)
+      for (Index k = 0; k < bodies[at(b)].rows && (grounded.empty() || !grounded[at(b)]); ++k)
+        body_of_row_[at(bodies[at(b)].first_row + k)] = b;
+    for (Index c = 0; c < h.cols(); ++c) {
+      for (const Index b : bodies_of(c)) columns_of_[at(b)].push_back(c);
+      if (bodies_of(c).empty()) left_[at(c)] = 0;
+    }
+    for (Index b = 0; b < count(bodies); ++b) queue_.push_back(b);
+    for (std::size_t k = 0; k < queue_.size(); ++k) try_body(queue_[k]);
+    for (Index c = 0; c < h.cols(); ++c)
+      if (left_[at(c)]) result.left.push_back(c);
+  }
+
+  Peeled result;
+
+ private:
+  std::vector<Index> bodies_of(Index column) const {
+    std::vector<Index> bodies;
+    for (SparseMatrix::InnerIterator e(h_, column); e; ++e)
+      if (const Index b = body_of_row_[at(e.row())]; b >= 0 && std::ranges::count(bodies, b) == 0) bodies.push_back(b);
+    return bodies;
+  }
+
+  void try_body(Index b) {
+    const RigidBody& body = bodies_[at(b)];
+    std::vector<Index>& columns = columns_of_[at(b)];
+    std::erase_if(columns, [&](Index c) { return !left_[at(c)]; });
+    if (columns.empty() || count(columns) > body.rows) return;
+    Matrix block = Matrix::Zero(body.rows, count(columns));
+    for (Index j = 0; j < block.cols(); ++j) {
+      double square = 0;
+      for (SparseMatrix::InnerIterator e(h_, columns[at(j)]); e; ++e) {
+        square += e.value() * e.value();
+        if (body_of_row_[at(e.row())] == b) block(e.row() - body.first_row, j) = e.value();
+      }
+      if (!(square > 0)) return;
+      block.col(j) *= std::sqrt(2 / square);
+    }
+    const Vector squares = symmetric_eigen(block.transpose() * block, Eigenvectors::not_wanted).values;
+    if (!(squares[0] > independent * independent)) return;
+    for (const Index c : columns) {
+      left_[at(c)] = 0;
+      result.set_aside.push_back(c);
+      for (const Index other : bodies_of(c))
+        if (other != b) queue_.push_back(other);
+    }
+  }
+
+  const std::vector<RigidBody>& bodies_;
+  const SparseMatrix& h_;
+  std::vector<Index> body_of_row_;
+  std::vector<std::vector<Index>> columns_of_;
+  std::vector<char> left_;
+  std::vector<Index> queue_;
+};
 
 }  // namespace
 
@@ -152,12 +223,7 @@ RigidMotions rigid_motions(const RigidNetwork& network) {
     return motions;
   }
   const Clusters clusters = clusters_of(centres, inertia, h);
-  std::vector<std::vector<Index>> members;
-  for (Index i = 0; i < grains; ++i)
-    if (const Index cluster = clusters.of_grain[at(i)]; cluster >= 0) {
-      if (cluster >= count(members)) members.resize(at(cluster + 1));
-      members[at(cluster)].push_back(i);
-    }
+  std::vector<std::vector<Index>> members = members_of(clusters.of_grain);
   std::erase_if(members, [](const std::vector<Index>& own) { return own.empty(); });
   SparseEntries z;
   std::vector<double> weight;
@@ -199,7 +265,7 @@ RigidMotions rigid_motions(const RigidNetwork& network) {
 RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded, Tilt tilt) {
   const SparseMatrix h = grounded.empty() ? motions.h : without_rows(motions, grounded);
   if (!motions.searched) return range_basis(h, tilt);
-  const Peeled peeled = peel(motions.bodies, grounded, h);
+  const Peeled peeled = Peeling(motions.bodies, grounded, h).result;
   RangeBasis result = range_basis(selected_columns(h, peeled.left), tilt);
   for (Index& c : result.columns) c = peeled.left[at(c)];
   result.columns.insert(result.columns.end(), peeled.set_aside.begin(), peeled.set_aside.end());
@@ -210,7 +276,7 @@ RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& gro
 MatrixRank rigid_rank(const RigidNetwork& network) {
   const RigidMotions motions = rigid_motions(network);
   if (!motions.searched) return sparse_rank(network.h);
-  const Peeled peeled = peel(motions.bodies, {}, motions.h);
+  const Peeled peeled = Peeling(motions.bodies, {}, motions.h).result;
   MatrixRank rank = sparse_rank(selected_columns(motions.h, peeled.left));
   rank.value += network.h.rows() - motions.h.rows() + count(peeled.set_aside);
   return rank;

@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/peeling.hpp"
 #include "linalg/range_projector.hpp"
 
 namespace nscdd {
+
+/// What moves as one: a grain by itself, or a cluster of grains (see rigid_clusters) with more contacts than can be
+/// independent.
+struct RigidBody {
+  Index first_row = 0, rows = 0;  ///< of its motions among those of all bodies
+  Index grains = 1;
+  Index grain = -1;  ///< the local number of a grain by itself
+};
 
 /// The velocities of a network that its rigid clusters leave: V = Z q with a translation for each direction and the
 /// rotations about the centre of mass for each cluster, and the velocity for each other grain. Every V with H^T V = 0
