@@ -68,24 +68,28 @@ Interface shared_interface(Index dofs_per_grain, Index grains, std::vector<std::
   return Interface(dofs_per_grain, all_grains, known, tied_of_all, shape).of_process(process_of_subdomain, processes);
 }
 
-void Interface::meet_neighbours() { between_neighbours_ = processes_.between_neighbours(shared_entries()); }
+void Interface::meet_neighbours() {
+  between_neighbours_ = between_neighbours([this](Index row, Index) {
+    return Entries{dofs_ * row, dofs_ * (row + multiplicity(gluing_[at(row)].grain) - 1)};
+  });
+}
 
-// All rows of the grains of which this process and another one have copies.
-std::vector<SharedEntries> Interface::shared_entries() const {
+std::function<void(std::span<double>)> Interface::between_neighbours(
+    const std::function<Entries(Index, Index)>& entries) const {
   std::map<Index, std::vector<Index>> entries_with;
-  for (Index first = 0, last = 0; first < count(gluing_); first = last) {
-    const Index grain = gluing_[at(first)].grain;
-    last = first + multiplicity(grain) - 1;
+  for (Index row = 0, next = 0, k = 0; row < count(gluing_); row = next) {
+    const Index grain = gluing_[at(row)].grain;
+    next = row + multiplicity(grain) - 1;
     std::set<Index> holders;
     for (const GrainCopy& copy : copies(grain)) holders.insert(process_of(copy.subdomain));
-    if (!holders.contains(processes_.rank)) continue;
+    if (holders.erase(processes_.rank) == 0) continue;
+    const auto [first, last] = entries(row, k++);
     for (const Index process : holders)
-      for (Index entry = dofs_ * first; process != processes_.rank && entry < dofs_ * last; ++entry)
-        entries_with[process].push_back(entry);
+      for (Index entry = first; entry < last; ++entry) entries_with[process].push_back(entry);
   }
   std::vector<SharedEntries> shared;
-  for (auto& [process, entries] : entries_with) shared.push_back({process, std::move(entries)});
-  return shared;
+  for (auto& [process, own] : entries_with) shared.push_back({process, std::move(own)});
+  return processes_.between_neighbours(shared);
 }
 
 std::span<const GrainCopy> Interface::copies(Index grain) const {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/shared_copies.hpp"
 
-#include <map>
-#include <set>
-
 namespace nscdd {
 namespace {
 
@@ -19,41 +16,28 @@ constexpr Index size_with_mark = size<D> + 1;  // of a grain whose copies follow
 
 }  // namespace
 
-// Processes list what they share in the order of the grains.
 template <int D>
 SharedCopies<D>::SharedCopies(const Interface& interface) {
-  const Processes& processes = interface.processes();
-  std::map<Index, SharedEntries> copies_with, grains_with;
   Index last = -1;
-  for (const Gluing& row : interface.gluing()) {
-    if (std::exchange(last, row.grain) == row.grain) continue;
-    std::set<Index> holders;
-    for (const GrainCopy& copy : interface.copies(row.grain)) holders.insert(interface.process_of(copy.subdomain));
-    if (!holders.contains(processes.rank)) continue;
-    const Index shared = count(start_) - 1, first = start_.back();
-    start_.push_back(first);
-    for (const GrainCopy& copy : interface.copies(row.grain)) {
-      if (interface.process_of(copy.subdomain) == processes.rank)
-        own_.push_back({copy.subdomain, copy.grain, shared, start_.back()});
-      ++start_.back();
-    }
-    for (const Index process : holders) {
-      if (process == processes.rank) continue;
-      const auto share = [process](std::map<Index, SharedEntries>& with, Index begin, Index end) {
-        with[process].process = process;
-        for (Index entry = begin; entry < end; ++entry) with[process].entries.push_back(entry);
-      };
-      share(copies_with, size<D> * first, size<D> * start_.back());
-      share(grains_with, size_with_mark<D> * shared, size_with_mark<D> * (shared + 1));
-    }
-  }
-  const auto between = [&](std::map<Index, SharedEntries>& with) {
-    std::vector<SharedEntries> all;
-    for (auto& [process, entries] : with) all.push_back(std::move(entries));
-    return processes.between_neighbours(all);
+  const auto is_own = [&](const GrainCopy& copy) {
+    return interface.process_of(copy.subdomain) == interface.processes().rank;
   };
-  add_copies_ = between(copies_with);
-  add_grains_ = between(grains_with);
+  for (const Gluing& row : interface.gluing()) {
+    const std::span<const GrainCopy> copies = interface.copies(row.grain);
+    if (std::exchange(last, row.grain) == row.grain || std::ranges::none_of(copies, is_own)) continue;
+    const Index shared = count(start_) - 1;
+    for (Index place = start_.back(); const GrainCopy& copy : copies) {
+      if (is_own(copy)) own_.push_back({copy.subdomain, copy.grain, shared, place});
+      ++place;
+    }
+    start_.push_back(start_.back() + count(copies));
+  }
+  add_copies_ = interface.between_neighbours([&](Index, Index k) {
+    return Interface::Entries{size<D> * start_[at(k)], size<D> * start_[at(k + 1)]};
+  });
+  add_grains_ = interface.between_neighbours([](Index, Index k) {
+    return Interface::Entries{size_with_mark<D> * k, size_with_mark<D> * (k + 1)};
+  });
 }
 
 template <int D>

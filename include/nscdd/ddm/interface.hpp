@@ -55,6 +55,11 @@ class Interface {
   const Processes& processes() const { return processes_; }
   /// Prepares messages to the processes that have copies of the same grains; copies of this object share them.
   void meet_neighbours();
+  /// A function that adds up, of arrays of all processes, the entries of the grains of which this process and another
+  /// one have copies. `entries(row, k)`: the first such entry, and that behind the last, of the k-th glued grain of
+  /// which this process has a copy, `row` its first row.
+  using Entries = std::pair<Index, Index>;
+  std::function<void(std::span<double>)> between_neighbours(const std::function<Entries(Index, Index)>& entries) const;
   Index process_of(Index subdomain) const { return process_of_.empty() ? 0 : process_of_[at(subdomain)]; }
 
   Index size() const { return dofs_ * count(gluing_); }  ///< n_Gamma
@@ -140,7 +145,6 @@ class Interface {
   }
   /// Calls work(begin, end) for blocks of rows, in parallel if there are many. Rows of a grain are in one block.
   void for_blocks_of_rows(const std::function<void(Index, Index)>& work) const;
-  std::vector<SharedEntries> shared_entries() const;
   void balance(Index first, Index last, Index k, double inertia, const Vector& g, Vector& f) const;
 
   Index dofs_ = 0;
