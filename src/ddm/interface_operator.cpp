@@ -14,10 +14,6 @@
 namespace nscdd {
 namespace {
 
-MatrixRank rank_of(const Decomposition& parts, const Subdomain& subdomain) {
-  return rigid_rank({parts.dofs_per_grain(), subdomain.centres, subdomain.inertia, subdomain.h});
-}
-
 // The rank of H of the undivided packing, whose rows may lie anywhere.
 MatrixRank rank_of_whole(const Decomposition& parts) {
   struct Entry {
@@ -90,13 +86,13 @@ class InterfaceFamily::Preparation {
     return whole_.get([this] {
       const Subdomain assembled = reassemble(parts);
       Whole whole{std::make_unique<EnrichedInertiaFamily>(assembled, dense_limit), {}};
-      const auto begin = assembled.grains.begin();
+      const Index d = parts.dofs_per_grain();
       for (const Subdomain& subdomain : parts.subdomains) {
         auto& rows = whole.rows.emplace_back();
-        for (const Index grain : subdomain.grains)
-          for (Index k = 0; k < parts.dofs_per_grain(); ++k)
-            rows.push_back(parts.dofs_per_grain() * (std::lower_bound(begin, assembled.grains.end(), grain) - begin) +
-                           k);
+        for (const Index grain : subdomain.grains) {
+          const Index place = std::ranges::lower_bound(assembled.grains, grain) - assembled.grains.begin();
+          for (Index k = 0; k < d; ++k) rows.push_back(d * place + k);
+        }
       }
       return whole;
     });
@@ -123,6 +119,18 @@ class InterfaceOperator::Implementation {
                          [&](Index e) { locals[nscdd::at(e)].emplace(*preparation->locals[nscdd::at(e)], eta); });
   }
 
+  // What f(e, M_{E,eta}) gives of every subdomain; it is called in parallel.
+  template <class Function>
+  auto of_each(const Function& f) const {
+    std::vector<std::invoke_result_t<Function, Index, const EnrichedInertia&>> results(locals.size());
+    for_each_in_parallel(count(locals), [&](Index e) { results[nscdd::at(e)] = f(e, *locals[nscdd::at(e)]); });
+    return results;
+  }
+  // V_E = M_{E,eta}^-1 A_E^T F
+  Vector velocities(Index e, const EnrichedInertia& local, const Vector& f) const {
+    return local.solve(preparation->parts.interface.distribute(e, f));
+  }
+
   // Of X_0. The ranks do not depend on masses, as the size of an eigenvalue of X_0 does.
   const MatrixRank& ranks() const {
     return preparation->nullity.get([this] {
@@ -131,7 +139,7 @@ class InterfaceOperator::Implementation {
       Index local = 0;
       bool unclear = false;
       for (const Subdomain& subdomain : parts.subdomains) {
-        const MatrixRank rank = rank_of(parts, subdomain);
+        const MatrixRank rank = rigid_rank({parts.dofs_per_grain(), subdomain.centres, subdomain.inertia, subdomain.h});
         local += rank.value;
         unclear |= !rank.clear;
       }
@@ -162,25 +170,21 @@ const Vector& InterfaceOperator::scale() const { return implementation_->prepara
 const SparseMatrix& InterfaceOperator::generic() const {
   return implementation_->preparation->generic.get([this] {
     const std::vector<Gluing>& gluing = decomposition().interface.gluing();
+    const Vector& inertia = implementation_->preparation->row_inertia;
     const Index d = decomposition().dofs_per_grain();
     const auto same = [](const GrainCopy& a, const GrainCopy& b) { return a.subdomain == b.subdomain ? 1.0 : 0.0; };
     SparseEntries entries;
     for (Index row = 0; row < count(gluing); ++row) {
       const Gluing& own = gluing[at(row)];
-      const auto add = [&](Index other, double sum_of_signs) {
-        for (Index k = 0; k < d && sum_of_signs != 0; ++k)
-          entries.add(d * row + k, d * other + k,
-                      sum_of_signs / implementation_->preparation->row_inertia[d * row + k]);
-      };
-      const auto add_other = [&](Index other) {
+      Index other = row;
+      while (other > 0 && gluing[at(other - 1)].grain == own.grain) --other;
+      for (; other < count(gluing) && gluing[at(other)].grain == own.grain; ++other) {
         const Gluing& met = gluing[at(other)];
-        add(other, same(own.first, met.first) + same(own.second, met.second) - same(own.first, met.second) -
-                       same(own.second, met.first));
-      };
-      add(row, 2);
-      for (Index other = row - 1; other >= 0 && gluing[at(other)].grain == own.grain; --other) add_other(other);
-      for (Index other = row + 1; other < count(gluing) && gluing[at(other)].grain == own.grain; ++other)
-        add_other(other);
+        const double signs = same(own.first, met.first) + same(own.second, met.second) - same(own.first, met.second) -
+                             same(own.second, met.first);
+        for (Index k = 0; k < d && signs != 0; ++k)
+          entries.add(d * row + k, d * other + k, signs / inertia[d * row + k]);
+      }
     }
     return entries.matrix(rows(), rows());
   });
@@ -188,33 +192,25 @@ const SparseMatrix& InterfaceOperator::generic() const {
 
 Vector InterfaceOperator::apply(const Vector& f) const {
   if (std::isinf(flexibility())) return generic() * f;
-  const auto& locals = implementation_->locals;
-  std::vector<Vector> velocities(locals.size());
-  for_each_in_parallel(count(locals), [&](Index e) {
-    velocities[at(e)] = locals[at(e)]->solve(decomposition().interface.distribute(e, f));
-  });
-  return decomposition().interface.exchange(velocities);
+  return decomposition().interface.exchange(implementation_->of_each(
+      [&](Index e, const EnrichedInertia& local) { return implementation_->velocities(e, local, f); }));
 }
 
 double InterfaceOperator::slope(const Vector& f) const {
   if (flexibility() == 0 || std::isinf(flexibility())) return 0;
-  const auto& locals = implementation_->locals;
-  std::vector<double> terms(locals.size());
-  for_each_in_parallel(count(locals), [&](Index e) {
-    const Vector v = locals[at(e)]->solve(decomposition().interface.distribute(e, f));
-    const Vector links = decomposition().subdomains[at(e)].h.transpose() * v;
-    terms[at(e)] = links.squaredNorm() / flexibility();
+  const auto terms = implementation_->of_each([&](Index e, const EnrichedInertia& local) {
+    const Vector links = decomposition().subdomains[at(e)].h.transpose() * implementation_->velocities(e, local, f);
+    return links.squaredNorm() / flexibility();
   });
   return decomposition().interface.processes().sum(std::accumulate(terms.begin(), terms.end(), 0.0));
 }
 
 const Matrix& InterfaceOperator::dense() const {
   return implementation_->dense.get([this] {
-    const auto& locals = implementation_->locals;
-    std::vector<Matrix> condensed(locals.size());
-    for_each_in_parallel(count(locals), [&](Index e) { condensed[at(e)] = locals[at(e)]->condense(); });
+    const auto condensed =
+        implementation_->of_each([](Index, const EnrichedInertia& local) { return local.condense(); });
     Matrix x = Matrix::Zero(rows(), rows());
-    for (std::size_t e = 0; e < locals.size(); ++e) {
+    for (std::size_t e = 0; e < condensed.size(); ++e) {
       const auto& touched = implementation_->preparation->locals[e]->rows();
       x(touched, touched) += condensed[e];
     }
@@ -237,9 +233,7 @@ bool InterfaceOperator::nullity_is_clear() const { return flexibility() > 0 || i
 double InterfaceOperator::uncertainty() const {
   if (flexibility() > 0) return 0;
   if (!nullity_is_clear()) return infinity;
-  const auto& locals = implementation_->locals;
-  std::vector<double> own(locals.size());
-  for_each_in_parallel(count(locals), [&](Index e) { own[at(e)] = locals[at(e)]->uncertainty(); });
+  const auto own = implementation_->of_each([](Index, const EnrichedInertia& local) { return local.uncertainty(); });
   return decomposition().interface.processes().maximum(
       std::accumulate(own.begin(), own.end(), 0.0, [](double a, double b) { return std::max(a, b); }));
 }
@@ -251,7 +245,7 @@ Vector InterfaceOperator::solve_generic(const Vector& g) const {
 }
 
 Vector InterfaceOperator::solve(const Vector& g) const {
-  const double eta = implementation_->eta;
+  const double eta = flexibility();
   if (eta == 0) throw Error("interface operator: the rigid limit (eta = 0) has no inverse");
   if (std::isinf(eta)) return solve_generic(g);
   const auto& subdomains = decomposition().subdomains;
@@ -275,7 +269,7 @@ Vector InterfaceOperator::solve(const Vector& g) const {
 }
 
 // The pencil S - sigma P at sigma = 0 is S, for any P: the inertia alone costs least. It holds operators of its own,
-// because what it holds must not hold it.
+// not this one, which holds it.
 Vector InterfaceOperator::solve_on_interface(const Vector& g) const {
   const auto preparation = implementation_->preparation;
   if (!preparation->inertia.analyse)
