@@ -159,4 +159,15 @@ Matrix EnrichedInertia::condense() const {
   return 0.5 * (condensed + condensed.transpose());
 }
 
+double stiffest(const Decomposition& parts) {
+  double bound = 0;
+  for (const Subdomain& subdomain : parts.subdomains) {
+    if (subdomain.h.cols() == 0) continue;
+    const SparseMatrix a = over_rows(subdomain.h.cwiseAbs(), subdomain.inertia.cwiseSqrt());
+    const Vector rows = a * Vector::Ones(a.cols());
+    bound = std::max(bound, (a.transpose() * rows).maxCoeff());
+  }
+  return parts.interface.processes().maximum(bound);
+}
+
 }  // namespace nscdd

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "ddm/rigid_motions.hpp"
+#include "linalg/sparse_entries.hpp"
 #include <nscdd/ddm/decomposition.hpp>
 
 namespace nscdd {
@@ -33,5 +34,20 @@ struct RigidSystem {
 };
 
 RigidSystem rigid_system(const Decomposition& parts);
+
+/// Entries of the lower triangle of both matrices of a family of saddle points, see shifted_pencil.hpp.
+struct SaddleEntries {
+  SparseEntries inertia, stiffness;
+  void add(Index row, Index column, double in_inertia, double in_stiffness) {
+    inertia.add(row, column, in_inertia);
+    stiffness.add(row, column, in_stiffness);
+  }
+};
+
+/// The block of the rigid limit: bodies that are no hubs, then the early impulses, and the hubs with the late impulses
+/// of their subdomain among the border rows. A body that is condensed has no rows: impulses i and j that act on a
+/// motion of mass m have -h_i h_j / m between them.
+void add_rigid(SaddleEntries& entries, const RigidSystem& system, Index first_impulse, Index first_hub,
+               Index interface);
 
 }  // namespace nscdd

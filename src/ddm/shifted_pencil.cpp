@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/shifted_pencil.hpp"
 
-#include "ddm/saddle_entries.hpp"
-
 #include <numeric>
 
 namespace nscdd {
@@ -24,6 +22,38 @@ struct Sizes {
     }
   }
 };
+
+// M_E on the diagonal and A_E in the interface rows.
+void add_inertia_and_gluing(SaddleEntries& entries, const Subdomain& subdomain, Index first, Index interface) {
+  for (Index i = 0; i < subdomain.inertia.size(); ++i) entries.add(first + i, first + i, subdomain.inertia[i], 0);
+  for_entries(subdomain.a, [&](Index i, Index j, double value) { entries.add(interface + i, first + j, value, 0); });
+}
+
+// The block of one decomposition: M_E and K_E = H_E H_E^T from a row on, and A_E in the interface rows.
+void add_condensed(SaddleEntries& entries, const Decomposition& parts, Index first, Index interface) {
+  for (const Subdomain& subdomain : parts.subdomains) {
+    add_inertia_and_gluing(entries, subdomain, first, interface);
+    const SparseMatrix stiffness = SparseMatrix(subdomain.h * subdomain.h.transpose());
+    for_entries(stiffness, [&](Index i, Index j, double value) {
+      if (i >= j) entries.add(first + i, first + j, 0, value);
+    });
+    first += stiffness.cols();
+  }
+}
+
+// M_E and A_E, with the contact impulses behind all grains: H_E^T in their rows, -1 to be multiplied by epsilon.
+void add_augmented(SaddleEntries& entries, const Decomposition& parts, Index first_impulse, Index interface) {
+  Index first = 0;
+  for (const Subdomain& subdomain : parts.subdomains) {
+    add_inertia_and_gluing(entries, subdomain, first, interface);
+    for (Index c = 0; c < subdomain.h.cols(); ++c, ++first_impulse) {
+      entries.add(first_impulse, first_impulse, 0, -1);
+      for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e)
+        entries.add(first_impulse, first + e.row(), e.value(), 0);
+    }
+    first += subdomain.inertia.size();
+  }
+}
 
 }  // namespace
 
@@ -102,7 +132,7 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
       one->reserve(
           at(of_system.entries + (generic ? b.preconditioner.generic().nonZeros() : of_preconditioner.entries)));
   if (rigid) {
-    add_rigid(entries, *rigid, {grain_rows, border, interface});
+    add_rigid(entries, *rigid, grain_rows, border, interface);
   } else if (form == SystemForm::augmented) {
     add_augmented(entries, system, grain_rows, interface);
   } else {
@@ -223,14 +253,9 @@ Vector ShiftedPencil::residual(const Vector& x, const Vector& g) const {
   return border_residual(*refinement_, x, g, matrices_->processes());
 }
 
-ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, SystemForm form, const InertiaMethod& method)
-    : matrices_(std::make_shared<const SaddlePointFamily>(b, form, nullptr)),
-      method_name_(method.name),
-      factors_(method.analyse(matrices_->pattern())) {}
-
-ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, std::shared_ptr<const RigidSystem> rigid,
-                                         const InertiaMethod& method)
-    : matrices_(std::make_shared<const SaddlePointFamily>(b, SystemForm::rigid, std::move(rigid))),
+ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, SystemForm form, const InertiaMethod& method,
+                                         std::shared_ptr<const RigidSystem> rigid)
+    : matrices_(std::make_shared<const SaddlePointFamily>(b, form, std::move(rigid))),
       method_name_(method.name),
       factors_(method.analyse(matrices_->pattern())) {}
 

@@ -82,12 +82,10 @@ class ShiftedPencil {
 class ShiftedPencilFamily {
  public:
   /// S and P from the operators of `b`; their flexibilities do not matter but for eta being infinite or not.
-  /// `method`: what factorises the saddle-point matrices.
+  /// `method`: what factorises the saddle-point matrices. `rigid`: the limit of S, for `SystemForm::rigid` only.
   explicit ShiftedPencilFamily(const Contraction& b, SystemForm form = SystemForm::condensed,
-                               const InertiaMethod& method = multifrontal());
-  /// The same in the rigid limit of S, in `SystemForm::rigid`.
-  ShiftedPencilFamily(const Contraction& b, std::shared_ptr<const RigidSystem> rigid,
-                      const InertiaMethod& method = multifrontal());
+                               const InertiaMethod& method = multifrontal(),
+                               std::shared_ptr<const RigidSystem> rigid = {});
 
   /// Whether the family was made for the decompositions, the kind of eta of `b`, this form and this method.
   bool serves(const Contraction& b, SystemForm form = SystemForm::condensed,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "spectra/radius_curve.hpp"
 
-#include "ddm/stiffest.hpp"
 #include "linalg/moebius.hpp"
 #include "spectra/spectrum_memory.hpp"
 
@@ -172,6 +171,10 @@ CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveA
   set_slope(ends[high], b, plain.mode_min, axis);
   point.ends = ends;
   return point;
+}
+
+double inverse_at_most(const InterfaceOperator& x, const Vector& g) {
+  return generic_at_most(x) * std::max(0.0, g.dot(x.solve_generic(g)));
 }
 
 double uncertainty(const CurveLaw& law, const CurvePoint& point) {

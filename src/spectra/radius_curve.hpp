@@ -34,6 +34,9 @@ struct CurveLaw {
 /// vector, and one local solve per subdomain.
 CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveAxis axis);
 
+/// An upper bound of g^T X_eta^-1 g, eta > 0, without a solve with X_eta: X_inf^-1 times `generic_at_most`.
+double inverse_at_most(const InterfaceOperator& x, const Vector& g);
+
 /// Uncertainty of the radius at a point, from its ends. No band is narrower there.
 double uncertainty(const CurveLaw& law, const CurvePoint& point);
 

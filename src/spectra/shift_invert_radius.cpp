@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/stiffest.hpp"
+#include "ddm/enriched_inertia.hpp"
 #include "linalg/threads.hpp"
 #include "spectra/spectrum_memory.hpp"
 
@@ -96,30 +96,18 @@ void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) 
   visited.push_back({point.epsilon, point.eta, kept(ends.smallest), kept(ends.largest)});
 }
 
-// How the subdomains of S are held: in the rigid form by what is known of its limit.
-struct HeldSystem {
-  SystemForm form = SystemForm::condensed;
-  std::shared_ptr<const RigidSystem> rigid = {};
-};
-
 // The family of this problem. What another problem has left in the memory is thrown away.
-const ShiftedPencilFamily& family_for(const Contraction& b, const HeldSystem& held, const InertiaMethod& method,
-                                      PencilMemory& memory) {
+const ShiftedPencilFamily& family_for(const Contraction& b, const InertiaMethod& method, PencilMemory& memory,
+                                      SystemForm form, const std::shared_ptr<const RigidSystem>& rigid = {}) {
   std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(b.preconditioner.flexibility()) ? 1 : 0];
-  if (family && !family->serves(b, held.form, method)) memory = {};
-  if (!family) {
-    if (held.rigid)
-      family.emplace(b, held.rigid, method);
-    else
-      family.emplace(b, held.form, method);
-  }
+  if (family && !family->serves(b, form, method)) memory = {};
+  if (!family) family.emplace(b, form, method, rigid);
   return *family;
 }
 
-Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& spectral, PencilMemory& memory,
-               const HeldSystem& held) {
+Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& spectral,
+               const ShiftedPencilFamily& family, PencilMemory& memory) {
   using Visited = PencilMemory::Visited;
-  const ShiftedPencilFamily& family = family_for(b, held, spectral.inertia, memory);
   const EndOptions options{
       .tolerance = spectral.tolerance, .eigenvalues = spectral.eigenvalues, .certify = spectral.certify};
   const auto find = [&](SpectrumEnd end, PencilMemory::End Visited::*same) {
@@ -137,11 +125,14 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOpt
 // beyond about a thousand times the rounding, see ShiftedPencil::reliable.
 Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& options,
                         PencilMemory& memory) {
-  const Ends ends = find_ends(b, point, options, memory, {SystemForm::condensed});
+  const auto find_by = [&](SystemForm form, PencilMemory& known) {
+    return find_ends(b, point, options, family_for(b, options.inertia, known, form), known);
+  };
+  const Ends ends = find_by(SystemForm::condensed, memory);
   const auto done = [&](const Ends& some) { return some.converged() && (!options.certify || some.certified()); };
   if (done(ends) || 1e3 * point.rounding < 0.3 * options.tolerance) return ends;
   PencilMemory own;
-  const Ends again = find_ends(b, point, options, own, {SystemForm::augmented});
+  const Ends again = find_by(SystemForm::augmented, own);
   return done(again) ? again : ends;
 }
 
@@ -213,9 +204,8 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   if (!limit || &limit->met.decomposition() != &b.system.decomposition())
     limit.emplace(RigidLimit{b.system, std::make_shared<const RigidSystem>(rigid_system(b.system.decomposition())),
                              std::nullopt});
-  const HeldSystem held{SystemForm::rigid, limit->system};
   PencilPoint point = known_bounds(b);
-  const ShiftedPencilFamily& family = family_for(b, held, options.inertia, memory.rigid);
+  const ShiftedPencilFamily& family = family_for(b, options.inertia, memory.rigid, SystemForm::rigid, limit->system);
   Index factorisations = 0;
   const Index processes = b.system.decomposition().interface.processes().size;
   if (!limit->kernel && b.system.decomposition().contacts > ranks_up_to / processes)
@@ -233,7 +223,7 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert", std::isfinite(limit->system->tilt));
   SpectralRadius result =
-      report(b, find_ends(b, point, options, memory.rigid, held), point.kernel, limit->system->tilt, options);
+      report(b, find_ends(b, point, options, family, memory.rigid), point.kernel, limit->system->tilt, options);
   result.factorisations += factorisations;
   return result;
 }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "core/memory.hpp"
-#include "ddm/stiffest.hpp"
+#include "ddm/enriched_inertia.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
-#include "spectra/first_answer.hpp"
 #include "spectra/spectrum_memory.hpp"
 
 #include <Eigen/Cholesky>
@@ -130,10 +129,13 @@ void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_m
   result.value = std::max(std::abs(result.eigenvalue_min), std::abs(result.eigenvalue_max));
 }
 
+double generic_at_most(const InterfaceOperator& p) {
+  return std::isinf(p.flexibility()) ? 1.0 : 1 + stiffest(p.decomposition()) / p.flexibility();
+}
+
 double moved_by(double t, double lambda, const InterfaceOperator& p) {
   if (t == 0) return 0;
-  const double side =
-      t * (std::isinf(p.flexibility()) ? 1 : std::sqrt(1 + stiffest(p.decomposition()) / p.flexibility()));
+  const double side = t * std::sqrt(generic_at_most(p));
   return side * (2 * std::sqrt(std::max(0.0, lambda)) + side);
 }
 

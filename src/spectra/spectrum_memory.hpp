@@ -4,6 +4,8 @@
 #include "spectra/pencil_end.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 
+#include <fmt/format.h>
+
 namespace nscdd {
 
 /// What one point of a sweep leaves to the next: the elimination order of the shifted pencil, and the ends found last
@@ -66,14 +68,46 @@ inline double lost_to_rounding(const Contraction& b) {
   return 4e-16 * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.flexibility());
 }
 
+/// An upper bound x of X_infinity over P = X_eta: x = 1 + L / eta, L = stiffest, for M_E + K_E / eta <= x M_E.
+double generic_at_most(const InterfaceOperator& p);
+
 /// By how much an eigenvalue lambda of (S, P) may be off where S is the rigid limit and uncertain by t, in units of
 /// X_infinity (InterfaceOperator::uncertainty): |sqrt(lambda') - sqrt(lambda)| <= t sqrt(x), because f^T S f is a
-/// squared length that changes by t^2 f^T X_infinity f at most, and x = 1 + L / eta bounds X_infinity over P = X_eta, L
-/// the largest eigenvalue of all M_E^-1 K_E.
+/// squared length that changes by t^2 f^T X_infinity f at most; x is `generic_at_most`.
 double moved_by(double t, double lambda, const InterfaceOperator& p);
 
 inline bool accurate(const SpectralRadius& radius, double tolerance) {
   return radius.residual <= tolerance * std::max(1.0, radius.value);
+}
+
+/// Result of the first solver of a choice that `answers`, tried in order. If none does, the most informative result,
+/// with the reason of each in `failure`, and with all of them in `solver` unless it converged. `solve(solver)` is a
+/// SpectralRadius or a MapRadius, whose `failure` may say why it has no answer.
+template <class Solve, class Answers>
+auto first_answer(const SolverChoice& choice, double tolerance, Solve&& solve, Answers&& answers) {
+  const auto reason = [&](const auto& one) -> std::string {
+    if (!one.failure.empty()) return one.failure;
+    if (one.converged) return "its answer is not proved";
+    if (one.residual <= tolerance * std::max(1.0, std::abs(one.value))) return "it has not converged";
+    return fmt::format("residual {:.1e} above the tolerance {:.1e}", one.residual, tolerance);
+  };
+  const auto says_more = [](const auto& first, const auto& second) {
+    if (first.converged != second.converged) return second.converged;
+    return second.residual < first.residual || (std::isnan(first.residual) && !std::isnan(second.residual));
+  };
+  auto best = solve(choice.solver);
+  if (answers(best)) return best;
+  std::string tried = best.solver, failures = fmt::format("{}: {}", best.solver, reason(best));
+  for (const SpectralSolver solver : choice.fallbacks) {
+    auto next = solve(solver);
+    if (answers(next)) return next;
+    tried += "+" + next.solver;
+    failures += fmt::format("; {}: {}", next.solver, reason(next));
+    if (says_more(best, next)) best = std::move(next);
+  }
+  if (!best.converged) best.solver = tried;
+  best.failure = failures;
+  return best;
 }
 
 }  // namespace nscdd

@@ -6,7 +6,7 @@
 #include "linalg/pencil.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
-#include "spectra/first_answer.hpp"
+#include "spectra/spectrum_memory.hpp"
 
 namespace nscdd {
 namespace {

@@ -3,7 +3,7 @@
 #include "spectra/radius_curve.hpp"
 
 #include "../support/problems.hpp"
-#include "ddm/stiffest.hpp"
+#include "ddm/enriched_inertia.hpp"
 #include "linalg/moebius.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/linear/curve.hpp"
 
-#include "ddm/stiffest.hpp"
+#include "ddm/enriched_inertia.hpp"
 #include "spectra/spectrum_memory.hpp"
 #include "study/linear/sweep_points.hpp"
 
