@@ -72,13 +72,7 @@ PreparedStep<D> prepare_solution(const Simulation& simulation) {
   }
   GranularTwoStage<D> iteration(std::move(parts), problem.law, solver, enriched);
   iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
-  if (switches_models(simulation)) {
-    typename GranularTwoStage<D>::Grains grains{{}, simulation.system.radius};
-    for (std::size_t i = 0; i < at(simulation.system.grains()); ++i)
-      grains.centre.push_back({simulation.state.x[i], simulation.state.y[i]});
-    iteration.switch_models(solver.warm_start ? simulation.state.models : std::vector<RememberedModel>{}, problem.scale,
-                            grains);
-  }
+  if (switches_models(simulation)) iteration.switch_models(simulation.system, simulation.state, problem.scale);
   return {std::move(problem),  std::move(partition), std::move(share), std::move(enriched), report,
           std::move(iteration)};
 }

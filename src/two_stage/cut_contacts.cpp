@@ -141,11 +141,6 @@ Vector CutContacts<D>::apply(const Vector& f) const {
 }
 
 template <int D>
-Vector CutContacts<D>::precondition(const Vector& g) const {
-  return preconditioner_->solve(g);
-}
-
-template <int D>
 Matrix CutContacts<D>::dense() const {
   Matrix s = Matrix::Zero(parts_.interface_size(), parts_.interface_size());
   for (Index i = 0; i < count(parts_.subdomains); ++i) {

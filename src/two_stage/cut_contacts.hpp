@@ -47,9 +47,9 @@ class CutContacts {
 
   const Decomposition& decomposition() const { return parts_; }
   const std::vector<ContactRelation<D>>& relations() const { return relations_; }
-  Vector apply(const Vector& f) const;         ///< S F
-  Vector precondition(const Vector& g) const;  ///< P^-1 g
-  Matrix dense() const;                        ///< S
+  Vector apply(const Vector& f) const;                                              ///< S F
+  Vector precondition(const Vector& g) const { return preconditioner_->solve(g); }  ///< P^-1 g
+  Matrix dense() const;                                                             ///< S
   const std::optional<InterfaceOperator>& preconditioner() const { return preconditioner_; }
 
   /// Counts since the beginning.

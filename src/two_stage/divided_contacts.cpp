@@ -27,16 +27,6 @@ void append(const ContactRows<D>& from, std::size_t k, ContactRows<D>& to) {
   if (!from.pull.empty()) to.pull.push_back(from.pull[k]);
 }
 
-// What grew has room for twice as much.
-template <int D>
-void shrink(std::vector<Index>& numbers, ContactRows<D>& contacts) {
-  numbers.shrink_to_fit();
-  contacts.rows.shrink_to_fit();
-  contacts.impulses.shrink_to_fit();
-  contacts.bias_t.shrink_to_fit();
-  contacts.pull.shrink_to_fit();
-}
-
 }  // namespace
 
 template <int D>
@@ -61,7 +51,7 @@ DividedContacts<D>::DividedContacts(const StepProblem<D>& problem, const Partiti
     }
     bodies_.push_back(std::move(subdomain.bodies));
     subdomain = {};
-    for (Coloured& own : coloured_[e]) shrink(own.numbers, own.contacts);
+    for (Coloured& own : coloured_[e]) own = Coloured(own);  // what grew has room for twice as much, a copy has not
   }
   std::vector<std::vector<Index>> copy_of;  // of each body of a subdomain, -1 where there is but one
   for (const auto& bodies : bodies_) copy_of.emplace_back(bodies.size(), -1);

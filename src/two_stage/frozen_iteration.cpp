@@ -100,7 +100,7 @@ FrozenIteration<D>::FrozenIteration(GranularDecomposition<D> parts, std::vector<
   Index row = size;
   for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
     for_each_turning(subdomain, frozen_, [&](std::size_t k) {
-      const GrainContact<D> c = subdomain.contacts.contact(k, subdomain.velocities);
+      const GrainContact<D> c = subdomain.contact(k);
       root.push_back(1 / std::sqrt(c.inverse_w.inverse_t));
       const FrozenContact<D>& now = frozen_[at(subdomain.numbers[k])];
       impulses.add(row, turning[at(row - size)], std::sqrt(now.turning) * root.back());

@@ -6,12 +6,13 @@
 namespace nscdd {
 
 template <int D>
-FrozenContact<D> frozen_as(ContactStatus status, const GrainContact<D>& contact, GrainVelocities<D> velocities) {
+FrozenContact<D> frozen_as(ContactStatus status, const GranularSubdomain<D>& subdomain, std::size_t k) {
+  const GrainContact<D> contact = subdomain.contact(k);
   FrozenContact<D> result{.status = status};
   if constexpr (D == 2) {
     result.slope = sliding_slope(status, contact.friction);
   } else if (slides(status)) {
-    const LocalVector<3> z = stopping_impulse<3>(contact, velocities);
+    const LocalVector<3> z = stopping_impulse<3>(contact, subdomain.velocities);
     if (const double size = norm(z.t); size > 0) {
       result.slope = (contact.friction / size) * z.t;
       result.turning = std::clamp(contact.friction * (z.n + contact.pull) / size, 0.0, 1.0);
@@ -25,11 +26,8 @@ std::vector<FrozenContact<D>> frozen_contacts(const GranularDecomposition<D>& pa
                                               const std::vector<ContactStatus>& statuses) {
   std::vector<FrozenContact<D>> result(statuses.size());
   for (const GranularSubdomain<D>& subdomain : parts.subdomains)
-    for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
-      const std::size_t number = at(subdomain.numbers[k]);
-      result[number] =
-          frozen_as<D>(statuses[number], subdomain.contacts.contact(k, subdomain.velocities), subdomain.velocities);
-    }
+    for (std::size_t k = 0; k < subdomain.numbers.size(); ++k)
+      result[at(subdomain.numbers[k])] = frozen_as(statuses[at(subdomain.numbers[k])], subdomain, k);
   return result;
 }
 
@@ -54,7 +52,7 @@ FrozenNetwork frozen_network(const GranularSubdomain<D>& subdomain, const std::v
   for (std::size_t k = 0; k < frozen.size(); ++k) {
     const FrozenContact<D>& now = frozen[k];
     if (now.status == ContactStatus::open) continue;
-    const GrainContact<D> c = subdomain.contacts.contact(k, subdomain.velocities);
+    const GrainContact<D> c = subdomain.contact(k);
     const auto put = [&](LocalVector<D> impulse, LocalVector<D> rest, double flexible = 0) {
       impulses.add(c.normal, network.rows[at(c.a)], network.rows[at(c.b)], impulse);
       resting.add(c.normal, network.rows[at(c.a)], network.rows[at(c.b)], rest);
@@ -78,8 +76,8 @@ FrozenNetwork frozen_network(const GranularSubdomain<D>& subdomain, const std::v
   return network;
 }
 
-template FrozenContact<2> frozen_as(ContactStatus, const GrainContact<2>&, GrainVelocities<2>);
-template FrozenContact<3> frozen_as(ContactStatus, const GrainContact<3>&, GrainVelocities<3>);
+template FrozenContact<2> frozen_as(ContactStatus, const GranularSubdomain<2>&, std::size_t);
+template FrozenContact<3> frozen_as(ContactStatus, const GranularSubdomain<3>&, std::size_t);
 template std::vector<FrozenContact<2>> frozen_contacts(const GranularDecomposition<2>&,
                                                        const std::vector<ContactStatus>&);
 template std::vector<FrozenContact<3>> frozen_contacts(const GranularDecomposition<3>&,

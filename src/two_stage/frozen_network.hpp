@@ -6,11 +6,11 @@
 
 namespace nscdd {
 
-/// A contact frozen at a status, for small changes about the impulses and velocities that it has. The plane needs the
-/// status alone. In space a contact that slides has the direction d and the `turning` of a FrozenContact at
+/// Contact k of a subdomain frozen at a status, for small changes about its impulse and velocity. The plane needs only
+/// the status. In space a contact that slides has the direction d and the `turning` of a FrozenContact at
 /// z = r - W^-1 (v + bias), the impulse that would stop it (docs/theory.md, section 9).
 template <int D>
-FrozenContact<D> frozen_as(ContactStatus status, const GrainContact<D>& contact, GrainVelocities<D> velocities);
+FrozenContact<D> frozen_as(ContactStatus status, const GranularSubdomain<D>& subdomain, std::size_t k);
 
 /// All contacts of a step, in its numbers, at the present impulses and velocities of their subdomains.
 template <int D>

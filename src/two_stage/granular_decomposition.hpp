@@ -16,6 +16,14 @@ struct GranularSubdomain {
   std::vector<Index> numbers;  ///< of the contacts in the step problem
   ContactRows<D> contacts;
   std::vector<GrainVelocity<D>> velocities;
+
+  GrainContact<D> contact(std::size_t k) const { return contacts.contact(k, velocities); }
+  /// Open, stick or slide: each contact at its present impulse.
+  std::vector<ContactStatus> statuses(const ContactLaw& law) const {
+    std::vector<ContactStatus> result;
+    for (std::size_t k = 0; k < contacts.size(); ++k) result.push_back(status_of(law, contact(k)));
+    return result;
+  }
 };
 
 /// A step cut in the FETI way: contacts are distributed, and shared free grains are split and glued by a

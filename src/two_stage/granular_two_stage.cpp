@@ -74,8 +74,8 @@ SweepSums GranularTwoStage<D>::sweeps(GranularSubdomain<D>& subdomain) const {
 }
 
 template <int D>
-void GranularTwoStage<D>::switch_models(const std::vector<RememberedModel>& before, double scale,
-                                        const Grains& grains) {
+void GranularTwoStage<D>::switch_models(const GranularSystem& system, const GranularState& state, double scale) {
+  const auto before = solver_.warm_start ? state.models : std::vector<RememberedModel>{};
   if (!before.empty() && before.size() != parts_.subdomains.size())
     throw Error("models: expected one per subdomain of this step, met another number");
   if (D == 3 && solver_.model == SwitchedModel::homogenised)
@@ -84,9 +84,11 @@ void GranularTwoStage<D>::switch_models(const std::vector<RememberedModel>& befo
     SwitchRules rules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale), solver_.switch_cells};
     if (solver_.model == SwitchedModel::homogenised)
       for (const Index i : parts_.subdomains[at(e)].bodies) {
-        const bool grain = i < count(grains.radius);  // otherwise the body of a wall
-        rules.bodies.push_back({grain ? grains.centre[at(i)] : std::array{0.0, 0.0}, grain ? grains.radius[at(i)] : 0.0,
-                                parts_.interface.multiplicity(i) > 1});
+        PlacedBody& body = rules.bodies.emplace_back();
+        body.kept = parts_.interface.multiplicity(i) > 1;
+        if (i >= system.grains()) continue;  // the body of a wall
+        body.centre = {state.x[at(i)], state.y[at(i)]};
+        body.radius = system.radius[at(i)];
       }
     switches_.emplace_back(parts_, e, law_, rules, before.empty() ? 0 : before[at(e)].standing);
   }
@@ -97,10 +99,8 @@ std::vector<SweepSums> GranularTwoStage<D>::stage_one() {
   std::vector<SweepSums> sums(parts_.subdomains.size());
   const auto discrete = [&](GranularSubdomain<D>& subdomain) { return sweeps(subdomain); };
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
-    GranularSubdomain<D>& subdomain = parts_.subdomains[at(e)];
-    sums[at(e)] = switches_.empty()
-                      ? sweeps(subdomain)
-                      : switches_[at(e)].stage_one(subdomain, discrete, {parts_.interface, e, interface_impulses_});
+    sums[at(e)] = switches_.empty() ? sweeps(parts_.subdomains[at(e)])
+                                    : switches_[at(e)].stage_one(parts_, discrete, interface_impulses_);
   });
   sweeps_ += solver_.gauss_seidel_sweeps;
   return sums;
@@ -111,35 +111,6 @@ Index GranularTwoStage<D>::contact_updates() const {
   Index contacts = 0;
   for (const GranularSubdomain<D>& subdomain : parts_.subdomains) contacts += subdomain.contacts.size();
   return sweeps_ * contacts;
-}
-
-template <int D>
-Vector GranularTwoStage<D>::summed(Eigen::MatrixXd parts) const {
-  return parts_.interface.processes().sum_of_parts(std::move(parts));
-}
-
-template <int D>
-double GranularTwoStage<D>::dot(const Vector& f, const Vector& g) const {
-  Eigen::MatrixXd parts(1, count(parts_.subdomains));
-  for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = parts_.interface.part_of_dot(e, f, g);
-  return summed(std::move(parts))[0];
-}
-
-template <int D>
-double GranularTwoStage<D>::glued_speed_squared() const {
-  Eigen::MatrixXd parts(1, count(parts_.subdomains));
-  for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = parts_.glued_speed_squared(e);
-  return summed(std::move(parts))[0];
-}
-
-template <int D>
-bool GranularTwoStage<D>::enriched_now() const {
-  return enriched_ && (solver_.enrichment == Enrichment::every_iteration || iteration_ == 1);
-}
-
-template <int D>
-Vector GranularTwoStage<D>::preconditioned(const Vector& g) const {
-  return enriched_now() ? enriched_->solve(g) : parts_.generic_interface_solve(g);
 }
 
 template <int D>
@@ -180,14 +151,14 @@ void GranularTwoStage<D>::iterate() {
   std::vector<SweepSums> sums = stage_one();
   const Interface& interface = parts_.interface;
   const Index subdomains = count(parts_.subdomains);
-  Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(quantities, subdomains);
+  Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(quantities, subdomains);
   if (parts_.interface_size() > 0) {
     const Vector pushed = speeds_of_interface_impulses(parts_, interface_impulses_);
     const Vector g = enriched_now() ? parts_.all_interface_jumps() : parts_.interface_jumps();
     for_each_in_parallel(subdomains, [&](Index e) {
-      parts(jumps, e) = interface.part_of_dot(e, g, g);
+      terms(jumps, e) = interface.part_of_dot(e, g, g);
       // Where copies rest, their velocities are what rounding leaves of M_E^-1 A_E^T F.
-      parts(speeds, e) = std::max(parts_.glued_speed_squared(e),
+      terms(speeds, e) = std::max(parts_.glued_speed_squared(e),
                                   ImpulseScale::squared_rounding * interface.part_of_dot(e, pushed, pushed));
     });
     if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
@@ -200,23 +171,23 @@ void GranularTwoStage<D>::iterate() {
       }
       const Vector second = change - last_change_;
       for_each_in_parallel(subdomains, [&](Index e) {
-        parts(interface_changes, e) = interface.part_of_dot(e, change, change);
-        parts(interface_second_changes, e) = interface.part_of_dot(e, second, second);
-        parts(interface_squares, e) = interface.part_of_dot(e, interface_impulses_, interface_impulses_);
+        terms(interface_changes, e) = interface.part_of_dot(e, change, change);
+        terms(interface_second_changes, e) = interface.part_of_dot(e, second, second);
+        terms(interface_squares, e) = interface.part_of_dot(e, interface_impulses_, interface_impulses_);
       });
       last_change_ = std::move(change);
     }
   }
   for (Index e = 0; e < subdomains; ++e) {
-    parts(changes, e) = sums[at(e)].change;
-    parts(impulses, e) = sums[at(e)].impulses;
+    terms(changes, e) = sums[at(e)].change;
+    terms(impulses, e) = sums[at(e)].impulses;
   }
-  last_parts_ = std::move(parts);
+  last_terms_ = std::move(terms);
 }
 
 template <int D>
 IterationRecord GranularTwoStage<D>::record() const {
-  const Vector sum = summed(last_parts_);
+  const Vector sum = sum_of_parts(last_terms_, parts_.interface.processes());
   const double interface = at_least(impulse_floor_squared_, sum[interface_squares]);
   // Copies may come to rest, or an impact may set them going: the larger speed is the scale.
   return {.iteration = iteration_,
@@ -230,11 +201,11 @@ IterationRecord GranularTwoStage<D>::record() const {
 
 template <int D>
 ContactResidual GranularTwoStage<D>::residual() const {
-  std::vector<ContactResidual> parts(parts_.subdomains.size());
+  std::vector<ContactResidual> residuals(parts_.subdomains.size());
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
-    parts[at(e)] = contact_residual(law_, parts_.subdomains[at(e)].contacts, parts_.subdomains[at(e)].velocities);
+    residuals[at(e)] = contact_residual(law_, parts_.subdomains[at(e)].contacts, parts_.subdomains[at(e)].velocities);
   });
-  ContactResidual sum = added_up(parts, parts_.interface.processes());
+  ContactResidual sum = added_up(residuals, parts_.interface.processes());
   sum.scale = parts_.scale;
   return sum;
 }
@@ -244,8 +215,7 @@ std::vector<RememberedModel> GranularTwoStage<D>::models() const {
   std::vector<RememberedModel> result(switches_.size());
   const auto discrete = [&](GranularSubdomain<D>& subdomain) { return sweeps(subdomain); };
   for (Index e = 0; e < count(switches_); ++e)
-    result[at(e)] =
-        switches_[at(e)].report(parts_.subdomains[at(e)], discrete, {parts_.interface, e, interface_impulses_});
+    result[at(e)] = switches_[at(e)].report(parts_, discrete, interface_impulses_);
   return result;
 }
 

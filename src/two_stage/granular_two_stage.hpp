@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "core/sum_of_parts.hpp"
 #include "two_stage/model_switch.hpp"
 
 namespace nscdd {
@@ -48,15 +49,9 @@ class GranularTwoStage {
   Vector state() const;
   void restart(const Vector& z);
 
-  /// Where disks are, m, and how large.
-  struct Grains {
-    std::vector<std::array<double, 2>> centre;
-    std::span<const double> radius;
-  };
-  /// Lets subdomains become linear once their statuses have stood still, see ModelSwitch; after `start`. `before`: the
-  /// models of the step before, one per subdomain, empty if impulses start from zero. `scale`: W, 1/kg. `grains` are of
-  /// use to homogenised subdomains alone, which are in the plane.
-  void switch_models(const std::vector<RememberedModel>& before, double scale, const Grains& grains = {});
+  /// Lets subdomains become linear once their statuses have stood still, see ModelSwitch; after `start`. `state`: the
+  /// grains before the step and, for a warm start, the models of the step before. `scale`: W, 1/kg.
+  void switch_models(const GranularSystem& system, const GranularState& state, double scale);
 
   void iterate();
 
@@ -101,15 +96,25 @@ class GranularTwoStage {
     interface_squares,
     quantities
   };
-  // Sums over the subdomains, one column each, in their order, whoever has them: no bit depends on the processes.
-  Vector summed(Eigen::MatrixXd parts) const;
-  double dot(const Vector& f, const Vector& g) const;
-  double glued_speed_squared() const;
+  // The sum of term(e) over the subdomains in their order, whoever has them: no bit depends on the processes.
+  template <class Term>
+  double summed(const Term& term) const {
+    Eigen::MatrixXd terms(1, count(parts_.subdomains));
+    for (Index e = 0; e < terms.cols(); ++e) terms(0, e) = term(e);
+    return sum_of_parts(std::move(terms), parts_.interface.processes())[0];
+  }
+  double dot(const Vector& f, const Vector& g) const {
+    return summed([&](Index e) { return parts_.interface.part_of_dot(e, f, g); });
+  }
   void gather_interface_impulses();
   SweepSums sweeps(GranularSubdomain<D>& subdomain) const;
   std::vector<SweepSums> stage_one();
-  bool enriched_now() const;
-  Vector preconditioned(const Vector& jumps) const;
+  bool enriched_now() const {
+    return enriched_ && (solver_.enrichment == Enrichment::every_iteration || iteration_ == 1);
+  }
+  Vector preconditioned(const Vector& g) const {
+    return enriched_now() ? enriched_->solve(g) : parts_.generic_interface_solve(g);
+  }
   void correct(const Vector& change);
   Vector conjugate_step(const Vector& jumps, std::vector<SweepSums>& sums);
 
@@ -120,11 +125,12 @@ class GranularTwoStage {
   Vector interface_impulses_ = Vector::Zero(parts_.interface_size()), last_change_ = interface_impulses_;
   Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
   std::vector<ModelSwitch<D>> switches_;                 // of the subdomains; empty unless models are switched
-  double free_speed_squared_ = glued_speed_squared();    // |V_free|^2 over the copies of shared grains
-  double impulse_floor_squared_ = 0;                     // impulses below it are rounding of the momenta
+  // |V_free|^2 over the copies of shared grains
+  double free_speed_squared_ = summed([this](Index e) { return parts_.glued_speed_squared(e); });
+  double impulse_floor_squared_ = 0;  // impulses below it are rounding of the momenta
   Index iteration_ = 0, sweeps_ = 0;
   // Of the last record, a row per Quantity and a column per subdomain.
-  Eigen::MatrixXd last_parts_ = Eigen::MatrixXd::Zero(quantities, count(parts_.subdomains));
+  Eigen::MatrixXd last_terms_ = Eigen::MatrixXd::Zero(quantities, count(parts_.subdomains));
 };
 
 }  // namespace nscdd

@@ -47,7 +47,7 @@ void GranularTwoStage<D>::start(const std::vector<RememberedGluing>& gluing) {
   for (GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
       if (const LocalVector<D> r = subdomain.contacts.impulse(k); carries(r))
-        apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r, subdomain.velocities);
+        apply_impulse(subdomain.contact(k), r, subdomain.velocities);
   if (gluing.empty()) return;
   constexpr Index size = unknowns_of_grain<D>;
   // Along the chain of a grain, F of a row is that of the row before plus the impulse on the copy between.
@@ -90,7 +90,7 @@ void GranularTwoStage<D>::restart(const Vector& z) {
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
       const LocalVector<D> before = subdomain.contacts.impulse(k), r = component<D>(z, subdomain.numbers[k]);
       subdomain.contacts.set_impulse(k, r);
-      apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r - before, subdomain.velocities);
+      apply_impulse(subdomain.contact(k), r - before, subdomain.velocities);
     }
   correct(z.tail(parts_.interface_size()) - interface_impulses_);
   direction_.resize(0);
@@ -101,7 +101,7 @@ std::vector<ContactStatus> GranularTwoStage<D>::statuses() const {
   std::vector<ContactStatus> result(at(parts_.contacts), ContactStatus::open);
   for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      result[at(subdomain.numbers[k])] = status_of(law_, subdomain.contacts.contact(k, subdomain.velocities));
+      result[at(subdomain.numbers[k])] = status_of(law_, subdomain.contact(k));
   return result;
 }
 

@@ -8,9 +8,7 @@ template <int D>
 std::vector<FrozenContact<D>> frozen_at(const GranularSubdomain<D>& subdomain,
                                         const std::vector<ContactStatus>& statuses) {
   std::vector<FrozenContact<D>> frozen;
-  for (std::size_t k = 0; k < statuses.size(); ++k)
-    frozen.push_back(
-        frozen_as<D>(statuses[k], subdomain.contacts.contact(k, subdomain.velocities), subdomain.velocities));
+  for (std::size_t k = 0; k < statuses.size(); ++k) frozen.push_back(frozen_as(statuses[k], subdomain, k));
   return frozen;
 }
 

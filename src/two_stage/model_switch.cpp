@@ -1,39 +1,68 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "two_stage/model_switch.hpp"
 
+#include "linalg/sparse_entries.hpp"
+
+#include <Eigen/QR>
+
+#include <set>
+
 namespace nscdd {
 namespace {
 
-template <int D>
-std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubdomain<D>& subdomain) {
-  std::vector<ContactStatus> statuses;
-  statuses.reserve(subdomain.contacts.size());
-  for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-    statuses.push_back(status_of(law, subdomain.contacts.contact(k, subdomain.velocities)));
-  return statuses;
+// Independent columns of one field at the bodies: an orthonormal basis of the values times `scale`.
+Matrix basis_of(const Matrix& values, const Vector& scale) {
+  Eigen::ColPivHouseholderQR<Matrix> factors(scale.asDiagonal() * values);
+  factors.setThreshold(1e-10);
+  return factors.householderQ() * Matrix::Identity(values.rows(), factors.rank());
+}
+
+// Values of the bilinear functions of the nodes at the bodies.
+Matrix bilinear(const std::vector<PlacedBody>& bodies, const std::vector<Index>& moved,
+                const std::array<Index, 2>& cells) {
+  std::array<double, 2> low{infinity, infinity}, high{-infinity, -infinity};
+  for (const Index i : moved)
+    for (std::size_t k = 0; k < 2; ++k) {
+      low[k] = std::min(low[k], bodies[at(i)].centre[k]);
+      high[k] = std::max(high[k], bodies[at(i)].centre[k]);
+    }
+  Matrix values = Matrix::Zero(count(moved), (cells[0] + 1) * (cells[1] + 1));
+  for (Index row = 0; row < count(moved); ++row) {
+    std::array<Index, 2> cell{};
+    std::array<double, 2> place{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double extent = high[k] - low[k];
+      const double s = extent > 0 ? (bodies[at(moved[at(row)])].centre[k] - low[k]) / extent : 0.0;
+      const double scaled = s * static_cast<double>(cells[k]);
+      cell[k] = std::min(cells[k] - 1, static_cast<Index>(scaled));
+      place[k] = scaled - static_cast<double>(cell[k]);
+    }
+    for (const Index right : {0, 1})
+      for (const Index up : {0, 1})
+        values(row, (cell[1] + up) * (cells[0] + 1) + cell[0] + right) =
+            (right == 1 ? place[0] : 1 - place[0]) * (up == 1 ? place[1] : 1 - place[1]);
+  }
+  return values;
 }
 
 // Whether impulses turn with the velocities: those of contacts that slide with friction in space.
 template <int D>
 bool turns(const GranularSubdomain<D>& subdomain, const std::vector<ContactStatus>& statuses) {
   for (std::size_t k = 0; D == 3 && k < statuses.size(); ++k)
-    if (slides(statuses[k]) && subdomain.contacts.contact(k, subdomain.velocities).friction > 0) return true;
+    if (slides(statuses[k]) && subdomain.contact(k).friction > 0) return true;
   return false;
 }
 
 // Keeps the larger distances between the velocities of a model and those of the law on the copies of shared grains.
 template <int D>
 void compare(RememberedModel& record, const std::vector<GrainVelocity<D>>& model,
-             const std::vector<GrainVelocity<D>>& law, const Surroundings& around) {
+             const std::vector<GrainVelocity<D>>& law, const Interface& interface, Index subdomain, const Vector& f) {
   constexpr Index size = unknowns_of_grain<D>;
-  const Vector gluing = around.interface.distribute(around.subdomain, around.impulses);
+  const Vector gluing = interface.distribute(subdomain, f);
   double gap = 0, impulse = 0, whole = 0, momenta = 0;  // squared
-  Index before = -1, copies = 0;
-  std::vector<Index> shared;
-  for (const Tie& tie : around.interface.ties(around.subdomain)) shared.push_back(tie.grain);
-  std::ranges::sort(shared);
+  std::set<Index> shared;
+  for (const Tie& tie : interface.ties(subdomain)) shared.insert(tie.grain);
   for (const Index grain : shared) {
-    if (grain == std::exchange(before, grain)) continue;
     const GrainUnknowns<D> a = unknowns(model[at(grain)]), b = unknowns(law[at(grain)]);
     const double mass = 1 / law[at(grain)].inverse_mass;
     double apart = 0, pushed = 0;
@@ -43,7 +72,6 @@ void compare(RememberedModel& record, const std::vector<GrainVelocity<D>>& model
       pushed += k < D ? change * change : change * change / (rim_mass_ratio<D> * rim_mass_ratio<D>);
     }
     gap += apart;
-    ++copies;
     impulse += mass * mass * pushed;
     momenta += mass * mass * (squared_velocity(law[at(grain)]) + squared_rim(law[at(grain)]));
     whole += gluing.segment<size>(size * grain).squaredNorm();
@@ -51,30 +79,60 @@ void compare(RememberedModel& record, const std::vector<GrainVelocity<D>>& model
   const auto keep_larger = [](double& kept, double part, double of) {
     if (part > 0) kept = std::max(kept, std::sqrt(part / of));
   };
-  keep_larger(record.velocity_distance, gap, static_cast<double>(copies));
+  keep_larger(record.velocity_distance, gap, static_cast<double>(shared.size()));
   keep_larger(record.impulse_distance, impulse, std::max(whole, ImpulseScale::squared_rounding * momenta));
 }
 
 }  // namespace
 
+SparseMatrix coarse_velocities(const FrozenNetwork& network, const std::vector<PlacedBody>& bodies,
+                               const std::array<Index, 2>& cells) {
+  SparseEntries entries;
+  Index columns = 0;
+  std::vector<Index> moved;
+  for (Index i = 0; i < count(bodies); ++i) {
+    const Index first = network.rows[at(i)].first;
+    if (first < 0) continue;
+    if (!bodies[at(i)].kept) {
+      moved.push_back(i);
+      continue;
+    }
+    for (Index k = 0; k < 3; ++k) entries.add(first + k, columns++, network.root[first + k]);
+  }
+  if (!moved.empty()) {
+    const Matrix values = bilinear(bodies, moved, cells);
+    Vector radius(count(moved));
+    for (Index row = 0; row < count(moved); ++row) radius[row] = bodies[at(moved[at(row)])].radius;
+    const Matrix translation = basis_of(values, Vector::Ones(count(moved))), rotation = basis_of(values, radius);
+    for (Index k = 0; k < 3; ++k) {
+      const Matrix& basis = k < 2 ? translation : rotation;
+      for (Index column = 0; column < basis.cols(); ++column, ++columns)
+        for (Index row = 0; row < count(moved); ++row) {
+          const Index place = network.rows[at(moved[at(row)])].first + k;
+          entries.add(place, columns, network.root[place] * basis(row, column));
+        }
+    }
+  }
+  return entries.matrix(network.root.size(), columns);
+}
+
 template <int D>
 ModelSwitch<D>::ModelSwitch(const GranularDecomposition<D>& parts, Index subdomain, const ContactLaw& law,
                             const SwitchRules& rules, Index standing)
-    : law_(law),
+    : subdomain_(subdomain),
+      law_(law),
       rules_(rules),
-      statuses_(statuses_of(law, parts.subdomains[at(subdomain)])),
+      statuses_(parts.subdomains[at(subdomain)].statuses(law)),
       record_{.standing = standing} {}
 
 template <int D>
 bool ModelSwitch<D>::linear_now(const GranularSubdomain<D>& subdomain) {
   if (linear_ || record_.standing < rules_.after) return linear_.has_value();
   if (turns(subdomain, statuses_)) return false;
-  if (rules_.bodies.empty())
-    linear_.emplace(subdomain, law_, statuses_, rules_.flexibility);
-  else
-    linear_.emplace(subdomain, law_, statuses_, rules_.flexibility, [&](const FrozenNetwork& network) {
-      return coarse_velocities(network, rules_.bodies, rules_.cells);
-    });
+  typename LinearSubdomain<D>::Fields fields;
+  if (!rules_.bodies.empty())
+    fields = [&](const FrozenNetwork& network) { return coarse_velocities(network, rules_.bodies, rules_.cells); };
+  linear_.emplace(subdomain, law_, statuses_, rules_.flexibility, fields);
   if (linear_->regular()) return true;
   linear_.reset();
   record_.standing = 0;
@@ -83,13 +141,14 @@ bool ModelSwitch<D>::linear_now(const GranularSubdomain<D>& subdomain) {
 
 template <int D>
 void ModelSwitch<D>::watch(const GranularSubdomain<D>& subdomain) {
-  std::vector<ContactStatus> now = statuses_of(law_, subdomain);
+  std::vector<ContactStatus> now = subdomain.statuses(law_);
   record_.standing = now == statuses_ ? record_.standing + 1 : 0;
   statuses_ = std::move(now);
 }
 
 template <int D>
-SweepSums ModelSwitch<D>::stage_one(GranularSubdomain<D>& subdomain, const Sweeps& sweeps, const Surroundings& around) {
+SweepSums ModelSwitch<D>::stage_one(GranularDecomposition<D>& parts, const Sweeps& sweeps, const Vector& f) {
+  GranularSubdomain<D>& subdomain = parts.subdomains[at(subdomain_)];
   if (!linear_now(subdomain)) {
     const SweepSums sums = sweeps(subdomain);
     watch(subdomain);
@@ -105,22 +164,22 @@ SweepSums ModelSwitch<D>::stage_one(GranularSubdomain<D>& subdomain, const Sweep
   linear_.reset();
   ++record_.switch_backs;
   const SweepSums sums = sweeps(subdomain);
-  compare(record_, answer.velocities, subdomain.velocities, around);
+  compare(record_, answer.velocities, subdomain.velocities, parts.interface, subdomain_, f);
   watch(subdomain);
   record_.standing = 0;
   return sums;
 }
 
 template <int D>
-RememberedModel ModelSwitch<D>::report(const GranularSubdomain<D>& subdomain, const Sweeps& sweeps,
-                                       const Surroundings& around) const {
+RememberedModel ModelSwitch<D>::report(const GranularDecomposition<D>& parts, const Sweeps& sweeps,
+                                       const Vector& f) const {
   RememberedModel record = record_;
   record.switched = linear_.has_value();
   if (!linear_) return record;
-  GranularSubdomain<D> copy = subdomain;
+  GranularSubdomain<D> copy = parts.subdomains[at(subdomain_)];
   LinearSubdomain<D>(*linear_).release(copy);
   sweeps(copy);
-  compare(record, subdomain.velocities, copy.velocities, around);
+  compare(record, parts.subdomains[at(subdomain_)].velocities, copy.velocities, parts.interface, subdomain_, f);
   return record;
 }
 

@@ -1,10 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "two_stage/coarse_mesh.hpp"
 #include "two_stage/linear_subdomain.hpp"
 
 namespace nscdd {
+
+/// Where a body of a subdomain is, and whether it is kept as it is in a homogenised subdomain.
+struct PlacedBody {
+  std::array<double, 2> centre{0, 0};  ///< m
+  double radius = 0;                   ///< m
+  bool kept = false;
+};
+
+/// Columns that span M^1/2 times the velocities of a homogenised subdomain, in the rows of its network. Bodies that are
+/// kept have three columns each. The others move with the bilinear functions of a mesh of cells[0] x cells[1] equal
+/// cells over the box of their centres: x, y and spin (rim / radius) are interpolated between its nodes. Of dependent
+/// columns, at nodes near too few bodies, only independent ones are taken: a mesh as fine as the bodies leaves all of
+/// them free. `bodies`: in the order of the subdomain; those without rows are left out.
+SparseMatrix coarse_velocities(const FrozenNetwork& network, const std::vector<PlacedBody>& bodies,
+                               const std::array<Index, 2>& cells);
 
 /// When a subdomain is switched, and what contacts then are.
 struct SwitchRules {
@@ -12,13 +26,6 @@ struct SwitchRules {
   double flexibility = 0;               ///< alpha, 1/kg, see LinearSubdomain
   std::array<Index, 2> cells{1, 1};     ///< of the mesh of a homogenised subdomain, see coarse_velocities
   std::vector<PlacedBody> bodies = {};  ///< of a subdomain that is to be homogenised; empty for a linear one
-};
-
-/// A subdomain among the others: A_E, and the interface impulses F.
-struct Surroundings {
-  const Interface& interface;
-  Index subdomain;
-  const Vector& impulses;
 };
 
 /// Stage 1 of one subdomain that may be switched. It obeys the contact law, by sweeps, until its statuses have stood
@@ -37,19 +44,21 @@ class ModelSwitch {
  public:
   using Sweeps = std::function<SweepSums(GranularSubdomain<D>&)>;
 
-  /// `standing`: iterations for which the statuses of the present impulses have stood still already.
+  /// For subdomain number `subdomain`. `standing`: iterations for which its statuses have stood still already.
   ModelSwitch(const GranularDecomposition<D>& parts, Index subdomain, const ContactLaw& law, const SwitchRules& rules,
               Index standing);
 
-  SweepSums stage_one(GranularSubdomain<D>& subdomain, const Sweeps& sweeps, const Surroundings& around);
+  /// Stage 1 under the interface impulses F.
+  SweepSums stage_one(GranularDecomposition<D>& parts, const Sweeps& sweeps, const Vector& f);
 
   /// The step so far. If the subdomain is switched, the sweeps are tried on a copy of it.
-  RememberedModel report(const GranularSubdomain<D>& subdomain, const Sweeps& sweeps, const Surroundings& around) const;
+  RememberedModel report(const GranularDecomposition<D>& parts, const Sweeps& sweeps, const Vector& f) const;
 
  private:
   bool linear_now(const GranularSubdomain<D>& subdomain);
   void watch(const GranularSubdomain<D>& subdomain);
 
+  Index subdomain_;
   ContactLaw law_;
   SwitchRules rules_;
   std::vector<ContactStatus> statuses_;  // of the present impulses

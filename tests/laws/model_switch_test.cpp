@@ -161,7 +161,6 @@ struct OnTheFloor {
     return gauss_seidel_sweep(law, one.contacts, one.velocities);
   };
   Vector none = Vector::Zero(0);
-  Surroundings around{parts.interface, 0, none};
   ModelSwitch<2> model;
 
   static GranularDecomposition<2> parts_of() {
@@ -173,10 +172,10 @@ struct OnTheFloor {
     return decompose(step.problem, step.partition, ContactOrder::natural, 0);
   }
   OnTheFloor() : parts(parts_of()), model(parts, 0, law, {.after = 3, .flexibility = 1e-6}, 0) {
-    for (int k = 0; k < 6; ++k) model.stage_one(parts.subdomains[0], sweeps, around);
+    for (int k = 0; k < 6; ++k) model.stage_one(parts, sweeps, none);
   }
   GranularSubdomain<2>& subdomain() { return parts.subdomains[0]; }
-  RememberedModel report() { return model.report(subdomain(), sweeps, around); }
+  RememberedModel report() { return model.report(parts, sweeps, none); }
 };
 
 }  // namespace
@@ -279,7 +278,7 @@ TEST_CASE("a subdomain that is switched goes back in the iteration in which a co
     subdomain.velocities[at(body)].y += push.y;
     GranularSubdomain<2> by_law = subdomain;
     one.sweeps(by_law);
-    one.model.stage_one(subdomain, one.sweeps, one.around);
+    one.model.stage_one(one.parts, one.sweeps, one.none);
     CHECK(one.report().switched == 0);
     CHECK(one.report().switch_backs == 1);
     CHECK(one.report().standing == 0);
@@ -292,7 +291,7 @@ TEST_CASE("a subdomain that is switched goes back in the iteration in which a co
   OnTheFloor one;  // a push that friction holds
   const auto disk = std::ranges::find(one.subdomain().bodies, 0) - one.subdomain().bodies.begin();
   one.subdomain().velocities[at(disk)].x += 0.001;
-  one.model.stage_one(one.subdomain(), one.sweeps, one.around);
+  one.model.stage_one(one.parts, one.sweeps, one.none);
   CHECK(one.report().switched == 1);
   CHECK(one.report().switched_iterations == 3);
 }
