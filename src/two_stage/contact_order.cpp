@@ -49,28 +49,21 @@ std::uint64_t hilbert_place(std::array<std::uint32_t, 3> cell) {
 }
 
 std::vector<Index> along_curve(std::span<const std::array<double, 3>> points, int dimension) {
-  std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
-  for (const auto& p : points)
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], p[k]);
-      high[k] = std::max(high[k], p[k]);
-    }
-  const double extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2], 1e-300});
-  const auto cell = [&](const std::array<double, 3>& p, std::size_t k) {
-    return static_cast<std::uint32_t>(std::clamp((p[k] - low[k]) / extent * 65535, 0.0, 65535.0));
+  if (points.empty()) return {};
+  const Eigen::Map<const Eigen::Matrix3Xd> all(points.front().data(), 3, count(points));
+  const Eigen::Vector3d low = all.rowwise().minCoeff(), high = all.rowwise().maxCoeff();
+  const double extent = std::max((high - low).maxCoeff(), 1e-300);
+  const auto cell = [&](Index point, Index k) {
+    return static_cast<std::uint32_t>(std::clamp((all(k, point) - low[k]) / extent * 65535, 0.0, 65535.0));
   };
   std::vector<std::pair<std::uint64_t, Index>> places;
-  places.reserve(points.size());
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const auto& p = points[k];
-    const std::uint64_t place =
-        dimension == 2 ? hilbert_place(cell(p, 0), cell(p, 1)) : hilbert_place({cell(p, 0), cell(p, 1), cell(p, 2)});
-    places.emplace_back(place, static_cast<Index>(k));
-  }
-  std::sort(places.begin(), places.end());
+  for (Index p = 0; p < all.cols(); ++p)
+    places.emplace_back(
+        dimension == 2 ? hilbert_place(cell(p, 0), cell(p, 1)) : hilbert_place({cell(p, 0), cell(p, 1), cell(p, 2)}),
+        p);
+  std::ranges::sort(places);
   std::vector<Index> order;
-  order.reserve(points.size());
-  for (const auto& [place, k] : places) order.push_back(k);
+  for (const auto& [place, p] : places) order.push_back(p);
   return order;
 }
 

@@ -124,11 +124,8 @@ CopiesOfGrains<D> DividedContacts<D>::moved(const Vector& r) const {
   CopiesOfGrains<D> velocities = caused(r);
   for_each_subdomain([&](Index e) {
     for (std::size_t i = 0; i < velocities[at(e)].size(); ++i) {
-      GrainVelocity<D>& v = velocities[at(e)][i];
-      GrainUnknowns<D> sum = unknowns(problem_.free[at(bodies_[at(e)][i])]);
-      const GrainUnknowns<D> own = unknowns(v);
-      for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += own[k];
-      v = with_unknowns(sum, v.inverse_mass);
+      const GrainUnknowns<D> free = unknowns(problem_.free[at(bodies_[at(e)][i])]);
+      add(velocities[at(e)][i], [&](std::size_t k) { return free[k]; });
     }
   });
   return velocities;

@@ -8,6 +8,14 @@
 
 namespace nscdd {
 
+/// V += change(k) for each unknown k of a grain.
+template <int D, class Change>
+void add(GrainVelocity<D>& v, const Change& change) {
+  GrainUnknowns<D> sum = unknowns(v);
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += change(k);
+  v = with_unknowns(sum, v.inverse_mass);
+}
+
 /// One subdomain E of a step: its contacts in the order in which a sweep visits them, and the bodies that
 /// they touch. A shared grain has its share of mass.
 template <int D>

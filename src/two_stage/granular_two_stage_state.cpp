@@ -35,9 +35,7 @@ void take_in_copy(const SentCopy<D>& copy, const StepProblem<D>& problem, const 
   if (body < 0) return;  // a grain of other processes
   const double part = 1 / static_cast<double>(interface.multiplicity(copy.grain));
   const GrainUnknowns<D> start = unknowns(problem.free[at(body)]);
-  GrainUnknowns<D> v = unknowns(velocities[at(body)]);
-  for (std::size_t k = 0; k < v.size(); ++k) v[k] += part * (copy.velocity[k] - start[k]);
-  velocities[at(body)] = with_unknowns(v, velocities[at(body)].inverse_mass);
+  add(velocities[at(body)], [&](std::size_t k) { return part * (copy.velocity[k] - start[k]); });
 }
 
 }  // namespace

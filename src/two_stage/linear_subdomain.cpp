@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "two_stage/linear_subdomain.hpp"
 
+#include "mechanics/contact_blocks.hpp"
+
 namespace nscdd {
 namespace {
 
@@ -12,30 +14,10 @@ std::vector<FrozenContact<D>> frozen_at(const GranularSubdomain<D>& subdomain,
   return frozen;
 }
 
-// v += a - b
+// Directions in which a contact rests, or in which its impulse is free.
 template <int D>
-void add_difference(GrainVelocity<D>& v, const GrainVelocity<D>& a, const GrainVelocity<D>& b) {
-  GrainUnknowns<D> sum = unknowns(v);
-  const GrainUnknowns<D> plus = unknowns(a), minus = unknowns(b);
-  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += plus[k] - minus[k];
-  v = with_unknowns(sum, v.inverse_mass);
-}
-
-// The next components of a tangential vector, which move `column` on.
-template <int D>
-Tangent<D> next_tangent(const Vector& d, Index& column) {
-  if constexpr (D == 2) {
-    return d[column++];
-  } else {
-    column += 2;
-    return {d[column - 2], d[column - 1]};
-  }
-}
-
-void put_tangent(Vector& d, Index& column, double t) { d[column++] = t; }
-void put_tangent(Vector& d, Index& column, TangentVector t) {
-  d[column++] = t.first;
-  d[column++] = t.second;
+Index directions(ContactStatus status) {
+  return status == ContactStatus::open ? 0 : status == ContactStatus::stick ? D : 1;
 }
 
 }  // namespace
@@ -63,11 +45,6 @@ LinearSubdomain<D>::LinearSubdomain(const GranularSubdomain<D>& subdomain, const
       apply_impulse(c, r - c.impulse, base_);
       contacts_.impulses[k] = swept(c.normal, r);
     }
-  factorise();
-}
-
-template <int D>
-void LinearSubdomain<D>::factorise() {
   if (network_.impulses.cols() == 0) return;
   matrix_.resize(network_.root.size(), network_.root.size());
   matrix_.setIdentity();
@@ -80,14 +57,15 @@ void LinearSubdomain<D>::factorise() {
 // v + bias in the directions that rest.
 template <int D>
 Vector LinearSubdomain<D>::strain(const std::vector<GrainVelocity<D>>& velocities) const {
-  Vector result(network_.resting.cols());
+  Vector result(network_.resting.cols()), own(D);
   Index column = 0;
   for (std::size_t k = 0; k < frozen_.size(); ++k) {
-    if (frozen_[k].status == ContactStatus::open) continue;
+    const Index size = directions<D>(frozen_[k].status);
+    if (size == 0) continue;
     const GrainContact<D> c = contacts_.contact(k, velocities);
-    const LocalVector<D> v = relative_velocity<D>(c, velocities) + c.bias;
-    result[column++] = v.n;
-    if (frozen_[k].status == ContactStatus::stick) put_tangent(result, column, v.t);
+    set_component<D>(own, 0, relative_velocity<D>(c, velocities) + c.bias);
+    result.segment(column, size) = own.head(size);
+    column += size;
   }
   return result;
 }
@@ -95,7 +73,10 @@ Vector LinearSubdomain<D>::strain(const std::vector<GrainVelocity<D>>& velocitie
 // What Stage 2 has done since.
 template <int D>
 void LinearSubdomain<D>::follow(const GranularSubdomain<D>& subdomain) {
-  for (std::size_t i = 0; i < base_.size(); ++i) add_difference(base_[i], subdomain.velocities[i], present_[i]);
+  for (std::size_t i = 0; i < base_.size(); ++i) {
+    const GrainUnknowns<D> now = unknowns(subdomain.velocities[i]), before = unknowns(present_[i]);
+    add(base_[i], [&](std::size_t k) { return now[k] - before[k]; });
+  }
   present_ = subdomain.velocities;
 }
 
@@ -116,18 +97,25 @@ LinearAnswer<D> LinearSubdomain<D>::answer(const GranularSubdomain<D>& subdomain
     const Vector load = network_.impulses * -here;
     const Vector change =  // of M^1/2 V
         fields_ ? Vector(*fields_ * solve(fields_->transpose() * load)) : solve(load);
-    if (fields_) move(result.velocities, change.cwiseQuotient(network_.root));
+    if (fields_) {
+      const Vector moved = change.cwiseQuotient(network_.root);
+      for (std::size_t i = 0; i < base_.size(); ++i)
+        if (const Index first = network_.rows[i].first; first >= 0)
+          add(result.velocities[i], [&](std::size_t k) { return moved[first + static_cast<Index>(k)]; });
+    }
     d = (here + network_.resting.transpose() * change) / -flexibility_;
   }
   Index column = 0;
+  Vector own = Vector::Zero(D);
   for (std::size_t k = 0; k < frozen_.size(); ++k) {
-    if (frozen_[k].status == ContactStatus::open) continue;
+    const Index size = directions<D>(frozen_[k].status);
+    if (size == 0) continue;
+    own.head(size) = d.segment(column, size);
+    column += size;
     const GrainContact<D> c = contacts_.contact(k, base_);
-    LocalVector<D> r = c.impulse;
-    r.n += d[column++];
+    LocalVector<D> r = c.impulse + component<D>(own, 0);
     // On the edge of the cone to the last bit, so that rounding does not make the contact stick.
-    r.t = frozen_[k].status == ContactStatus::stick ? r.t + next_tangent<D>(d, column)
-                                                    : (r.n + c.pull) * frozen_[k].slope;
+    if (frozen_[k].status != ContactStatus::stick) r.t = (r.n + c.pull) * frozen_[k].slope;
     result.impulses[k] = swept(c.normal, r);
     if (!fields_) apply_impulse(c, r - c.impulse, result.velocities);
   }
@@ -149,17 +137,6 @@ bool LinearSubdomain<D>::admits(const LinearAnswer<D>& answer) const {
     if (status_of(law_, c) != frozen_[k].status) return false;
   }
   return true;
-}
-
-template <int D>
-void LinearSubdomain<D>::move(std::vector<GrainVelocity<D>>& velocities, const Vector& change) const {
-  for (std::size_t i = 0; i < velocities.size(); ++i) {
-    const Index first = network_.rows[i].first;
-    if (first < 0) continue;
-    GrainUnknowns<D> moved = unknowns(velocities[i]);
-    for (Index k = 0; k < unknowns_of_grain<D>; ++k) moved[at(k)] += change[first + k];
-    velocities[i] = with_unknowns(moved, velocities[i].inverse_mass);
-  }
 }
 
 template <int D>

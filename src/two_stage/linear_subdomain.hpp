@@ -45,11 +45,9 @@ class LinearSubdomain {
   void release(GranularSubdomain<D>& subdomain);
 
  private:
-  void factorise();
   Vector solve(const Vector& b) const;
   void follow(const GranularSubdomain<D>& subdomain);
   Vector strain(const std::vector<GrainVelocity<D>>& velocities) const;
-  void move(std::vector<GrainVelocity<D>>& velocities, const Vector& change) const;
   bool admits(const LinearAnswer<D>& answer) const;
 
   ContactLaw law_;
