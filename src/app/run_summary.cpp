@@ -106,8 +106,7 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
       totals.last.energy.kinetic, totals.boundary_work, totals.dissipation, totals.numerical);
   text +=
       fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", totals.solve_seconds, totals.setup_seconds);
-  if (totals.visits > 0 && has_part<step_algorithms::Sweeps>(algorithm) &&
-      !has_part<step_algorithms::EnrichedStageTwo>(algorithm))
+  if (totals.visits > 0 && has_part(algorithm, StepPart::sweeps) && !has_part(algorithm, StepPart::enriched_stage_two))
     text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * totals.solve_seconds / totals.visits);
   return text + "\n" + warnings(totals, simulation.dynamics);
 }

@@ -68,10 +68,10 @@ void require_effect(const Given& given, const CaseSpec& spec) {
   const bool one_subdomain = subdomains(spec.partition) == 1;
   if (given.key.starts_with("partition.") && !decomposes(dynamics.solver.algorithm) && !one_subdomain)
     fail("{}: expected --algorithm {} with it, met {}, which does not decompose", given.option,
-         algorithms_with<step_algorithms::Subdomains>(), to_string(dynamics.solver.algorithm));
+         algorithms_with(StepPart::subdomains), to_string(dynamics.solver.algorithm));
   nscdd::require_effect(dynamics, given.key, given.option);
   Dynamics undivided = dynamics;
-  undivided.solver.algorithm = step_algorithm<step_algorithms::Nlgs>;
+  undivided.solver.algorithm = StepAlgorithm::nlgs;
   if (!has_effect(undivided, given.key) && one_subdomain)
     note("{}: without effect on one subdomain, which has no interface", given.option);
 }
@@ -142,7 +142,7 @@ void require_shared(const CaseSpec& spec, const Machine& machine) {
   const StepSolver& solver = spec.dynamics->solver;
   if (!decomposes(solver.algorithm))
     fail("solver.algorithm: expected {} on several processes, met {}: nscdd has it on one",
-         algorithms_with<step_algorithms::Subdomains>(), to_string(solver.algorithm));
+         algorithms_with(StepPart::subdomains), to_string(solver.algorithm));
   if (solver.model != SwitchedModel::none)
     require_one_process(machine, fmt::format("solver.switch {}", to_string(solver.model)));
   require_subdomains(subdomains(spec.partition), machine.processes.size);

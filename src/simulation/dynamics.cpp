@@ -125,9 +125,10 @@ Need need(std::string path, std::string with, Choice<Enum> now, const Predicate&
 }
 
 void add_needs(std::vector<Need>& needs, const StepSolver& solver) {
-  const bool sweeps = has_part<step_algorithms::Sweeps>(solver.algorithm);
-  StepSolver::options(solver, [&]<class Part>(Part, std::string_view key, const auto&, const Field&) {
-    needs.push_back(need(fmt::format("solver.{}", key), "solver.algorithm", solver.algorithm, has_part<Part>));
+  const bool sweeps = has_part(solver.algorithm, StepPart::sweeps);
+  StepSolver::options(solver, [&](StepPart part, std::string_view key, const auto&, const Field&) {
+    needs.push_back(need(fmt::format("solver.{}", key), "solver.algorithm", solver.algorithm,
+                         [part](StepAlgorithm one) { return has_part(one, part); }));
     if (key == "criterion" && !sweeps) needs.back().met = solver.criterion == Criterion::natural_map;  // its own
   });
   const auto add = [&](const char* path, const char* with, auto now, const auto& right) {

@@ -65,7 +65,7 @@ PreparedStep<D> prepare_solution(const Simulation& simulation) {
   const StepSolver& solver = simulation.dynamics.solver;
   auto [problem, partition, share, report, parts] = divide_step<D>(simulation);
   std::optional<InterfaceOperator> enriched;
-  if (has_part<step_algorithms::EnrichedStageTwo>(solver.algorithm) && parts.interface_size() > 0) {
+  if (has_part(solver.algorithm, StepPart::enriched_stage_two) && parts.interface_size() > 0) {
     report.eta =
         solver.eta.optimal ? best_eta(simulation, problem, partition, share) : solver.eta.value.at_scale(problem.scale);
     enriched = enriched_operator(simulation, problem, partition, report.eta, share);

@@ -3,97 +3,82 @@
 
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
-#include <algorithm>
-#include <optional>
-
 namespace nscdd {
 
-/// The algorithms of a step and their parts. An option belongs to a part (see StepSolver::options), and so to the
-/// algorithms that have this part.
-namespace step_algorithms {
+/// Parts of the algorithms of a step. An option belongs to a part (see StepSolver::options), and so to the algorithms
+/// that have this part.
+enum class StepPart : unsigned {
+  iterations = 0,           ///< part of every algorithm
+  sweeps = 1,               ///< nonlinear Gauss-Seidel, ended by a criterion of choice
+  relaxation = 2,           ///< of the local changes of impulse
+  subdomains = 4,           ///< into which a step is cut
+  stage_two = 8,            ///< of Algorithm 1 of [ADI12]
+  enriched_stage_two = 16,  ///< its preconditioner by the contact network
+  cut_systems = 32,         ///< linear systems that are cut into subdomains, see CutContacts
+  softer_network = 64,      ///< a network that preconditions them, softer than their contacts
+};
+constexpr StepPart operator|(StepPart a, StepPart b) { return StepPart{unsigned(a) | unsigned(b)}; }
 
-struct Iterations {};        ///< part of every algorithm
-struct Relaxation {};        ///< of the local changes of impulse
-struct Subdomains {};        ///< into which a step is cut
-struct StageTwo {};          ///< of Algorithm 1 of [ADI12]
-struct EnrichedStageTwo {};  ///< its preconditioner by the contact network
-struct CutSystems {};        ///< linear systems that are cut into subdomains, see CutContacts
-struct SofterNetwork {};     ///< a network that preconditions them, softer than their contacts
-
-/// Nonlinear Gauss-Seidel, ended by a criterion of choice.
-struct Sweeps {
-  static constexpr std::optional<FrictionAlgorithm> contact_solver = {};
+/// An algorithm by its place in `step_algorithms`.
+enum class StepAlgorithm {
+  nlgs,
+  generic,
+  enriched,
+  automatic,
+  continuation,
+  newton,
+  admm,
+  apgd,
+  two_stage_newton,
+  two_stage_admm,
 };
 
-/// A solver of the contact problem of a step, ended by its natural map.
-template <FrictionAlgorithm solver>
-struct ContactSolver {
-  static constexpr std::optional<FrictionAlgorithm> contact_solver = solver;
+struct StepAlgorithmParts {
+  std::string_view name;
+  std::optional<FrictionAlgorithm> contact_solver;  ///< that it is, ended by its natural map; none for one that sweeps
+  StepPart parts;
 };
 
-template <std::size_t size>
-struct Name {
-  constexpr Name(const char (&text)[size]) { std::ranges::copy(text, letters); }
-  char letters[size] = {};
-};
+inline constexpr auto step_algorithms = [] {
+  using enum StepPart;
+  using enum FrictionAlgorithm;
+  return std::to_array<StepAlgorithmParts>({
+      {"nlgs", {}, sweeps | relaxation},
+      {"generic", {}, sweeps | relaxation | subdomains | stage_two},
+      {"enriched", {}, sweeps | relaxation | subdomains | stage_two | enriched_stage_two},
+      {"auto", automatic, relaxation},
+      {"continuation", continuation, iterations},
+      {"newton", newton, relaxation},
+      {"admm", admm, iterations},
+      {"apgd", apgd, iterations},
+      {"two_stage_newton", automatic, relaxation | subdomains | cut_systems | softer_network},
+      {"two_stage_admm", admm, subdomains | cut_systems},
+  });
+}();
 
-template <Name text, class Solver, class... Parts>
-struct Algorithm {
-  static constexpr std::string_view name = text.letters;
-  static constexpr std::optional<FrictionAlgorithm> contact_solver = Solver::contact_solver;
-  template <class Part>
-  static constexpr bool has = std::is_same_v<Part, Iterations> || std::is_same_v<Part, Solver> ||
-                              (std::is_same_v<Part, Parts> || ...);
-};
-
-using enum FrictionAlgorithm;
-using Nlgs = Algorithm<"nlgs", Sweeps, Relaxation>;
-using Generic = Algorithm<"generic", Sweeps, Relaxation, Subdomains, StageTwo>;
-using Enriched = Algorithm<"enriched", Sweeps, Relaxation, Subdomains, StageTwo, EnrichedStageTwo>;
-using Automatic = Algorithm<"auto", ContactSolver<automatic>, Relaxation>;
-using Continuation = Algorithm<"continuation", ContactSolver<continuation>>;
-using Newton = Algorithm<"newton", ContactSolver<newton>, Relaxation>;
-using Admm = Algorithm<"admm", ContactSolver<admm>>;
-using Apgd = Algorithm<"apgd", ContactSolver<apgd>>;
-using TwoStageNewton =
-    Algorithm<"two_stage_newton", ContactSolver<automatic>, Relaxation, Subdomains, CutSystems, SofterNetwork>;
-using TwoStageAdmm = Algorithm<"two_stage_admm", ContactSolver<admm>, Subdomains, CutSystems>;
-
-using Any =
-    std::variant<Nlgs, Generic, Enriched, Automatic, Continuation, Newton, Admm, Apgd, TwoStageNewton, TwoStageAdmm>;
-
-}  // namespace step_algorithms
-
-/// An algorithm by its place in step_algorithms::Any.
-enum class StepAlgorithm {};
-constexpr auto names_of(StepAlgorithm) { return Alternatives<step_algorithms::Any>::names; }
-
-template <class Algorithm>
-constexpr StepAlgorithm step_algorithm{static_cast<int>(step_algorithms::Any(Algorithm()).index())};
-
-template <class Visitor>
-auto visit_algorithm(StepAlgorithm one, const Visitor& visitor) {
-  return std::visit(visitor, Alternatives<step_algorithms::Any>::at(static_cast<std::size_t>(one)));
+constexpr auto names_of(StepAlgorithm) {
+  std::array<std::string_view, step_algorithms.size()> names;
+  std::ranges::transform(step_algorithms, names.begin(), &StepAlgorithmParts::name);
+  return names;
 }
 
-template <class Part>
-bool has_part(StepAlgorithm one) {
-  return visit_algorithm(one, []<class Algorithm>(const Algorithm&) { return Algorithm::template has<Part>; });
+inline bool has_part(StepAlgorithm one, StepPart part) {
+  const StepPart parts = step_algorithms[static_cast<std::size_t>(one)].parts;
+  return (parts | part) == parts;
 }
 
 /// "nlgs, generic or enriched": the algorithms that have a part.
-template <class Part>
-std::string algorithms_with() {
-  return names_where<StepAlgorithm>(has_part<Part>);
+inline std::string algorithms_with(StepPart part) {
+  return names_where<StepAlgorithm>([part](StepAlgorithm one) { return has_part(one, part); });
 }
 
 /// The contact solver that an algorithm is, if it is one.
 inline std::optional<FrictionAlgorithm> contact_solver_of(StepAlgorithm one) {
-  return visit_algorithm(one, [](const auto& algorithm) { return algorithm.contact_solver; });
+  return step_algorithms[static_cast<std::size_t>(one)].contact_solver;
 }
 inline bool is_contact_solver(StepAlgorithm one) { return contact_solver_of(one).has_value(); }
 
 /// Whether an algorithm cuts a step into subdomains.
-inline bool decomposes(StepAlgorithm one) { return has_part<step_algorithms::Subdomains>(one); }
+inline bool decomposes(StepAlgorithm one) { return has_part(one, StepPart::subdomains); }
 
 }  // namespace nscdd

@@ -98,7 +98,7 @@ inline void check_bounds(const EtaChoice&, const Field&, std::string_view) {}
 /// How the contact problem of a step is solved. A key means the same to all algorithms that have it, and keeps its
 /// value when another algorithm is chosen.
 struct StepSolver {
-  Choice<StepAlgorithm> algorithm = step_algorithm<step_algorithms::Automatic>;
+  Choice<StepAlgorithm> algorithm = StepAlgorithm::automatic;
   Index gauss_seidel_sweeps = 1;  ///< n_GS
   Index maximum_iterations = 1000;
   Choice<Criterion> criterion = Criterion::natural_map;
@@ -130,72 +130,71 @@ struct StepSolver {
   /// The fields, each with the part of an algorithm that it is an option of.
   template <class Self, class Visitor>
   static void options(Self& self, Visitor&& visit) {
-    using namespace step_algorithms;
-    visit(Iterations{}, "algorithm", self.algorithm, Field{.description = "solver of a step"});
-    visit(Sweeps{}, "gauss_seidel_sweeps", self.gauss_seidel_sweeps,
+    using enum StepPart;
+    visit(iterations, "algorithm", self.algorithm, Field{.description = "solver of a step"});
+    visit(sweeps, "gauss_seidel_sweeps", self.gauss_seidel_sweeps,
           Field{.description = "sweeps per iteration and subdomain", .minimum = 1, .maximum = 1e9});
-    visit(Iterations{}, "maximum_iterations", self.maximum_iterations,
+    visit(iterations, "maximum_iterations", self.maximum_iterations,
           Field{.description = "iterations of a step at the most", .minimum = 1, .maximum = 1e9});
-    visit(Sweeps{}, "criterion", self.criterion, Field{.description = "indicator that ends the iterations"});
-    visit(Sweeps{}, "criterion_interval", self.criterion_interval,
+    visit(sweeps, "criterion", self.criterion, Field{.description = "indicator that ends the iterations"});
+    visit(sweeps, "criterion_interval", self.criterion_interval,
           Field{.description = "iterations from one look at the criterion to the next", .minimum = 1, .maximum = 1e9});
-    visit(Iterations{}, "tolerance", self.tolerance,
+    visit(iterations, "tolerance", self.tolerance,
           Field{.description = "value of the indicator that is small enough", .minimum = 0, .maximum = 1});
-    visit(StageTwo{}, "gluing_tolerance", self.gluing_tolerance,
+    visit(stage_two, "gluing_tolerance", self.gluing_tolerance,
           Field{.description = "largest jump at the interface of a converged step, relative to the speeds of "
                                "its grains (not asked of the semi-implicit scheme)",
                 .minimum = 0});
-    visit(Sweeps{}, "order", self.order, Field{.description = "order of a sweep"});
-    visit(Sweeps{}, "seed", self.seed, Field{.description = "seed of order random", .minimum = 0});
-    visit(Relaxation{}, "contact_relaxation", self.contact_relaxation,
+    visit(sweeps, "order", self.order, Field{.description = "order of a sweep"});
+    visit(sweeps, "seed", self.seed, Field{.description = "seed of order random", .minimum = 0});
+    visit(relaxation, "contact_relaxation", self.contact_relaxation,
           Field{.description = "part of each local change of impulse that is made",
                 .minimum = 0,
                 .minimum_excluded = true,
                 .maximum = 1.99});
-    visit(Iterations{}, "warm_start", self.warm_start,
+    visit(iterations, "warm_start", self.warm_start,
           Field{.description = "start from the impulses of the last step, not from zero"});
-    visit(EnrichedStageTwo{}, "eta", self.eta,
+    visit(enriched_stage_two, "eta", self.eta,
           Field{.description = "flexibility of the enriched Stage 2: a number, a multiple of W, or optimal",
                 .unit = "1/kg"});
-    visit(EnrichedStageTwo{}, "network", self.network,
+    visit(enriched_stage_two, "network", self.network,
           Field{.description = "contacts Stage 2 sees: all considered, or those that carried an impulse in the "
                                "last step"});
-    visit(EnrichedStageTwo{}, "enrichment", self.enrichment,
+    visit(enriched_stage_two, "enrichment", self.enrichment,
           Field{.description = "where the enriched Stage 2 acts; the semi-implicit scheme: once, on the contacts that "
                                "carried an impulse in the last step"});
-    visit(StageTwo{}, "interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
-    visit(StageTwo{}, "interface_relaxation", self.interface_relaxation,
+    visit(stage_two, "interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
+    visit(stage_two, "interface_relaxation", self.interface_relaxation,
           Field{.description = "relaxation omega of Stage 2", .minimum = 0, .minimum_excluded = true, .maximum = 1000});
-    visit(CutSystems{}, "interface_network", self.interface_network,
+    visit(cut_systems, "interface_network", self.interface_network,
           Field{.description = "contacts that precondition the interface of the two-stage Newton method and ADMM"});
-    visit(SofterNetwork{}, "interface_flexibility", self.interface_flexibility,
+    visit(softer_network, "interface_flexibility", self.interface_flexibility,
           Field{.description = "c: these are so many times as flexible as the contacts of its linear systems",
                 .minimum = 0,
                 .minimum_excluded = true,
                 .maximum = 1e6});
-    visit(Subdomains{}, "redecompose", self.redecompose,
+    visit(subdomains, "redecompose", self.redecompose,
           Field{.description = "steps between two decompositions", .minimum = 1, .maximum = 1e9});
-    visit(StageTwo{}, "switch", self.model,
+    visit(stage_two, "switch", self.model,
           Field{.description = "what a subdomain becomes whose statuses have stood still"});
-    visit(StageTwo{}, "switch_after", self.switch_after,
+    visit(stage_two, "switch_after", self.switch_after,
           Field{.description = "iterations for which the statuses of a subdomain stand still before it is switched; "
                                "with warm_start they are counted over steps",
                 .minimum = 1,
                 .maximum = 1e9});
-    visit(StageTwo{}, "switch_flexibility", self.switch_flexibility,
+    visit(stage_two, "switch_flexibility", self.switch_flexibility,
           Field{.description = "flexibility of the contacts of a switched subdomain: a number, or a multiple of W",
                 .unit = "1/kg",
                 .minimum = 0,
                 .minimum_excluded = true});
-    visit(StageTwo{}, "switch_cells", self.switch_cells,
+    visit(stage_two, "switch_cells", self.switch_cells,
           Field{.description = "cells of the coarse mesh over a homogenised subdomain", .minimum = 1, .maximum = 1000});
   }
 };
 
 /// Whether Stage 2 acts once, and nothing iterates on the jumps at the interface.
 inline bool semi_implicit(const StepSolver& solver) {
-  return has_part<step_algorithms::EnrichedStageTwo>(solver.algorithm) &&
-         solver.enrichment == Enrichment::semi_implicit;
+  return has_part(solver.algorithm, StepPart::enriched_stage_two) && solver.enrichment == Enrichment::semi_implicit;
 }
 
 }  // namespace nscdd

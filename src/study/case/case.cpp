@@ -198,10 +198,9 @@ void check_dynamics(const CaseSpec& spec) {
   const StepSolver& solver = spec.dynamics->solver;
   const Interaction& interaction = spec.dynamics->interaction;
   if (is_contact_solver(solver.algorithm) && !opens(contact_law(interaction, spec.dynamics->time.step, 1)))
-    throw Error("solver.algorithm",
-                fmt::format("expected {} with law {}, met {}{}", algorithms_with<step_algorithms::Sweeps>(),
-                            to_string(interaction.law), to_string(solver.algorithm),
-                            solver.algorithm == StepSolver{}.algorithm ? ", the default" : ""));
+    throw Error("solver.algorithm", fmt::format("expected {} with law {}, met {}{}", algorithms_with(StepPart::sweeps),
+                                                to_string(interaction.law), to_string(solver.algorithm),
+                                                solver.algorithm == StepSolver{}.algorithm ? ", the default" : ""));
   if (is_contact_solver(solver.algorithm) && solver.tolerance == 0)
     throw Error("solver.tolerance",
                 fmt::format("expected a number > 0 with solver.algorithm {}, met 0", to_string(solver.algorithm)));
@@ -209,8 +208,8 @@ void check_dynamics(const CaseSpec& spec) {
   const auto refuse = [](std::string_view expected, std::string_view met) {
     throw Error("solver.criterion", fmt::format("expected {} with criterion gluing, met {}", expected, met));
   };
-  if (!has_part<step_algorithms::StageTwo>(solver.algorithm))
-    refuse("solver.algorithm " + algorithms_with<step_algorithms::StageTwo>(),
+  if (!has_part(solver.algorithm, StepPart::stage_two))
+    refuse("solver.algorithm " + algorithms_with(StepPart::stage_two),
            fmt::format("{}, which has no interface", to_string(solver.algorithm)));
   if (semi_implicit(solver)) refuse("another solver.enrichment", "semi_implicit, which does not iterate on the jumps");
 }

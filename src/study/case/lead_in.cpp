@@ -7,7 +7,7 @@ namespace nscdd {
 namespace {
 
 StepSolver plain_solver() {
-  return {.algorithm = step_algorithm<step_algorithms::Nlgs>,
+  return {.algorithm = StepAlgorithm::nlgs,
           .maximum_iterations = 2000,
           .criterion = Criterion::zeta,
           .tolerance = 1e-6,
@@ -74,7 +74,7 @@ Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
 template <int D>
 SolvedStep<D> next_step(Simulation simulation, LeadInSolver solver) {
   StepSolver decomposing = simulation.dynamics.solver;
-  if (!decomposes(decomposing.algorithm)) decomposing.algorithm = step_algorithm<step_algorithms::Generic>;
+  if (!decomposes(decomposing.algorithm)) decomposing.algorithm = StepAlgorithm::generic;
   if (solver == LeadInSolver::plain) simulation.dynamics.solver = plain_solver();
   SolvedStep<D> step = solve_step<D>(simulation);
   simulation.dynamics.solver = std::move(decomposing);

@@ -96,7 +96,7 @@ InterfaceIterations::Rival by_algorithm_1(Simulation simulation, StepAlgorithm a
 
 InterfaceIterations::Rival by_admm(Simulation simulation) {
   StepSolver& solver = simulation.dynamics.solver;
-  solver.algorithm = step_algorithm<step_algorithms::TwoStageAdmm>;
+  solver.algorithm = StepAlgorithm::two_stage_admm;
   solver.maximum_iterations = std::max<Index>(solver.maximum_iterations / 100, 1);  // 100 of these in each
   const StepReport report = solved_report(simulation);
   return {report.last.sweeps, report.status == SolverStatus::converged};
@@ -111,8 +111,8 @@ InterfaceIterations interface_iterations(const Simulation& simulation) {
   undivided.partitioner = GridPartitioner{.grid = {1, 1}};
   undivided.state.decomposed_at = -1;
   result.undivided_factorisations = solved_report(undivided).factorisations;
-  result.generic = by_algorithm_1(simulation, step_algorithm<step_algorithms::Generic>);
-  result.enriched = by_algorithm_1(simulation, step_algorithm<step_algorithms::Enriched>);
+  result.generic = by_algorithm_1(simulation, StepAlgorithm::generic);
+  result.enriched = by_algorithm_1(simulation, StepAlgorithm::enriched);
   result.admm = by_admm(simulation);
   return result;
 }

@@ -52,7 +52,7 @@ struct SolvedCase {
 
   const StepSolver& solver() const { return simulation.dynamics.solver; }
   double flexibility() const {
-    return has_part<step_algorithms::EnrichedStageTwo>(solver().algorithm) ? report.eta : infinity;
+    return has_part(solver().algorithm, StepPart::enriched_stage_two) ? report.eta : infinity;
   }
 };
 const ResultColumns<SolvedCase>& solver_columns();

@@ -21,7 +21,7 @@ constexpr double least_angle = 1e-12;   // sine between errors that are multiple
 // The solution of the next step, as exact as rounding lets it be.
 template <int D>
 SolvedStep<D> solution_of(Simulation simulation) {
-  simulation.dynamics.solver = {.algorithm = step_algorithm<step_algorithms::Automatic>,
+  simulation.dynamics.solver = {.algorithm = StepAlgorithm::automatic,
                                 .criterion = Criterion::natural_map,
                                 .tolerance = rounding,
                                 .warm_start = true};

@@ -129,8 +129,8 @@ constinit const Observable observables::switching = at_steps<switching_columns, 
      .own_solver = true,
      .check = [](const CaseSpec& spec) {
        if (!switches_models(*spec.dynamics))
-         fail("solver.switch: expected another model, with algorithm {}, met {}",
-              algorithms_with<step_algorithms::StageTwo>(), to_string(spec.dynamics->solver.model));
+         fail("solver.switch: expected another model, with algorithm {}, met {}", algorithms_with(StepPart::stage_two),
+              to_string(spec.dynamics->solver.model));
        if (subdomains(spec.partition) == 1) fail("partition: expected two subdomains or more, met one");
      }});
 
