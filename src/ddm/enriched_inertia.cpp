@@ -50,7 +50,7 @@ EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {
     vectors.setConstant(inertia_.size(), inertia_.size(), not_a_number);
   }
   // There are as many zeros as H has dependent rows. This rank does not depend on masses.
-  const Index zeros = h_.rows() - rigid_rank({dofs_per_grain_, centres_, inertia_, h_}).value;
+  const Index zeros = h_.rows() - rigid_rank(dofs_per_grain_, centres_, inertia_, h_).value;
   Modes modes;
   modes.tilt = zeros > 0 && zeros < values.size() ? values[zeros - 1] / values[zeros] : 0;
   if (!std::isfinite(modes.tilt)) modes.tilt = infinity;
@@ -118,7 +118,7 @@ Matrix EnrichedInertia::apply(const Matrix& r) const {
 
 const EnrichedInertia::RigidInverse& EnrichedInertia::rigid() const {
   return rigid_.get([this] {
-    RigidMotions found = rigid_motions({family_.dofs_per_grain_, family_.centres_, family_.inertia_, family_.h_});
+    RigidMotions found = rigid_motions(family_.dofs_per_grain_, family_.centres_, family_.inertia_, family_.h_);
     RangeProjector projector(scaled_connectivity(found.inertia, found.h), rank_tolerance, Tilt::measured);
     return RigidInverse{std::move(found), std::move(projector)};
   });

@@ -48,7 +48,7 @@ MatrixRank rank_of_whole(const Decomposition& parts) {
       centres.col(one.grain) = Eigen::Map<const Vector>(one.centre.data(), d);
   }
   const Index rows = d * parts.interface.grains();
-  return rigid_rank({d, centres, Vector::Ones(rows), entries.matrix(rows, parts.contacts)});
+  return rigid_rank(d, centres, Vector::Ones(rows), entries.matrix(rows, parts.contacts));
 }
 
 }  // namespace
@@ -139,7 +139,7 @@ class InterfaceOperator::Implementation {
       Index local = 0;
       bool unclear = false;
       for (const Subdomain& subdomain : parts.subdomains) {
-        const MatrixRank rank = rigid_rank({parts.dofs_per_grain(), subdomain.centres, subdomain.inertia, subdomain.h});
+        const MatrixRank rank = rigid_rank(parts.dofs_per_grain(), subdomain.centres, subdomain.inertia, subdomain.h);
         local += rank.value;
         unclear |= !rank.clear;
       }

@@ -207,8 +207,7 @@ class Peeling {
 
 }  // namespace
 
-RigidMotions rigid_motions(const RigidNetwork& network) {
-  const auto& [d, centres, inertia, h] = network;
+RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia, const SparseMatrix& h) {
   const Index grains = h.rows() / std::max<Index>(d, 1);
   RigidMotions motions;
   motions.searched = d == 3 && centres.rows() == 3 && centres.cols() == grains;
@@ -273,12 +272,12 @@ RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& gro
   return result;
 }
 
-MatrixRank rigid_rank(const RigidNetwork& network) {
-  const RigidMotions motions = rigid_motions(network);
-  if (!motions.searched) return sparse_rank(network.h);
+MatrixRank rigid_rank(Index d, const Matrix& centres, const Vector& inertia, const SparseMatrix& h) {
+  const RigidMotions motions = rigid_motions(d, centres, inertia, h);
+  if (!motions.searched) return sparse_rank(h);
   const Peeled peeled = Peeling(motions.bodies, {}, motions.h).result;
   MatrixRank rank = sparse_rank(selected_columns(motions.h, peeled.left));
-  rank.value += network.h.rows() - motions.h.rows() + count(peeled.set_aside);
+  rank.value += h.rows() - motions.h.rows() + count(peeled.set_aside);
   return rank;
 }
 

@@ -26,16 +26,9 @@ struct RigidMotions {
   bool searched = false;        ///< for clusters, and bodies may be set aside; false where each grain is by itself
 };
 
-/// What the motions of a network are worked out from.
-struct RigidNetwork {
-  Index dofs_per_grain = 0;  ///< d
-  const Matrix& centres;     ///< d x n, m; empty where they are not known
-  const Vector& inertia;     ///< diagonal of M, d n
-  const SparseMatrix& h;     ///< H, d n x c
-};
-
+/// The motions of a network: d unknowns per grain, centres (d x n, m; empty where not known), the diagonal of M, and H.
 /// Clusters are sought in space only: in the plane dependent contacts are found and left out without them.
-RigidMotions rigid_motions(const RigidNetwork& network);
+RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia, const SparseMatrix& h);
 
 /// A basis of the range of Z^T H as in `motions.h`. With `grounded`, a flag for each body that does not move: of what
 /// these bodies leave of the range. A body whose few columns are clearly independent is set aside with them, again and
@@ -44,6 +37,6 @@ RigidMotions rigid_motions(const RigidNetwork& network);
 RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded = {}, Tilt tilt = Tilt::measured);
 
 /// Rank of H, from that of Z^T H.
-MatrixRank rigid_rank(const RigidNetwork& network);
+MatrixRank rigid_rank(Index d, const Matrix& centres, const Vector& inertia, const SparseMatrix& h);
 
 }  // namespace nscdd

@@ -20,7 +20,7 @@ SparseMatrix columns_of(const RangeBasis& basis, const SparseMatrix& h) {
 
 RigidSubdomain rigid_subdomain(const Subdomain& subdomain, Index dofs_per_grain) {
   RigidSubdomain result;
-  result.motions = rigid_motions({dofs_per_grain, subdomain.centres, subdomain.inertia, subdomain.h});
+  result.motions = rigid_motions(dofs_per_grain, subdomain.centres, subdomain.inertia, subdomain.h);
   const RigidMotions& motions = result.motions;
   result.a = SparseMatrix(subdomain.a * motions.z);
   for (const RigidBody& body : motions.bodies) result.hub.push_back(body.grains >= hub_from);
@@ -53,16 +53,16 @@ RigidSystem rigid_system(const Decomposition& parts) {
     system.subdomains[at(e)] = rigid_subdomain(parts.subdomains[at(e)], parts.dofs_per_grain());
   });
   std::vector<double> rows;
+  bool doubtful = false;
   for (const RigidSubdomain& one : system.subdomains) {
+    doubtful |= !one.conclusive;
+    system.tilt = std::max(system.tilt, one.tilt);
     Index own = count(one.late);
     for (std::size_t b = 0; b < one.hub.size(); ++b) own += one.hub[b] ? one.motions.bodies[b].rows : 0;
     rows.push_back(static_cast<double>(own));
   }
   parts.interface.processes().add_up(rows);
-  bool doubtful = false;
-  for (const RigidSubdomain& one : system.subdomains) doubtful |= !one.conclusive;
   system.conclusive = !parts.interface.processes().any(doubtful);
-  for (const RigidSubdomain& one : system.subdomains) system.tilt = std::max(system.tilt, one.tilt);
   system.tilt = parts.interface.processes().maximum(system.tilt);
   for (const double own : rows) system.hub_rows.push_back(static_cast<Index>(own));
   return system;

@@ -143,7 +143,7 @@ LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularS
 template <int D>
 void solve_whole_contacts(SolvedStep<D>& step, const Simulation& simulation, const IterationSink& sink) {
   const auto start = Clock::now();
-  step.report.residual.scale = impulse_scale(step.problem, step.partition, simulation.processes);
+  step.report.residual.scale = GranularDecomposition<D>::scale_of(step.problem, step.partition, simulation.processes);
   const LocalFrictionProblem whole = contact_problem(step.problem, simulation.system);
   StoredContacts<D> stored(whole);
   const auto velocities = [&](const Vector&) { return velocities_of(step.problem, step.contacts); };

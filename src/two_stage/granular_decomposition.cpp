@@ -81,7 +81,8 @@ auto unknowns_of_copies(const GranularDecomposition<D>& parts) {
 }  // namespace
 
 template <int D>
-ImpulseScale impulse_scale(const StepProblem<D>& problem, const Partition& partition, const Processes& processes) {
+ImpulseScale GranularDecomposition<D>::scale_of(const StepProblem<D>& problem, const Partition& partition,
+                                                const Processes& processes) {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(4, partition.subdomains);
   for (std::size_t c = 0; c < problem.contacts.size(); ++c) {
     const ImpulseScale one = impulse_scale<D>(problem.law, problem.contacts[c], problem.free);
@@ -103,7 +104,7 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
                  fmt::format("subdomains with {} contacts", problem.contacts.size()), "fewer grains");
   GranularDecomposition<D> parts;
   parts.contacts = count(problem.contacts);
-  parts.scale = impulse_scale(problem, partition, processes);
+  parts.scale = GranularDecomposition<D>::scale_of(problem, partition, processes);
   parts.subdomains.resize(at(partition.subdomains));
   for (Index c = 0; c < count(problem.contacts); ++c)
     parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);
@@ -216,8 +217,6 @@ template GranularDecomposition<2> decompose(const StepProblem<2>&, const Partiti
                                             std::uint64_t, const std::vector<Index>&, const Processes&);
 template GranularDecomposition<3> decompose(const StepProblem<3>&, const Partition&, Choice<ContactOrder>,
                                             std::uint64_t, const std::vector<Index>&, const Processes&);
-template ImpulseScale impulse_scale(const StepProblem<2>&, const Partition&, const Processes&);
-template ImpulseScale impulse_scale(const StepProblem<3>&, const Partition&, const Processes&);
 template ReferenceProblem reference_problem(const StepProblem<2>&, Index);
 template ReferenceProblem reference_problem(const StepProblem<3>&, Index);
 

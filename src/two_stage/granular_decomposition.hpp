@@ -47,6 +47,9 @@ struct GranularDecomposition {
 
   Index interface_size() const { return interface.size(); }  ///< n_Gamma
 
+  /// The scale of the impulses of a step, added up subdomain by subdomain: no bit depends on the processes.
+  static ImpulseScale scale_of(const StepProblem<D>& problem, const Partition& partition, const Processes& processes);
+
   /// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy; its neighbours take
   /// part.
   Vector interface_jumps() const;
@@ -71,10 +74,6 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
                                    Choice<ContactOrder> order, std::uint64_t seed,
                                    const std::vector<Index>& process_of_subdomain = {},
                                    const Processes& processes = {});
-
-/// The scale of the impulses of a step, added up subdomain by subdomain: no bit depends on the processes.
-template <int D>
-ImpulseScale impulse_scale(const StepProblem<D>& problem, const Partition& partition, const Processes& processes);
 
 /// M and H of a step for the linear analysis. A grain has the rows of its unknowns (a disk x, y, rim with inertia m, m,
 /// m/2), empty ones in H if it is driven. Columns D c, ... are the normal and the tangential directions of contact

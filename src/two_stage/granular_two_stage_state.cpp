@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the iterations of a step begin with, and what they leave: impulses, velocities and gluing of all subdomains.
-#include "mechanics/contact_blocks.hpp"
+// What the iterations of a step leave: impulses, velocities and gluing of all subdomains.
 #include "two_stage/granular_two_stage.hpp"
 
 namespace nscdd {
@@ -39,69 +38,6 @@ void take_in_copy(const SentCopy<D>& copy, const StepProblem<D>& problem, const 
 }
 
 }  // namespace
-
-template <int D>
-void GranularTwoStage<D>::start(const std::vector<RememberedGluing>& gluing) {
-  for (GranularSubdomain<D>& subdomain : parts_.subdomains)
-    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      if (const LocalVector<D> r = subdomain.contacts.impulse(k); carries(r))
-        apply_impulse(subdomain.contact(k), r, subdomain.velocities);
-  if (gluing.empty()) return;
-  constexpr Index size = unknowns_of_grain<D>;
-  // Along the chain of a grain, F of a row is that of the row before plus the impulse on the copy between.
-  Vector f = Vector::Zero(parts_.interface_size());
-  auto old = gluing.begin();
-  const auto& rows = parts_.interface.gluing();
-  for (Index row = 0; row < count(rows);) {
-    const Index grain = rows[at(row)].grain, last = row + parts_.interface.multiplicity(grain) - 1;
-    while (old != gluing.end() && old->grain < grain) ++old;
-    const auto copies = parts_.interface.copies(grain);
-    const auto end = std::find_if(old, gluing.end(), [&](const auto& one) { return one.grain != grain; });
-    const bool shared_alike =
-        std::equal(old, end, copies.begin(), copies.end(),
-                   [](const RememberedGluing& one, const GrainCopy& copy) { return one.subdomain == copy.subdomain; });
-    for (const Index first = row; row < last; ++row) {
-      if (!shared_alike) continue;
-      const RememberedGluing& one = old[row - first];
-      for (Index k = 0; k < size; ++k) {
-        f[size * row + k] = one.impulse[at(k)];
-        if (row > first) f[size * row + k] += f[size * (row - 1) + k];
-      }
-    }
-  }
-  correct(f);
-}
-
-template <int D>
-Vector GranularTwoStage<D>::state() const {
-  Vector z(D * parts_.contacts + parts_.interface_size());
-  for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
-    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      set_component<D>(z, subdomain.numbers[k], subdomain.contacts.impulse(k));
-  z.tail(parts_.interface_size()) = interface_impulses_;
-  return z;
-}
-
-template <int D>
-void GranularTwoStage<D>::restart(const Vector& z) {
-  for (GranularSubdomain<D>& subdomain : parts_.subdomains)
-    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
-      const LocalVector<D> before = subdomain.contacts.impulse(k), r = component<D>(z, subdomain.numbers[k]);
-      subdomain.contacts.set_impulse(k, r);
-      apply_impulse(subdomain.contact(k), r - before, subdomain.velocities);
-    }
-  correct(z.tail(parts_.interface_size()) - interface_impulses_);
-  direction_.resize(0);
-}
-
-template <int D>
-std::vector<ContactStatus> GranularTwoStage<D>::statuses() const {
-  std::vector<ContactStatus> result(at(parts_.contacts), ContactStatus::open);
-  for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
-    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      result[at(subdomain.numbers[k])] = status_of(law_, subdomain.contact(k));
-  return result;
-}
 
 // Each process has the rows whose first copy is its own.
 template <int D>
@@ -170,16 +106,8 @@ std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
   return result;
 }
 
-template void GranularTwoStage<2>::start(const std::vector<RememberedGluing>&);
-template Vector GranularTwoStage<2>::state() const;
-template void GranularTwoStage<2>::restart(const Vector&);
-template std::vector<ContactStatus> GranularTwoStage<2>::statuses() const;
 template GranularTwoStage<2>::Solution GranularTwoStage<2>::gather(const StepProblem<2>&);
 template std::vector<RememberedGluing> GranularTwoStage<2>::gluing() const;
-template void GranularTwoStage<3>::start(const std::vector<RememberedGluing>&);
-template Vector GranularTwoStage<3>::state() const;
-template void GranularTwoStage<3>::restart(const Vector&);
-template std::vector<ContactStatus> GranularTwoStage<3>::statuses() const;
 template GranularTwoStage<3>::Solution GranularTwoStage<3>::gather(const StepProblem<3>&);
 template std::vector<RememberedGluing> GranularTwoStage<3>::gluing() const;
 

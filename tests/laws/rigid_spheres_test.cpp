@@ -103,7 +103,7 @@ TEST_CASE("rigid clusters: two heavy spheres among light ones leave no inertia a
   const Subdomain& part = model.parts.subdomains[0];
   const Index grains = count(part.grains);
   const auto bodies = [&](const Vector& inertia) {
-    return count(rigid_motions({3, part.centres, inertia, part.h}).bodies);
+    return count(rigid_motions(3, part.centres, inertia, part.h).bodies);
   };
   REQUIRE(bodies(part.inertia) < grains / 2);
   const Index a = part.h.col(0).nonZeros() > 0 ? SparseMatrix::InnerIterator(part.h, 0).row() / 3 : 0;

@@ -20,7 +20,7 @@ NetworkDegrees degrees(const Subdomain& subdomain, bool ranks) {
   result.contacts = subdomain.h.cols();
   if (!ranks) return result;
   const Index dofs_per_grain = subdomain.h.rows() / std::max<Index>(result.grains, 1);
-  result.rank = rigid_rank({dofs_per_grain, subdomain.centres, subdomain.inertia, subdomain.h}).value;
+  result.rank = rigid_rank(dofs_per_grain, subdomain.centres, subdomain.inertia, subdomain.h).value;
   result.rigid_modes = subdomain.h.rows() - result.rank;
   result.hyperstaticity = result.contacts - result.rank;
   return result;
