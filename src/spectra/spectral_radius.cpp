@@ -207,18 +207,6 @@ SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options) {
   return {arpack};
 }
 
-namespace {
-
-SpectralRadius radius_by(SpectralSolver solver, const Contraction& b, const SpectralOptions& options,
-                         SpectrumMemory& memory) {
-  if (solver == SpectralSolver::dense) return dense_radius(b, options);
-  if (solver == SpectralSolver::arpack) return arpack_radius(b, options, memory);
-  if (solver == SpectralSolver::slepc) return slepc_radius(b, options);
-  return shift_invert_radius(b, options, memory);
-}
-
-}  // namespace
-
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory* memory) {
   const OneBlasThread serial_blas;
   const Index n = b.rows();
@@ -230,7 +218,11 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
   const SolverChoice choice = choose_solver(n, options, b.system.decomposition().interface.processes().alone());
   const auto solve = [&](SpectralSolver solver) {
     SpectrumMemory none;  // what a fallback finds does not depend on the points before
-    return radius_by(solver, b, options, memory != nullptr && solver == choice.solver ? *memory : none);
+    SpectrumMemory& known = memory != nullptr && solver == choice.solver ? *memory : none;
+    if (solver == SpectralSolver::dense) return dense_radius(b, options);
+    if (solver == SpectralSolver::arpack) return arpack_radius(b, options, known);
+    if (solver == SpectralSolver::slepc) return slepc_radius(b, options);
+    return shift_invert_radius(b, options, known);
   };
   const auto answers = [&](const SpectralRadius& one) { return one.converged && (!options.certify || one.certified); };
   return relaxed(first_answer(choice, options.tolerance, solve, answers), b.relaxation, options.tolerance);

@@ -61,7 +61,7 @@ DividedContacts<D>::DividedContacts(const StepProblem<D>& problem, const Partiti
     for (std::size_t colour = 0; colour < changed_.size(); ++colour)
       for (const ContactRow<D>& row : coloured_[e][colour].contacts.rows)
         for (const std::int32_t body : {row.a, row.b})
-          if (const Index k = copy_of[e][static_cast<std::size_t>(body)]; k >= 0) changed_[colour].push_back(k);
+          if (const Index k = copy_of[e][at(body)]; k >= 0) changed_[colour].push_back(k);
   for (std::size_t c = 0; c < problem.contacts.size(); ++c) pull_[D * static_cast<Index>(c)] = problem.contacts[c].pull;
   set_data(partition);
 }
@@ -111,8 +111,8 @@ CopiesOfGrains<D> DividedContacts<D>::caused(const Vector& r) const {
     for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
       const ContactRow<D>& row = colour.contacts.rows[k];
       const LocalVector<D> impulse = component<D>(r, colour.numbers[k]);
-      push(own[static_cast<std::size_t>(row.a)], impulse_on_grain(row.normal, -1, impulse));
-      push(own[static_cast<std::size_t>(row.b)], impulse_on_grain(row.normal, 1, impulse));
+      push(own[at(row.a)], impulse_on_grain(row.normal, -1, impulse));
+      push(own[at(row.b)], impulse_on_grain(row.normal, 1, impulse));
     });
   });
   shared_.add_up(velocities);
@@ -138,9 +138,7 @@ Vector DividedContacts<D>::relative_velocities(const CopiesOfGrains<D>& velociti
     const std::vector<GrainVelocity<D>>& own = velocities[at(e)];
     for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
       const ContactRow<D>& row = colour.contacts.rows[k];
-      set_component(
-          u, colour.numbers[k],
-          relative_velocity(row.normal, own[static_cast<std::size_t>(row.a)], own[static_cast<std::size_t>(row.b)]));
+      set_component(u, colour.numbers[k], relative_velocity(row.normal, own[at(row.a)], own[at(row.b)]));
     });
   });
   return u;

@@ -251,7 +251,7 @@ void GranularTwoStage<D>::iterate() {
 
 template <int D>
 IterationRecord GranularTwoStage<D>::record() const {
-  const Vector sum = sum_of_parts(last_terms_, parts_.interface.processes());
+  const Vector sum = parts_.interface.processes().sum_of_parts(last_terms_);
   const double interface = at_least(impulse_floor_squared_, sum[interface_squares]);
   // Copies may come to rest, or an impact may set them going: the larger speed is the scale.
   return {.iteration = iteration_,

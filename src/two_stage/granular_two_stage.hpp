@@ -101,7 +101,7 @@ class GranularTwoStage {
   double summed(const Term& term) const {
     Eigen::MatrixXd terms(1, count(parts_.subdomains));
     for (Index e = 0; e < terms.cols(); ++e) terms(0, e) = term(e);
-    return sum_of_parts(std::move(terms), parts_.interface.processes())[0];
+    return parts_.interface.processes().sum_of_parts(std::move(terms))[0];
   }
   double dot(const Vector& f, const Vector& g) const {
     return summed([&](Index e) { return parts_.interface.part_of_dot(e, f, g); });

@@ -28,6 +28,24 @@ constexpr double unit_tolerance = 1e-9;
 
 bool is_unit(std::complex<double> value) { return std::abs(value - 1.0) <= unit_tolerance; }
 
+MapRadius map_radius_by_arpack(Index n, const LinearMap& map, const SpectralOptions& options, UnitEigenvalues units) {
+  const bool pass_over = units == UnitEigenvalues::passed_over, counted = units == UnitEigenvalues::counted;
+  const ArnoldiResult arpack = arnoldi(n, map, options.arpack, pass_over ? unit_tolerance : 0);
+  // Eigenvalues that crowd at 1 (small epsilon) defeat Arnoldi; unit ones (rigid limit) hide those behind them.
+  const bool doubtful = !arpack.converged || (counted && is_unit(arpack.value));
+  MapRadius result;
+  result.solver = "arpack";
+  result.applications = arpack.applications;
+  result.dominant = arpack.value;
+  result.value = std::abs(arpack.value);
+  result.residual = arpack.residual;
+  result.subdominant = doubtful ? not_a_number : result.value;
+  result.unit_multiplicity = pass_over ? arpack.units : counted ? -1 : 0;
+  result.converged = arpack.converged && arpack.residual <= options.tolerance * std::max(1.0, result.value);
+  if (!arpack.converged) result.failure = "Arnoldi has not converged";
+  return result;
+}
+
 }  // namespace
 
 TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const Law& law, InterfaceOperator preconditioner,
@@ -112,28 +130,6 @@ MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEige
   result.converged = result.residual <= options.tolerance * std::max(1.0, result.value);
   return result;
 }
-
-namespace {
-
-MapRadius map_radius_by_arpack(Index n, const LinearMap& map, const SpectralOptions& options, UnitEigenvalues units) {
-  const bool pass_over = units == UnitEigenvalues::passed_over, counted = units == UnitEigenvalues::counted;
-  const ArnoldiResult arpack = arnoldi(n, map, options.arpack, pass_over ? unit_tolerance : 0);
-  // Eigenvalues that crowd at 1 (small epsilon) defeat Arnoldi; unit ones (rigid limit) hide those behind them.
-  const bool doubtful = !arpack.converged || (counted && is_unit(arpack.value));
-  MapRadius result;
-  result.solver = "arpack";
-  result.applications = arpack.applications;
-  result.dominant = arpack.value;
-  result.value = std::abs(arpack.value);
-  result.residual = arpack.residual;
-  result.subdominant = doubtful ? not_a_number : result.value;
-  result.unit_multiplicity = pass_over ? arpack.units : counted ? -1 : 0;
-  result.converged = arpack.converged && arpack.residual <= options.tolerance * std::max(1.0, result.value);
-  if (!arpack.converged) result.failure = "Arnoldi has not converged";
-  return result;
-}
-
-}  // namespace
 
 MapRadius map_radius(Index n, const LinearMap& given, const SpectralOptions& options, UnitEigenvalues units) {
   const OneBlasThread serial_blas;

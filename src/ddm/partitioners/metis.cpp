@@ -48,14 +48,13 @@ std::vector<idx_t> in_breadth(const Graph& graph, const std::vector<idx_t>& part
   const auto visit = [&](idx_t from) {
     std::size_t next = order.size();
     order.push_back(from);
-    taken[static_cast<std::size_t>(from)] = 1;
+    taken[at(from)] = 1;
     for (; next < order.size(); ++next)
-      for (idx_t k = graph.start[static_cast<std::size_t>(order[next])];
-           k < graph.start[static_cast<std::size_t>(order[next]) + 1]; ++k) {
-        const auto other = static_cast<std::size_t>(graph.neighbours[static_cast<std::size_t>(k)]);
-        if (part[other] != one || taken[other] != 0) continue;
-        taken[other] = 1;
-        order.push_back(graph.neighbours[static_cast<std::size_t>(k)]);
+      for (idx_t k = graph.start[at(order[next])]; k < graph.start[at(order[next] + 1)]; ++k) {
+        const idx_t other = graph.neighbours[at(k)];
+        if (part[at(other)] != one || taken[at(other)] != 0) continue;
+        taken[at(other)] = 1;
+        order.push_back(other);
       }
   };
   const auto visit_all = [&] {
@@ -73,16 +72,16 @@ std::vector<idx_t> in_breadth(const Graph& graph, const std::vector<idx_t>& part
 
 // METIS may leave parts empty where they are to be small. Each of these takes half of the largest part.
 void fill_empty_parts(const Graph& graph, idx_t parts, std::vector<idx_t>& part) {
-  std::vector<Index> size(static_cast<std::size_t>(parts), 0);
-  for (const idx_t one : part) ++size[static_cast<std::size_t>(one)];
+  std::vector<Index> size(at(parts), 0);
+  for (const idx_t one : part) ++size[at(one)];
   for (idx_t empty = 0; empty < parts; ++empty) {
-    if (size[static_cast<std::size_t>(empty)] > 0) continue;
+    if (size[at(empty)] > 0) continue;
     const auto largest = std::ranges::max_element(size);
     const std::vector<idx_t> order = in_breadth(graph, part, static_cast<idx_t>(largest - size.begin()));
     const Index half = *largest / 2;
-    for (Index k = 0; k < half; ++k) part[static_cast<std::size_t>(order[at(k)])] = empty;
+    for (Index k = 0; k < half; ++k) part[at(order[at(k)])] = empty;
     *largest -= half;
-    size[static_cast<std::size_t>(empty)] = half;
+    size[at(empty)] = half;
   }
 }
 
