@@ -136,33 +136,28 @@ SparseMatrix without_rows(const RigidMotions& motions, const std::vector<char>& 
   return entries.matrix(motions.h.rows(), motions.h.cols());
 }
 
-// Columns of Z^T H, told apart by whether bodies could be set aside with them.
-struct Peeled {
-  std::vector<Index> set_aside = {};  // independent of each other and of all that are left
-  std::vector<Index> left = {};       // ascending; none of them acts on a body that was set aside
-};
-
-// Sets aside, again and again, each body that has few columns, all of them clearly independent by what they do to this
-// body alone. `grounded`: a flag for each body that does not move, or none; a column of such bodies alone is in neither
-// list.
+// Sets aside, again and again, each body that has few columns of Z^T H, all of them clearly independent by what they do
+// to this body alone. `grounded`: a flag for each body that does not move, or none; a column of such bodies alone is in
+// neither list.
 class Peeling {
  public:
   Peeling(const std::vector<RigidBody>& bodies, const std::vector<char>& grounded, const SparseMatrix& h)
-      : bodies_(bodies), h_(h), body_of_row_(at(h.rows()), -1), columns_of_(bodies.size()), left_(at(h.cols()), 1) {
+      : bodies_(bodies), h_(h), body_of_row_(at(h.rows()), -1), columns_of_(bodies.size()), remains_(at(h.cols()), 1) {
     for (Index b = 0; b < count(bodies); ++b)
       for (Index k = 0; k < bodies[at(b)].rows && (grounded.empty() || !grounded[at(b)]); ++k)
         body_of_row_[at(bodies[at(b)].first_row + k)] = b;
     for (Index c = 0; c < h.cols(); ++c) {
       for (const Index b : bodies_of(c)) columns_of_[at(b)].push_back(c);
-      if (bodies_of(c).empty()) left_[at(c)] = 0;
+      if (bodies_of(c).empty()) remains_[at(c)] = 0;
     }
     for (Index b = 0; b < count(bodies); ++b) queue_.push_back(b);
     for (std::size_t k = 0; k < queue_.size(); ++k) try_body(queue_[k]);
     for (Index c = 0; c < h.cols(); ++c)
-      if (left_[at(c)]) result.left.push_back(c);
+      if (remains_[at(c)]) left.push_back(c);
   }
 
-  Peeled result;
+  std::vector<Index> set_aside;  // columns independent of each other and of all that are left
+  std::vector<Index> left;       // ascending; none of these columns acts on a body that was set aside
 
  private:
   std::vector<Index> bodies_of(Index column) const {
@@ -175,7 +170,7 @@ class Peeling {
   void try_body(Index b) {
     const RigidBody& body = bodies_[at(b)];
     std::vector<Index>& columns = columns_of_[at(b)];
-    std::erase_if(columns, [&](Index c) { return !left_[at(c)]; });
+    std::erase_if(columns, [&](Index c) { return !remains_[at(c)]; });
     if (columns.empty() || count(columns) > body.rows) return;
     Matrix block = Matrix::Zero(body.rows, count(columns));
     for (Index j = 0; j < block.cols(); ++j) {
@@ -190,8 +185,8 @@ class Peeling {
     const Vector squares = symmetric_eigen(block.transpose() * block, Eigenvectors::not_wanted).values;
     if (!(squares[0] > independent * independent)) return;
     for (const Index c : columns) {
-      left_[at(c)] = 0;
-      result.set_aside.push_back(c);
+      remains_[at(c)] = 0;
+      set_aside.push_back(c);
       for (const Index other : bodies_of(c))
         if (other != b) queue_.push_back(other);
     }
@@ -201,7 +196,7 @@ class Peeling {
   const SparseMatrix& h_;
   std::vector<Index> body_of_row_;
   std::vector<std::vector<Index>> columns_of_;
-  std::vector<char> left_;
+  std::vector<char> remains_;
   std::vector<Index> queue_;
 };
 
@@ -264,7 +259,7 @@ RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia
 RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded, Tilt tilt) {
   const SparseMatrix h = grounded.empty() ? motions.h : without_rows(motions, grounded);
   if (!motions.searched) return range_basis(h, tilt);
-  const Peeled peeled = Peeling(motions.bodies, grounded, h).result;
+  const Peeling peeled(motions.bodies, grounded, h);
   RangeBasis result = range_basis(selected_columns(h, peeled.left), tilt);
   for (Index& c : result.columns) c = peeled.left[at(c)];
   result.columns.insert(result.columns.end(), peeled.set_aside.begin(), peeled.set_aside.end());
@@ -275,7 +270,7 @@ RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& gro
 MatrixRank rigid_rank(Index d, const Matrix& centres, const Vector& inertia, const SparseMatrix& h) {
   const RigidMotions motions = rigid_motions(d, centres, inertia, h);
   if (!motions.searched) return sparse_rank(h);
-  const Peeled peeled = Peeling(motions.bodies, {}, motions.h).result;
+  const Peeling peeled(motions.bodies, {}, motions.h);
   MatrixRank rank = sparse_rank(selected_columns(motions.h, peeled.left));
   rank.value += h.rows() - motions.h.rows() + count(peeled.set_aside);
   return rank;

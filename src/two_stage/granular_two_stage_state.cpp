@@ -15,17 +15,6 @@ struct SentCopy {
   GrainUnknowns<D> velocity;
 };
 
-template <int D>
-void add_copies(Index e, const GranularSubdomain<D>& subdomain, const StepProblem<D>& problem,
-                const Interface& interface, std::vector<SentCopy<D>>& copies) {
-  for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
-    const std::size_t body = at(subdomain.bodies[i]);
-    const Index number = problem.numbers[body];
-    if (problem.free[body].inverse_mass == 0 || interface.multiplicity(number) == 1) continue;
-    copies.push_back({e, number, unknowns(subdomain.velocities[i])});
-  }
-}
-
 // Adds to the velocity of a shared grain, at first V_free, its part of what one of its copies has gained.
 template <int D>
 void take_in_copy(const SentCopy<D>& copy, const StepProblem<D>& problem, const Interface& interface,
@@ -72,11 +61,14 @@ typename GranularTwoStage<D>::Solution GranularTwoStage<D>::gather(const StepPro
       contact.impulse = in_frame(contact.normal, subdomain.contacts.impulses[k]);
     }
     for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
-      GrainVelocity<D>& v = result.velocities[at(subdomain.bodies[i])];
-      if (v.inverse_mass > 0 && interface.multiplicity(problem.numbers[at(subdomain.bodies[i])]) == 1)
-        v = with_unknowns(unknowns(subdomain.velocities[i]), v.inverse_mass);
+      const std::size_t body = at(subdomain.bodies[i]);
+      const Index number = problem.numbers[body];
+      const double inverse_mass = problem.free[body].inverse_mass;
+      const GrainUnknowns<D> v = unknowns(subdomain.velocities[i]);
+      if (inverse_mass > 0 && interface.multiplicity(number) > 1) copies.push_back({e, number, v});
+      if (inverse_mass > 0 && interface.multiplicity(number) == 1)
+        result.velocities[body] = with_unknowns(v, inverse_mass);
     }
-    add_copies(e, subdomain, problem, interface, copies);
   }
   copies = all.gather(copies);
   // What copies gained adds up in the order of their subdomains, whoever has them.
