@@ -83,11 +83,11 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
 double PencilSide::disturbance(const ShiftedPencil& pencil, const Vector& x, double lambda, const Matrix& locked,
                                const Vector& known) {
   ++result.solves;
-  const Vector image = p.apply(pencil.solve(p.apply(x))), parts = (locked.transpose() * image).cwiseAbs();
+  const Vector image = p.apply(pencil.solve(p.apply(x))), along = (locked.transpose() * image).cwiseAbs();
   const double nu = 1 / (lambda - pencil.shift());
   double sum = 0;
-  for (Index j = 0; j < parts.size(); ++j)
-    if (parts[j] > 0) sum += parts[j] * parts[j] / std::max(parts[j], std::abs(nu - 1 / (known[j] - pencil.shift())));
+  for (Index j = 0; j < along.size(); ++j)
+    if (along[j] > 0) sum += along[j] * along[j] / std::max(along[j], std::abs(nu - 1 / (known[j] - pencil.shift())));
   return sum / (nu * nu);
 }
 
