@@ -198,7 +198,9 @@ IterationSink RunOutput::iterations() {
 // The first process gathers the contacts of the newest step, and passes it on to the trajectory.
 void RunOutput::hand_over(bool keep) {
   if (!newest_) return;
-  newest_->contacts = contacts_at_first(std::move(newest_->contacts), processes_);
+  std::vector<TrajectoryContact>& contacts = newest_->contacts;
+  contacts = processes_.gather_at_first(contacts);
+  std::ranges::sort(contacts, {}, [](const TrajectoryContact& c) { return std::pair(c.geometry.a, c.geometry.b); });
   if (trajectory_) trajectory_->append(*std::move(newest_), rows_, keep);
   newest_.reset();
   rows_.clear();

@@ -164,7 +164,7 @@ struct RememberedModel {
 };
 
 /// Everything that changes in a run. A run that restarts from it repeats every bit. If several processes share steps,
-/// each remembers the contacts of its own subdomains (StepShare, subdomains_to_remember); the rest is replicated.
+/// each remembers the contacts of its own subdomains (share_step); the rest is replicated.
 struct GranularState {
   Index step = 0;                              ///< steps done
   double time = 0;                             ///< s

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/contact_solver_step.hpp"
 
+#include "contact_solvers/contact_turns.hpp"
 #include "contact_solvers/stored_contacts.hpp"
 #include "mechanics/contact_blocks.hpp"
-#include "simulation/contact_colours.hpp"
-#include "simulation/iteration_watch.hpp"
 #include "simulation/step_decomposition.hpp"
-#include "two_stage/divided_contacts.hpp"
 
 #include <chrono>
 
@@ -35,21 +33,10 @@ std::vector<GrainContact<D>> with_impulses(std::vector<GrainContact<D>> contacts
   return contacts;
 }
 
+// Both enumerations have the same six in the same order.
 SolverStatus status_of_step(FrictionStatus status) {
-  switch (status) {
-    case FrictionStatus::converged:
-      return SolverStatus::converged;
-    case FrictionStatus::stalled:
-      return SolverStatus::stalled;
-    case FrictionStatus::diverged:
-      return SolverStatus::diverged;
-    case FrictionStatus::not_finite:
-      return SolverStatus::no_number;
-    case FrictionStatus::stopped:
-      return SolverStatus::given_up;
-    default:
-      return SolverStatus::maximum_reached;
-  }
+  static_assert(static_cast<int>(FrictionStatus::stopped) == static_cast<int>(SolverStatus::given_up));
+  return static_cast<SolverStatus>(status);
 }
 
 template <int D>
@@ -79,7 +66,7 @@ CutOptions cut_options(const StepSolver& solver, const InertiaMethod& inertia) {
 // Solves a problem that holds the contacts of a step. velocities(r + pull): of the bodies; interface_iterations(): so
 // far. `start`: when the work for it began.
 template <int D, ContactProblem Problem, class Velocities, class Iterations>
-void solve(SolvedStep<D>& step, Problem& held, Clock::time_point start, const Velocities& velocities,
+void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const Velocities& velocities,
            const Iterations& interface_iterations, const Simulation& simulation, const IterationSink& sink) {
   const StepSolver& solver = simulation.dynamics.solver;
   const StepProblem<D>& problem = step.problem;
@@ -92,7 +79,7 @@ void solve(SolvedStep<D>& step, Problem& held, Clock::time_point start, const Ve
   const auto take = [&](const Vector& shifted) {
     step.contacts = with_impulses(problem.contacts, shifted);
     step.velocities = velocities(shifted);
-    report.residual = residual_of_subdomains(problem.law, step.partition, step.contacts, step.velocities, all);
+    report.residual = residual_of(step, all);
     report.residual.scale = scale;
   };
   std::vector<ContactStatus> statuses;
@@ -141,7 +128,28 @@ LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularS
 }
 
 template <int D>
-void solve_whole_contacts(SolvedStep<D>& step, const Simulation& simulation, const IterationSink& sink) {
+ContactColours contact_colours(const Simulation& simulation, const StepProblem<D>& problem) {
+  const auto ends_of = [](const StepContact& contact) { return std::pair(contact.a, contact.b); };
+  const auto& own = problem.geometry;  // ascending
+  ContactColours colours{std::vector<Index>(own.size()), 0};
+  const GranularSystem& system = simulation.system;
+  GreedyColours taken(system.grains());
+  std::vector<Index> ends;
+  for_each_step_contact(start_of(simulation), [&](const StepContact& contact) {
+    ends.clear();
+    for (const Index end : {contact.a, contact.b})
+      if (end < system.grains() && system.free(end)) ends.push_back(end);
+    const Index colour = taken.take_least(ends, ends);
+    colours.number = std::max(colours.number, colour + 1);
+    const auto found = std::ranges::lower_bound(own, ends_of(contact), {}, ends_of);
+    if (found != own.end() && ends_of(*found) == ends_of(contact))
+      colours.of_contact[static_cast<std::size_t>(found - own.begin())] = colour;
+  });
+  return colours;
+}
+
+template <int D>
+void solve_whole_contacts(GranularStep<D>& step, const Simulation& simulation, const IterationSink& sink) {
   const auto start = Clock::now();
   step.report.residual.scale = GranularDecomposition<D>::scale_of(step.problem, step.partition, simulation.processes);
   const LocalFrictionProblem whole = contact_problem(step.problem, simulation.system);
@@ -152,13 +160,12 @@ void solve_whole_contacts(SolvedStep<D>& step, const Simulation& simulation, con
 }
 
 template <int D>
-void solve_divided_contacts(SolvedStep<D>& step, GranularDecomposition<D> parts, const Simulation& simulation,
+void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> parts, const Simulation& simulation,
                             const IterationSink& sink) {
   const auto start = Clock::now();
   const StepSolver& solver = simulation.dynamics.solver;
   const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
-  CutContacts<D> cut(linear_decomposition(simulation, step.problem, step.partition, step.share),
-                     cut_options(solver, stage_two_inertia(simulation)));
+  CutContacts<D> cut(linear_decomposition(simulation, step), cut_options(solver, stage_two_inertia(simulation)));
   DividedContacts<D> divided(step.problem, step.partition, std::move(parts), contact_colours(simulation, step.problem),
                              std::move(cut), admm ? Refinement::none : Refinement::one_step);
   const auto velocities = [&](const Vector& shifted) { return divided.velocities(shifted); };
@@ -174,10 +181,14 @@ void solve_divided_contacts(SolvedStep<D>& step, GranularDecomposition<D> parts,
 }
 
 template LocalFrictionProblem contact_problem(const StepProblem<2>&, const GranularSystem&);
-template void solve_whole_contacts(SolvedStep<2>&, const Simulation&, const IterationSink&);
-template void solve_divided_contacts(SolvedStep<2>&, GranularDecomposition<2>, const Simulation&, const IterationSink&);
+template ContactColours contact_colours(const Simulation&, const StepProblem<2>&);
+template ContactColours contact_colours(const Simulation&, const StepProblem<3>&);
+template void solve_whole_contacts(GranularStep<2>&, const Simulation&, const IterationSink&);
+template void solve_divided_contacts(GranularStep<2>&, GranularDecomposition<2>, const Simulation&,
+                                     const IterationSink&);
 template LocalFrictionProblem contact_problem(const StepProblem<3>&, const GranularSystem&);
-template void solve_whole_contacts(SolvedStep<3>&, const Simulation&, const IterationSink&);
-template void solve_divided_contacts(SolvedStep<3>&, GranularDecomposition<3>, const Simulation&, const IterationSink&);
+template void solve_whole_contacts(GranularStep<3>&, const Simulation&, const IterationSink&);
+template void solve_divided_contacts(GranularStep<3>&, GranularDecomposition<3>, const Simulation&,
+                                     const IterationSink&);
 
 }  // namespace nscdd

@@ -8,26 +8,29 @@
 namespace nscdd {
 namespace {
 
-double length_of(const BoundarySpec& spec) {
-  return std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1], spec.to[2] - spec.from[2]);
+using Place = std::array<double, 3>;
+
+Place along(const BoundarySpec& spec) {
+  return {spec.to[0] - spec.from[0], spec.to[1] - spec.from[1], spec.to[2] - spec.from[2]};
+}
+
+double length_of(const Place& vector) { return std::hypot(vector[0], vector[1], vector[2]); }
+
+Place unit(const Place& vector) {
+  const double length = length_of(vector);
+  return {vector[0] / length, vector[1] / length, vector[2] / length};
 }
 
 bool is_plane_in_space(const BoundarySpec& spec) { return spec.shape == BoundaryShape::wall && spec.dimension == 3; }
-
-std::array<double, 3> unit(std::array<double, 3> vector) {
-  const double length = std::hypot(vector[0], vector[1], vector[2]);
-  for (double& one : vector) one /= length;
-  return vector;
-}
 
 Wall wall_of(const BoundarySpec& spec, Index boundary) {
   if (is_plane_in_space(spec)) return {.point = spec.point, .normal = unit(spec.normal), .boundary = boundary};
   if (spec.shape == BoundaryShape::cylinder)
     return {.point = spec.from,
-            .normal = unit({spec.to[0] - spec.from[0], spec.to[1] - spec.from[1], spec.to[2] - spec.from[2]}),
+            .normal = unit(along(spec)),
             .boundary = boundary,
             .radius = spec.side == CylinderSide::inside ? spec.radius : -spec.radius};
-  const double length = length_of(spec);
+  const double length = length_of(along(spec));
   return {.point = spec.from,
           .normal = {(spec.from[1] - spec.to[1]) / length, (spec.to[0] - spec.from[0]) / length, 0},
           .boundary = boundary};
@@ -51,7 +54,7 @@ void require_dimension(const BoundarySpec& spec, Index dimension) {
 
 void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
                Index boundary) {
-  const double length = length_of(spec);
+  const double length = length_of(along(spec));
   // As few gaps as keep them no wider than asked for; rounding must not add one.
   const Index gaps = std::max<Index>(1, static_cast<Index>(std::ceil(length / spec.distance() * (1 - 1e-12))));
   for (Index k = 0; k <= gaps; ++k) {
@@ -176,8 +179,9 @@ std::optional<Need> missing_for(const Dynamics& dynamics, std::string_view path)
   std::vector<Need> needs;
   add_needs(needs, dynamics.solver);
   add_needs(needs, dynamics.interaction, dynamics.time.penetration_correction);
-  const auto missing = std::ranges::find_if(needs, [&](const Need& one) { return one.path == path && !one.met; });
-  return missing == needs.end() ? std::nullopt : std::optional(*missing);
+  for (const Need& one : needs)
+    if (one.path == path && !one.met) return one;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -194,30 +198,17 @@ bool switches_models(const Dynamics& dynamics) {
   return dynamics.solver.model != SwitchedModel::none && has_effect(dynamics, "solver.switch");
 }
 
-Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains) {
-  Packing packing;
-  for (Index i = 0; i < grains; ++i) {
-    if (!system.free(i)) continue;
-    packing.x.push_back(state.x[at(i)]);
-    packing.y.push_back(state.y[at(i)]);
-    if (system.dimension == 3) packing.z.push_back(state.z[at(i)]);
-    packing.radius.push_back(system.radius[at(i)]);
-    packing.mass.push_back(system.mass[at(i)]);
-  }
-  return packing;
-}
-
 void check(const BoundarySpec& spec) {
   if (spec.shape == BoundaryShape::grains) return;
   if (is_plane_in_space(spec)) {
-    const double length = std::hypot(spec.normal[0], spec.normal[1], spec.normal[2]);
+    const double length = length_of(spec.normal);
     if (!(length > 0) || !std::isfinite(length))
       fail("boundary '{}': normal: expected a direction, met ({})", spec.name, fmt::join(spec.normal, ", "));
     return;
   }
-  const double length = length_of(spec);
+  const double length = length_of(along(spec));
   if (!(length > 0) || !std::isfinite(length)) {
-    const auto place = [&](const std::array<double, 3>& p) {
+    const auto place = [&](const Place& p) {
       return fmt::format("({})", fmt::join(std::span(p).first(spec.dimension == 3 ? 3 : 2), ", "));
     };
     fail("boundary '{}': from, to: expected distinct ends, met {} and {}", spec.name, place(spec.from), place(spec.to));
@@ -236,14 +227,13 @@ void check(const BoundarySpec& spec) {
 namespace {
 
 // Two or three numbers.
-std::string components_text(const std::array<double, 3>& values, bool space) {
+std::string components_text(const Place& values, bool space) {
   return space ? field_text(Components<double>(values)) : field_text(Components<double>(values[0], values[1]));
 }
 
 std::string motion_lines(const Motion& motion, bool space) {
   std::string text;
-  if (motion.centre != std::array<double, 3>{0, 0, 0})
-    text += fmt::format("centre = {}\n", components_text(motion.centre, space));
+  if (motion.centre != Place{0, 0, 0}) text += fmt::format("centre = {}\n", components_text(motion.centre, space));
   if (motion.velocity.empty()) return text;
   const auto spin = [&](const RigidVelocity& v) {
     return space ? components_text({v.spin_x, v.spin_y, v.spin}, true) : field_text(v.spin);
@@ -252,16 +242,16 @@ std::string motion_lines(const Motion& motion, bool space) {
     const RigidVelocity& v = motion.velocity.front();
     return text + fmt::format("velocity = {}\nspin = {}\n", components_text({v.x, v.y, v.z}, space), spin(v));
   }
-  text += "motion = [";
+  std::vector<std::string> entries;
   for (std::size_t k = 0; k < motion.velocity.size(); ++k) {
     const RigidVelocity& v = motion.velocity[k];
     std::vector<double> entry{motion.time[k], v.x, v.y, v.spin};
     if (space) entry = {motion.time[k], v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
-    std::string numbers;
-    for (const double number : entry) numbers += (numbers.empty() ? "" : ", ") + field_text(number);
-    text += fmt::format("{}[{}]", k == 0 ? "" : ", ", numbers);
+    std::vector<std::string> numbers;
+    for (const double number : entry) numbers.push_back(field_text(number));
+    entries.push_back(fmt::format("[{}]", fmt::join(numbers, ", ")));
   }
-  return text + "]\n";
+  return text + fmt::format("motion = [{}]\n", fmt::join(entries, ", "));
 }
 
 // A parameter without effect is written with its default, so that equal runs have equal texts.
@@ -282,8 +272,8 @@ std::string boundary_lines(const BoundarySpec& spec) {
   if (spec.shape == BoundaryShape::grains) {
     text += fmt::format("first = {}\nlast = {}\n", spec.first, spec.last);
   } else if (is_plane_in_space(spec)) {
-    text +=
-        fmt::format("point = {}\nnormal = {}\n", components_text(spec.point, true), components_text(spec.normal, true));
+    text += fmt::format("point = {}\n", components_text(spec.point, true));
+    text += fmt::format("normal = {}\n", components_text(spec.normal, true));
   } else {
     const bool space = spec.dimension == 3;
     text += fmt::format("from = {}\nto = {}\n", components_text(spec.from, space), components_text(spec.to, space));

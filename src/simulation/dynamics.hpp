@@ -70,9 +70,6 @@ bool switches_models(const Dynamics& dynamics);
 /// Throws Error naming the boundary if a wall, an axis or a row of disks has no extent or a row has too many disks.
 void check(const BoundarySpec& spec);
 
-/// The free grains among the first so many, at rest where they are: those of a packing without what boundaries drive.
-Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains);
-
 /// The system of a packing with masses and the boundaries of a case: grains, then disks of boundaries in
 /// their order. Throws Error naming the boundary if its shape has no extent, its radius or range of grains is
 /// impossible, one of its grains is driven twice, or it is made for another dimension than that of the packing.

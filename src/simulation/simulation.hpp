@@ -1,34 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "simulation/iteration_watch.hpp"
 #include "simulation/solved_step.hpp"
-#include "simulation/step_partition.hpp"
 
 namespace nscdd {
 
-/// The next step of a simulation, or the share that this process has of it, cut into subdomains. Throws Error as
-/// prepare_step does, naming both bodies if two overlap by more than `largest_overlap`, and for a system of another
-/// dimension than D.
+/// The next step of a simulation cut into subdomains, to be solved by any method. Throws Error as share_step does.
 template <int D>
-struct DividedStep {
-  StepProblem<D> problem;
-  Partition partition;  ///< of its contacts
-  ShareOfStep share;    ///< empty where this process has all of the step
-  StepReport report;    ///< what is known by now
-  GranularDecomposition<D> parts;
-};
-template <int D>
-DividedStep<D> divide_step(const Simulation& simulation);
+std::pair<GranularStep<D>, GranularDecomposition<D>> divide_step(const Simulation& simulation);
 
 /// The same ready to be iterated by Algorithm 1.
 template <int D>
 struct PreparedStep {
-  StepProblem<D> problem;
-  Partition partition;                        ///< of its contacts
-  ShareOfStep share;                          ///< empty where this process has all of the step
+  GranularStep<D> share;                      ///< the step, or what this process has of it
   std::optional<InterfaceOperator> enriched;  ///< X_eta of the enriched algorithm
-  StepReport report;                          ///< what is known by now
   GranularTwoStage<D> iteration;
 };
 template <int D = 2>
@@ -37,15 +22,10 @@ PreparedStep<D> prepare_solution(const Simulation& simulation);
 /// Prepares and solves the next step without taking it. The iterations that `sink` looks at go to it. Throws Error for
 /// a system of another dimension than D.
 template <int D = 2>
-SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink = {});
+GranularStep<D> solve_step(const Simulation& simulation, const IterationSink& sink = {});
 
 /// How the next step of a simulation of either dimension is solved, without taking it.
 StepReport solved_report(const Simulation& simulation, const IterationSink& sink = {});
-
-/// Takes a solved step, which moves the state on. Throws Error, and takes nothing, if bodies would pass each other
-/// between the contacts and the end of the step, see check_end_of_step.
-template <int D>
-StepReport take_step(Simulation& simulation, const SolvedStep<D>& step);
 
 /// Why a run of a simulation ended.
 enum class RunEnd {

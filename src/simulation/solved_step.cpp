@@ -3,8 +3,120 @@
 
 #include <fmt/ranges.h>
 
+#include <numeric>
+#include <set>
+
 namespace nscdd {
 namespace {
+
+constexpr double energy_explosion = 10;
+constexpr double large_impulses = 10;  // over what drives the step
+constexpr double large_work = 10;      // over the energies of motion
+constexpr double closing_part = 0.1;   // of the work of boundaries and pushes
+
+// Energies of a step, J, that say whether it went wrong. They are those of all processes.
+struct StepRoom {
+  double motion = 0;      // of all free grains: before, in free flight, and at the speed of the fastest body or push
+  double in_the_end = 0;  // of all free grains
+  double lifting = 0;     // to lift all free grains as far as the fastest body or push moves
+  double pushes = 0;      // what pushes of overlaps may do
+  double boundaries = 0;  // what boundaries do
+  double closing = 0;     // sum of r_n max(0, -u_n), with u_n that of the law: 0 in a solution
+};
+
+// `pushes`, `closing`: of all contacts.
+template <int D>
+StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double pushes, double closing) {
+  const TimeStepping& scheme = before.dynamics.time;
+  const auto motions = step_motions(before.system, before.state, scheme);
+  double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;  // of all free grains
+  double speed_squared = 0;                                        // of the fastest driven body or push
+  for (Index i = 0; i < before.system.grains(); ++i) {
+    const GrainMotion motion = free_motion(start_of(before), motions, i);
+    const GrainVelocity<D> free = with_motion<D>(motion, before.system.inverse_mass(i));
+    if (free.inverse_mass == 0) {
+      speed_squared = std::max(speed_squared, squared_velocity(free) + squared_rim(free));
+      continue;
+    }
+    const auto kinetic = [&](const GrainMotion& v) { return kinetic_energy(with_motion<D>(v, free.inverse_mass)); };
+    mass += 1 / free.inverse_mass;
+    at_first += kinetic(motion_of(before.state, at(i), before.system.radius[at(i)]));
+    free_flight += kinetic(motion);
+    in_the_end += kinetic(step.all_grains[at(i)]);
+  }
+  for (const GrainVelocity<D>& v : step.problem.start)
+    if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, squared_velocity(v) + squared_rim(v));
+  for (const GrainContact<D>& c : step.contacts) speed_squared = std::max(speed_squared, squared(c.bias));
+  speed_squared = before.processes.maximum(speed_squared);
+  const Place gravity = gravity_of(scheme, D);
+  const double weight = mass * std::sqrt(dot(gravity, gravity));
+  return {.motion = at_first + free_flight + mass * speed_squared / 2,
+          .in_the_end = in_the_end,
+          .lifting = weight * scheme.step * std::sqrt(speed_squared),
+          .pushes = pushes,
+          .boundaries = step.work.boundary,
+          .closing = closing};
+}
+
+// Contacts dissipate. Energy comes only from driven bodies, which pass on at most twice their speed, and from pushes:
+// a contact whose bodies overlap does the work r_n times the speed at which it pushes them apart. (Speeds of pushes
+// add up along a chain of overlaps, but so do the impulses.) A step that ends with many times the energy of all these
+// diverged, even after few iterations.
+bool energy_exploded(const StepRoom& room) {
+  const double reference = room.motion + room.pushes;
+  return reference > 0 && room.in_the_end > energy_explosion * reference;
+}
+
+// Whether boundaries or pushes seem to leave no room. If no impulses keep all contacts from closing, solvers raise
+// impulses that balance each other. Three signs together: these impulses are much larger than what drives the step,
+// their work is much larger than all energies of motion, and a good part of it is done against contacts that still
+// close. If boundaries and pushes are at rest, every step has a solution.
+bool no_room(const StepRoom& room, const ContactResidual& residual) {
+  const double work = std::max(0.0, room.boundaries) + room.pushes;
+  return std::sqrt(residual.impulses) > large_impulses * residual.scale.driving() &&
+         room.closing > closing_part * work && work > large_work * (room.motion + room.lifting);
+}
+
+// The contacts of a step to be remembered, ascending by (a, b). Each of several processes has those of its own
+// subdomains and all contacts of shared grains, so that it knows every contact of its own grains.
+template <int D>
+std::vector<RememberedSubdomain> subdomains_to_remember(const GranularStep<D>& step, const Processes& processes) {
+  std::vector<RememberedSubdomain> known = subdomains_to_remember(step.problem.geometry, step.partition);
+  std::set<Index> own;
+  std::vector<RememberedSubdomain> given;
+  const auto is_shared = [&](Index grain) { return std::ranges::binary_search(step.shared_grains, grain); };
+  for (const RememberedSubdomain& one : known) {
+    own.insert(one.subdomain);
+    if (is_shared(one.a) || is_shared(one.b)) given.push_back(one);
+  }
+  given = processes.gather(given);
+  std::ranges::copy_if(given, std::back_inserter(known),
+                       [&](const RememberedSubdomain& one) { return !own.contains(one.subdomain); });
+  std::ranges::sort(known, {}, [](const RememberedSubdomain& one) { return std::pair(one.a, one.b); });
+  return known;
+}
+
+// The velocities of all grains at the end of a step. Each of several processes knows those of its own contacts.
+template <int D>
+std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const GranularStep<D>& step) {
+  const GranularSystem& system = before.system;
+  const auto motions = step_motions(system, before.state, before.dynamics.time);
+  std::vector<GrainMotion> result;
+  result.reserve(at(system.grains()));
+  for (Index i = 0; i < system.grains(); ++i) result.push_back(free_motion(start_of(before), motions, i));
+  struct Moved {
+    Index grain;
+    GrainMotion velocity;
+  };
+  std::vector<Moved> own;
+  for (std::size_t body = 0; body < step.velocities.size(); ++body)
+    if (step.velocities[body].inverse_mass != 0)
+      own.push_back({step.problem.numbers[body], motion_of(step.velocities[body])});
+  before.processes.exchange(own, [&](std::span<const Moved> given) {
+    for (const Moved& one : given) result[at(one.grain)] = one.velocity;
+  });
+  return result;
+}
 
 // The text of the process with the largest merit; of equal ones that with the lowest pair of bodies (a, b). Empty if no
 // process has a text. A process without one has the merit -infinity.
@@ -25,7 +137,49 @@ std::optional<std::string> words_of_first(const Processes& all, double merit, co
 }  // namespace
 
 template <int D>
-std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& step) {
+ContactResidual residual_of(const GranularStep<D>& step, const Processes& processes) {
+  std::vector<std::vector<GrainContact<D>>> of_subdomain(at(step.partition.subdomains));
+  for (std::size_t k = 0; k < step.contacts.size(); ++k)
+    of_subdomain[at(step.partition.subdomain_of_contact[k])].push_back(step.contacts[k]);
+  std::vector<ContactResidual> residuals;
+  for (const auto& own : of_subdomain) residuals.push_back(contact_residual(step.problem.law, own, step.velocities));
+  return added_up(residuals, processes);
+}
+
+template <int D>
+void finish_solution(GranularStep<D>& step, const Simulation& before) {
+  const Processes& all = before.processes;
+  StepReport& report = step.report;
+  step.all_grains = velocities_of_grains(before, step);
+  const Vector sums = sums_over_contacts(step.partition, 6, all, [&](Index k, auto&& sum) {
+    const GrainContact<D>& c = step.contacts[at(k)];
+    const ContactWork work = work_of(step.problem, c, step.velocities);
+    sum[0] += work.boundary;
+    sum[1] += work.dissipation;
+    sum[2] += c.impulse.n * std::max(0.0, -c.bias.n);
+    sum[3] += std::max(0.0, -step.problem.geometry[at(k)].gap);
+    sum[4] += step.problem.geometry[at(k)].gap < 0;
+    sum[5] += c.impulse.n * std::max(0.0, -relative_velocity<D>(c, step.velocities).n - c.bias.n);
+  });
+  step.work = {sums[0], sums[1]};
+  report.overlap = interpenetration(before.system, step.problem.geometry);
+  report.overlap = {.maximum = all.maximum(report.overlap.maximum),
+                    .mean = sums[3] / std::max(1.0, sums[4]),
+                    .relative = all.maximum(report.overlap.relative)};
+  // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look well.
+  const auto finite = [](const GrainMotion& v) {
+    return std::ranges::all_of(v, [](double one) { return std::isfinite(one); });
+  };
+  if (!std::ranges::all_of(step.all_grains, finite)) report.status = SolverStatus::no_number;
+  const StepRoom room = room_of(before, step, sums[2], sums[5]);
+  step.energy_exploded = report.status != SolverStatus::no_number && energy_exploded(room);
+  if (step.energy_exploded) report.status = SolverStatus::diverged;
+  report.no_room = no_room(room, report.residual);
+  report.step = before.state.step + 1;
+}
+
+template <int D>
+std::string describe_breakdown(const Simulation& before, const GranularStep<D>& step) {
   const Processes& all = before.processes;
   const auto place = [](const auto& point) { return fmt::format("({:.6g}) m", fmt::join(point, ", ")); };
   const auto name = [&](const StepContact& c) {
@@ -53,7 +207,32 @@ std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& st
   return said(largest, size, fmt::format(": largest impulse, {:.6g} N s", size)).value_or("no contact");
 }
 
-template std::string describe_breakdown(const Simulation&, const SolvedStep<2>&);
-template std::string describe_breakdown(const Simulation&, const SolvedStep<3>&);
+template <int D>
+StepReport take_step(Simulation& simulation, const GranularStep<D>& step) {
+  StepReport report = step.report;
+  GranularState& state = simulation.state;
+  check_end_of_step(start_of(simulation), step.all_grains);
+  report.energy = finish_step(simulation.system, state, simulation.dynamics.time, step.all_grains, step.work);
+  state.impulses = impulses_to_remember(step.problem, step.contacts);
+  if (decomposes_afresh(simulation, report.step - 1)) {
+    state.decomposed_at = report.step - 1;
+    state.eta = std::isnan(report.eta) ? 0 : report.eta;
+  }
+  state.gluing = step.gluing;
+  state.models = step.models;
+  state.process_of_subdomain = step.process_of_subdomain;
+  state.subdomains = subdomains_to_remember(step, simulation.processes);
+  report.time = state.time;
+  return report;
+}
+
+template ContactResidual residual_of(const GranularStep<2>&, const Processes&);
+template ContactResidual residual_of(const GranularStep<3>&, const Processes&);
+template void finish_solution(GranularStep<2>&, const Simulation&);
+template void finish_solution(GranularStep<3>&, const Simulation&);
+template std::string describe_breakdown(const Simulation&, const GranularStep<2>&);
+template std::string describe_breakdown(const Simulation&, const GranularStep<3>&);
+template StepReport take_step(Simulation&, const GranularStep<2>&);
+template StepReport take_step(Simulation&, const GranularStep<3>&);
 
 }  // namespace nscdd

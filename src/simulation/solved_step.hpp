@@ -7,31 +7,26 @@
 
 namespace nscdd {
 
-/// A step that is prepared and solved, but not yet taken. Each of several processes has its share of problem,
-/// partition, contacts and velocities.
-template <int D>
-struct SolvedStep {
-  StepProblem<D> problem;
-  Partition partition;                       ///< of its contacts
-  ShareOfStep share;                         ///< empty where this process has all of the step
-  std::vector<GrainContact<D>> contacts;     ///< with their impulses
-  std::vector<GrainVelocity<D>> velocities;  ///< of the bodies of the problem
-  std::vector<GrainMotion> all_grains;       ///< velocities of all grains
-  ContactWork work;                          ///< of all contacts
-  std::vector<Index> shared_grains;          ///< those that several subdomains hold, ascending
-  std::vector<RememberedGluing> gluing;
-  std::vector<RememberedModel> models;
-  Vector interface_impulses;
-  bool energy_exploded = false;  ///< it ends with far more energy than loads, boundaries and pushes can bring
-  StepReport report;
-};
-
 /// A solved step of a simulation whose dimension is known when it runs.
-using AnySolvedStep = std::variant<SolvedStep<2>, SolvedStep<3>>;
+using AnySolvedStep = std::variant<GranularStep<2>, GranularStep<3>>;
+
+/// How well the contacts of a step obey their law at the velocities of the bodies, added up subdomain by subdomain.
+template <int D>
+ContactResidual residual_of(const GranularStep<D>& step, const Processes& processes);
+
+/// Completes a step whose contacts and velocities are found: the velocities of all grains, those that touch nothing
+/// included, work, overlaps, and whether the step went wrong. `before`: what it was solved from.
+template <int D>
+void finish_solution(GranularStep<D>& step, const Simulation& before);
 
 /// Where a solver broke down, by names and places: the first contact whose impulse is not finite, otherwise the first
 /// disk with such a velocity, otherwise the contact with the largest impulse. `before`: what the step was solved from.
 template <int D>
-std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& step);
+std::string describe_breakdown(const Simulation& before, const GranularStep<D>& step);
+
+/// Takes a solved step, which moves the state on. Throws Error, and takes nothing, if bodies would pass each other
+/// between the contacts and the end of the step, see check_end_of_step.
+template <int D>
+StepReport take_step(Simulation& simulation, const GranularStep<D>& step);
 
 }  // namespace nscdd

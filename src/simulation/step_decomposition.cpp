@@ -20,9 +20,9 @@ std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses, st
 // The decomposition with the columns that impulses may use: a contact without friction has no tangential one. Others
 // would make Stage 2 too stiff, and the iterations diverge.
 template <int D>
-Decomposition linear_parts(const Simulation& simulation, const StepProblem<D>& problem, const Partition& partition,
-                           const ShareOfStep& share) {
-  Decomposition all = linear_decomposition(simulation, problem, partition, share);
+Decomposition linear_parts(const Simulation& simulation, const GranularStep<D>& step) {
+  const StepProblem<D>& problem = step.problem;
+  Decomposition all = linear_decomposition(simulation, step);
   const bool always = !opens(problem.law);
   std::vector<char> usable(D * problem.contacts.size(), 1);
   for (std::size_t k = 0; k < problem.contacts.size(); ++k)
@@ -32,9 +32,9 @@ Decomposition linear_parts(const Simulation& simulation, const StepProblem<D>& p
 
 // Columns of the contacts that carried an impulse in the last step. If there is no step before, all of them.
 template <int D>
-std::vector<char> active_columns(const Simulation& simulation, const StepProblem<D>& problem,
-                                 const ShareOfStep& share) {
-  const auto& impulses = share.process_of_subdomain.empty() ? simulation.state.impulses : share.impulses;
+std::vector<char> active_columns(const Simulation& simulation, const GranularStep<D>& step) {
+  const StepProblem<D>& problem = step.problem;
+  const auto& impulses = step.process_of_subdomain.empty() ? simulation.state.impulses : step.impulses;
   if (!simulation.processes.any(!impulses.empty())) return std::vector<char>(D * problem.contacts.size(), 1);
   const auto last = remembered(impulses, problem.geometry);
   std::vector<ContactStatus> statuses(last.size(), ContactStatus::open);
@@ -69,12 +69,12 @@ std::vector<char> expected_columns(const Simulation& simulation, const StepProbl
 }  // namespace
 
 template <int D>
-Decomposition linear_decomposition(const Simulation& simulation, const StepProblem<D>& problem,
-                                   const Partition& partition, const ShareOfStep& share) {
-  const auto walls = std::ranges::lower_bound(problem.numbers, static_cast<std::int32_t>(simulation.system.grains()));
-  const std::vector<Index> grains(problem.numbers.begin(), walls);
-  return decompose(reference_problem(problem, count(grains)), partition_of_columns(partition, D), GluingShape::chain,
-                   {grains, share.process_of_subdomain, simulation.processes});
+Decomposition linear_decomposition(const Simulation& simulation, const GranularStep<D>& step) {
+  const std::vector<std::int32_t>& numbers = step.problem.numbers;
+  const auto walls = std::ranges::lower_bound(numbers, static_cast<std::int32_t>(simulation.system.grains()));
+  const std::vector<Index> grains(numbers.begin(), walls);
+  return decompose(reference_problem(step.problem, count(grains)), partition_of_columns(step.partition, D),
+                   GluingShape::chain, {grains, step.process_of_subdomain, simulation.processes});
 }
 
 InertiaMethod stage_two_inertia(const Simulation& simulation) {
@@ -82,20 +82,18 @@ InertiaMethod stage_two_inertia(const Simulation& simulation) {
 }
 
 template <int D>
-InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem<D>& problem,
-                                    const Partition& partition, double eta, const ShareOfStep& share) {
-  const Decomposition all = linear_parts(simulation, problem, partition, share);
+InterfaceOperator enriched_operator(const Simulation& simulation, const GranularStep<D>& step, double eta) {
+  const Decomposition all = linear_parts(simulation, step);
   const StepSolver& solver = simulation.dynamics.solver;
   const bool active = solver.network == StageTwoNetwork::active || solver.enrichment == Enrichment::semi_implicit;
-  return InterfaceFamily(active ? restrict_contacts(all, active_columns(simulation, problem, share)) : all,
+  return InterfaceFamily(active ? restrict_contacts(all, active_columns(simulation, step)) : all,
                          InterfaceFamily::default_dense_limit, stage_two_inertia(simulation))
       .at(eta);
 }
 
 template <int D>
-double best_eta(const Simulation& simulation, const StepProblem<D>& problem, const Partition& partition,
-                const ShareOfStep& share) {
-  const Decomposition all = linear_parts(simulation, problem, partition, share);
+double best_eta(const Simulation& simulation, const GranularStep<D>& step) {
+  const Decomposition all = linear_parts(simulation, step);
   const StepSolver& solver = simulation.dynamics.solver;
   const SpectralOptions options{.inertia = stage_two_inertia(simulation)};
   const bool relaxed =
@@ -103,18 +101,15 @@ double best_eta(const Simulation& simulation, const StepProblem<D>& problem, con
   const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0, options);
   if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
     return std::max(simulation.state.eta, stable);  // contacts have come since it was found
-  return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem)), options), stable);
+  return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(simulation, step.problem)), options),
+                  stable);
 }
 
-template Decomposition linear_decomposition(const Simulation&, const StepProblem<2>&, const Partition&,
-                                            const ShareOfStep&);
-template InterfaceOperator enriched_operator(const Simulation&, const StepProblem<2>&, const Partition&, double,
-                                             const ShareOfStep&);
-template double best_eta(const Simulation&, const StepProblem<2>&, const Partition&, const ShareOfStep&);
-template Decomposition linear_decomposition(const Simulation&, const StepProblem<3>&, const Partition&,
-                                            const ShareOfStep&);
-template InterfaceOperator enriched_operator(const Simulation&, const StepProblem<3>&, const Partition&, double,
-                                             const ShareOfStep&);
-template double best_eta(const Simulation&, const StepProblem<3>&, const Partition&, const ShareOfStep&);
+template Decomposition linear_decomposition(const Simulation&, const GranularStep<2>&);
+template Decomposition linear_decomposition(const Simulation&, const GranularStep<3>&);
+template InterfaceOperator enriched_operator(const Simulation&, const GranularStep<2>&, double);
+template InterfaceOperator enriched_operator(const Simulation&, const GranularStep<3>&, double);
+template double best_eta(const Simulation&, const GranularStep<2>&);
+template double best_eta(const Simulation&, const GranularStep<3>&);
 
 }  // namespace nscdd

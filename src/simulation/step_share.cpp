@@ -2,16 +2,109 @@
 #include "simulation/step_share.hpp"
 
 #include "core/fail.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "packing/grain_grid.hpp"
-#include <nscdd/ddm/decomposition.hpp>
+#include "two_stage/granular_decomposition.hpp"
 
 #include <numeric>
-#include <set>
 
 namespace nscdd {
 namespace {
 
 constexpr auto ends_of = [](const auto& contact) { return std::pair(contact.a, contact.b); };
+
+// The subdomain of each contact of a step. A process knows only those of its own subdomains: for a pair that lies
+// wholly in others it may return any of these others. All processes take part. The simulation must outlive it.
+using SubdomainOfContact = std::function<Index(const StepContact&)>;
+
+// The step problem with normal directions alone: METIS needs only to know which contacts share a grain.
+template <int D>
+ReferenceProblem normal_problem(const StepProblem<D>& problem, Index grains) {
+  ReferenceProblem result = reference_problem(problem, grains);
+  std::vector<Index> normals;
+  for (Index c = 0; c < count(problem.contacts); ++c) normals.push_back(D * c);
+  result.h = selected_columns(result.h, normals);
+  return result;
+}
+
+// The subdomain of a contact among those that are known, ascending by (a, b); -1 of others.
+Index known_subdomain(const std::vector<RememberedSubdomain>& known, const StepContact& c) {
+  const auto found = std::ranges::lower_bound(known, ends_of(c), {}, ends_of);
+  return found != known.end() && ends_of(*found) == ends_of(c) ? found->subdomain : -1;
+}
+
+// The cells of a grid, which is laid over the box of the centres of free grains where contacts are found.
+auto cells_of(const GridPartitioner& grid, const Simulation& simulation) {
+  const TimeStepping& time = simulation.dynamics.time;
+  return cell_of_midpoint(
+      grid, free_grains(simulation.system, simulation.state, simulation.system.grains(), (1 - time.theta) * time.step));
+}
+
+SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
+  const GranularSystem& system = simulation.system;
+  if (const auto* grid = std::get_if<GridPartitioner>(&simulation.partitioner)) {
+    const auto cell = cells_of(*grid, simulation);
+    return [cell](const StepContact& c) { return cell(c.point); };
+  }
+  // METIS partitions the graph of all contacts.
+  return in_dimension(system, [&](auto dimension) -> SubdomainOfContact {
+    const auto problem = prepare_step<dimension()>(start_of(simulation), false);
+    const Partition of_contacts =
+        partition(std::get<MetisPartitioner>(simulation.partitioner), normal_problem(problem, system.grains()));
+    return [known = subdomains_to_remember(problem.geometry, of_contacts)](const StepContact& c) {
+      return known_subdomain(known, c);
+    };
+  });
+}
+
+// Known contacts stay in their subdomain. A new one goes to the subdomain of a known one that shares a free grain.
+SubdomainOfContact kept_subdomains(const Simulation& simulation) {
+  const GranularSystem& system = simulation.system;
+  const std::vector<RememberedSubdomain>& known = simulation.state.subdomains;
+  std::vector<double> of_grain(at(system.grains()), -1);
+  for (const RememberedSubdomain& one : known)
+    for (const Index i : {one.a, one.b})
+      if (i < system.grains() && system.free(i) && of_grain[at(i)] < 0)
+        of_grain[at(i)] = static_cast<double>(one.subdomain);
+  // A process knows all contacts of the grains of its own subdomains, and none of those of other grains.
+  simulation.processes.largest(of_grain);
+  return [&system, &known,
+          of_grain = std::vector<std::int32_t>(of_grain.begin(), of_grain.end())](const StepContact& c) -> Index {
+    if (const Index subdomain = known_subdomain(known, c); subdomain >= 0) return subdomain;
+    if (of_grain[at(c.a)] >= 0) return of_grain[at(c.a)];
+    return c.b < system.grains() ? std::max(of_grain[at(c.b)], 0) : 0;
+  };
+}
+
+Index subdomains_of_step(const Simulation& simulation) {
+  return decomposes(simulation.dynamics.solver.algorithm) ? subdomains(simulation.partitioner) : 1;
+}
+
+SubdomainOfContact subdomain_of_contact(const Simulation& simulation) {
+  if (!decomposes(simulation.dynamics.solver.algorithm)) return [](const StepContact&) { return Index{0}; };
+  return decomposes_afresh(simulation, simulation.state.step) ? fresh_subdomains(simulation)
+                                                              : kept_subdomains(simulation);
+}
+
+Partition partition_of(const SubdomainOfContact& subdomain, Index subdomains,
+                       const std::vector<StepContact>& contacts) {
+  Partition partition{.subdomains = subdomains, .subdomain_of_contact = {}};
+  partition.subdomain_of_contact.reserve(contacts.size());
+  std::ranges::transform(contacts, std::back_inserter(partition.subdomain_of_contact), subdomain);
+  return partition;
+}
+
+// Throws Error for a system of another dimension, and naming the grain if a contact solver cannot take its mass.
+void check_system(const Simulation& simulation, Index dimension) {
+  const GranularSystem& system = simulation.system;
+  if (system.dimension != dimension)
+    fail("simulation: expected {} here, met a system of {}", dimension == 2 ? "disks in the plane" : "spheres in space",
+         system.dimension == 2 ? "disks in the plane" : "spheres in space");
+  if (!is_contact_solver(simulation.dynamics.solver.algorithm)) return;
+  for (Index i = 0; i < system.grains(); ++i)
+    if (const double mass = system.mass[at(i)]; system.free(i) && !std::isfinite(1 / mass))
+      fail("{}: expected a mass whose inverse is finite, met {} kg", body_name(system, i), mass);
+}
 
 // Impulses of the step before for which `wanted` says so, ascending by (a, b). Each process has those of its own
 // subdomains; but at the beginning of a run all of them, of which no process is to be asked.
@@ -77,7 +170,7 @@ std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, In
 
 // The scale is a mean over all contacts, added up subdomain by subdomain: no bit depends on the processes.
 template <int D>
-void set_scale(StepShare<D>& step, const Simulation& simulation, Index contacts) {
+void set_scale(GranularStep<D>& step, const Simulation& simulation, Index contacts) {
   const Vector sum = sums_over_contacts(step.partition, 1, simulation.processes, [&](Index k, auto&& own) {
     own[0] += 1 / step.problem.contacts[at(k)].inverse_w.inverse_n;
   });
@@ -89,17 +182,33 @@ void set_scale(StepShare<D>& step, const Simulation& simulation, Index contacts)
 
 }  // namespace
 
+Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains, double later) {
+  const auto place = [&](const std::vector<double>& x, const std::vector<double>& velocity, Index i) {
+    return later == 0 ? x[at(i)] : x[at(i)] + later * velocity[at(i)];
+  };
+  Packing packing;
+  for (Index i = 0; i < grains; ++i) {
+    if (!system.free(i)) continue;
+    packing.x.push_back(place(state.x, state.velocity_x, i));
+    packing.y.push_back(place(state.y, state.velocity_y, i));
+    if (system.dimension == 3) packing.z.push_back(place(state.z, state.velocity_z, i));
+    packing.radius.push_back(system.radius[at(i)]);
+    packing.mass.push_back(system.mass[at(i)]);
+  }
+  return packing;
+}
+
 template <int D>
-StepShare<D> share_step(const Simulation& simulation) {
+GranularStep<D> share_step(const Simulation& simulation) {
   check_system(simulation, D);
   const auto& [system, state, dynamics, partitioner, all, inertia] = simulation;
   if (!all.alone() && (!decomposes(dynamics.solver.algorithm) || switches_models(simulation)))
     throw Error("processes: expected an algorithm that decomposes where several of them share a step, met another");
   const Index subdomains = subdomains_of_step(simulation);
   require_subdomains(subdomains, all.size);
-  const SubdomainOfContact subdomain = subdomain_of_contact<D>(simulation);
-  StepShare<D> step;
-  std::vector<Index>& process_of = step.share.process_of_subdomain = state.process_of_subdomain;
+  const SubdomainOfContact subdomain = subdomain_of_contact(simulation);
+  GranularStep<D> step;
+  std::vector<Index>& process_of = step.process_of_subdomain = state.process_of_subdomain;
   const bool afresh = decomposes_afresh(simulation, state.step) || process_of.empty();
   if (afresh) process_of = dealt_out<D>(simulation, subdomain);
   std::vector<StepContact> own;
@@ -116,13 +225,12 @@ StepShare<D> share_step(const Simulation& simulation) {
   check_overlaps(start, considered.deep);
   own = sorted_by_bodies(own, system.grains());
   step.partition = partition_of(subdomain, subdomains, own);
-  if (!all.alone()) step.share.impulses = state.impulses;
-  if (!all.alone() && afresh)
-    step.share.impulses = impulses_of_all(simulation, [&](const RememberedImpulse& one) {
-      return std::ranges::binary_search(own, std::pair(one.a, one.b), {}, ends_of);
+  if (!all.alone())
+    step.impulses = !afresh ? state.impulses : impulses_of_all(simulation, [&](const RememberedImpulse& one) {
+      return std::ranges::binary_search(own, ends_of(one), {}, ends_of);
     });
   std::vector<std::int32_t> grains = grains_of(own, system.grains(), all.alone());
-  const std::vector<RememberedImpulse> none, &last = all.alone() ? state.impulses : step.share.impulses;
+  const std::vector<RememberedImpulse> none, &last = all.alone() ? state.impulses : step.impulses;
   step.problem = step_of_contacts<D>(start, std::move(own), considered.boundary_speed, std::move(grains),
                                      dynamics.solver.warm_start ? last : none);
   set_scale(step, simulation, considered.number);
@@ -132,87 +240,44 @@ StepShare<D> share_step(const Simulation& simulation) {
 template <int D>
 StepProblem<D> whole_step(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
+  check_system(simulation, D);
   GranularState state = simulation.state;
   if (dynamics.solver.warm_start) state.impulses = impulses_of_all(simulation, [](const auto&) { return true; });
-  return prepare_step<D>({simulation.system, state, dynamics.interaction, dynamics.time}, dynamics.solver.warm_start);
+  return prepare_step<D>({simulation.system, state, dynamics.interaction, dynamics.time}, dynamics.solver.warm_start,
+                         true);
 }
 
-std::vector<Index> shared_grains(const Interface& interface) {
-  std::vector<Index> grains;
-  for (const Gluing& row : interface.gluing())
-    if (grains.empty() || grains.back() != row.grain) grains.push_back(row.grain);
-  return grains;
+void check_next_step(const Simulation& simulation) {
+  const GranularSystem& system = simulation.system;
+  const Dynamics& dynamics = simulation.dynamics;
+  check_system(simulation, system.dimension);
+  const StepStart start = start_of(simulation);
+  check_overlaps(start, for_each_step_contact(start, [](const StepContact&) {}).deep);
+  const auto* grid = std::get_if<GridPartitioner>(&simulation.partitioner);
+  if (grid != nullptr && decomposes(dynamics.solver.algorithm) && decomposes_afresh(simulation, simulation.state.step))
+    cells_of(*grid, simulation);
 }
 
-template <int D>
-std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<D>& problem, const Partition& partition,
-                                                        const std::vector<Index>& shared, const Processes& processes) {
-  std::vector<RememberedSubdomain> known = subdomains_to_remember(problem.geometry, partition);
-  std::set<Index> own;
-  std::vector<RememberedSubdomain> given;
-  const auto is_shared = [&](Index grain) { return std::ranges::binary_search(shared, grain); };
-  for (const RememberedSubdomain& one : known) {
-    own.insert(one.subdomain);
-    if (is_shared(one.a) || is_shared(one.b)) given.push_back(one);
-  }
-  given = processes.gather(given);
-  std::ranges::copy_if(given, std::back_inserter(known),
-                       [&](const RememberedSubdomain& one) { return !own.contains(one.subdomain); });
-  std::ranges::sort(known, {}, ends_of);
-  return known;
+bool decomposes_afresh(const Simulation& simulation, Index step) {
+  const Index last = simulation.state.decomposed_at;
+  return last < 0 || step - last >= simulation.dynamics.solver.redecompose;
 }
 
-template <int D>
-ContactResidual residual_of_subdomains(const ContactLaw& law, const Partition& partition,
-                                       const std::vector<GrainContact<D>>& contacts,
-                                       const std::vector<GrainVelocity<D>>& velocities, const Processes& processes) {
-  std::vector<std::vector<GrainContact<D>>> of_subdomain(at(partition.subdomains));
+Partition partition_step(const Simulation& simulation, const std::vector<StepContact>& contacts) {
+  return partition_of(subdomain_of_contact(simulation), subdomains_of_step(simulation), contacts);
+}
+
+std::vector<RememberedSubdomain> subdomains_to_remember(const std::vector<StepContact>& contacts,
+                                                        const Partition& partition) {
+  std::vector<RememberedSubdomain> result;
   for (std::size_t k = 0; k < contacts.size(); ++k)
-    of_subdomain[at(partition.subdomain_of_contact[k])].push_back(contacts[k]);
-  std::vector<ContactResidual> residuals;
-  for (const auto& own : of_subdomain) residuals.push_back(contact_residual(law, own, velocities));
-  return added_up(residuals, processes);
-}
-
-template <int D>
-std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const StepProblem<D>& problem,
-                                              const std::vector<GrainVelocity<D>>& velocities,
-                                              const Processes& processes) {
-  const GranularSystem& system = before.system;
-  const auto motions = step_motions(system, before.state, before.dynamics.time);
-  std::vector<GrainMotion> result;
-  result.reserve(at(system.grains()));
-  for (Index i = 0; i < system.grains(); ++i) result.push_back(free_motion(start_of(before), motions, i));
-  struct Moved {
-    Index grain;
-    GrainMotion velocity;
-  };
-  std::vector<Moved> own;
-  for (std::size_t body = 0; body < velocities.size(); ++body)
-    if (velocities[body].inverse_mass != 0) own.push_back({problem.numbers[body], motion_of(velocities[body])});
-  processes.exchange(own, [&](std::span<const Moved> given) {
-    for (const Moved& one : given) result[at(one.grain)] = one.velocity;
-  });
+    result.push_back({contacts[k].a, contacts[k].b, partition.subdomain_of_contact[k]});
   return result;
 }
 
-template ContactResidual residual_of_subdomains(const ContactLaw&, const Partition&,
-                                                const std::vector<GrainContact<2>>&,
-                                                const std::vector<GrainVelocity<2>>&, const Processes&);
-template StepShare<2> share_step(const Simulation&);
+template GranularStep<2> share_step(const Simulation&);
+template GranularStep<3> share_step(const Simulation&);
 template StepProblem<2> whole_step(const Simulation&);
-template std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<2>&, const Partition&,
-                                                                 const std::vector<Index>&, const Processes&);
-template std::vector<GrainMotion> velocities_of_grains(const Simulation&, const StepProblem<2>&,
-                                                       const std::vector<GrainVelocity<2>>&, const Processes&);
-template ContactResidual residual_of_subdomains(const ContactLaw&, const Partition&,
-                                                const std::vector<GrainContact<3>>&,
-                                                const std::vector<GrainVelocity<3>>&, const Processes&);
-template StepShare<3> share_step(const Simulation&);
 template StepProblem<3> whole_step(const Simulation&);
-template std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<3>&, const Partition&,
-                                                                 const std::vector<Index>&, const Processes&);
-template std::vector<GrainMotion> velocities_of_grains(const Simulation&, const StepProblem<3>&,
-                                                       const std::vector<GrainVelocity<3>>&, const Processes&);
 
 }  // namespace nscdd

@@ -2,39 +2,63 @@
 #pragma once
 
 #include "contact_solvers/contact_problem.hpp"
-#include "simulation/step_partition.hpp"
+#include "simulation/dynamics.hpp"
 #include "simulation/step_report.hpp"
 
 namespace nscdd {
 
-/// What a process knows of a shared step in addition to the contacts of its own subdomains. Both are empty if one
-/// process has the whole step.
-struct ShareOfStep {
-  std::vector<Index> process_of_subdomain = {};  ///< see deal_out
-  std::vector<RememberedImpulse> impulses = {};  ///< of the step before at these contacts, among others
-};
-
-/// The next step of a simulation before it is decomposed. Each of several processes has the contacts of its own
-/// subdomains, and their grains. Positions and velocities of all grains are replicated; every process visits all
-/// contacts, one after the other, and keeps its own.
+/// The next step of a simulation: prepared (share_step), then solved (solve_step), not yet taken. Each of several
+/// processes has the contacts of its own subdomains, and their grains.
 template <int D>
-struct StepShare {
+struct GranularStep {
   StepProblem<D> problem;
-  Partition partition;  ///< of its contacts
-  ShareOfStep share;
-  StepReport report;  ///< what is known by now: number and scale of the contacts of all processes
+  Partition partition;                      ///< of its contacts
+  std::vector<Index> process_of_subdomain;  ///< see deal_out; empty if one process has the whole step
+  std::vector<RememberedImpulse> impulses;  ///< of the step before at these contacts, among others; empty likewise
+  std::vector<Index> shared_grains;         ///< those that several subdomains hold, in whatever process, ascending
+  StepReport report;                        ///< what is known by now
+  // Of a solved step:
+  std::vector<GrainContact<D>> contacts;     ///< with their impulses
+  std::vector<GrainVelocity<D>> velocities;  ///< of the bodies of the problem
+  std::vector<GrainMotion> all_grains;       ///< velocities of all grains
+  ContactWork work;                          ///< of all contacts
+  std::vector<RememberedGluing> gluing;
+  std::vector<RememberedModel> models;
+  Vector interface_impulses;
+  bool energy_exploded = false;  ///< it ends with far more energy than loads, boundaries and pushes can bring
 };
 
-/// All processes take part; a single one, too. With every fresh partition subdomains are assigned to processes anew, by
-/// their numbers of contacts, and impulses to start from are sent to the processes that need them. Throws Error as
-/// checked_problem does, for more processes than subdomains, for an algorithm that processes cannot share, and if they
-/// do not find the same contacts.
+/// Prepares a step. All processes take part; a single one, too. Positions and velocities of all grains are replicated;
+/// every process visits all contacts, one after the other, and keeps its own. With every fresh partition subdomains are
+/// assigned to processes anew, by their numbers of contacts, and impulses to start from are sent to the processes that
+/// need them. The report has the number and the scale of the contacts of all processes. Throws Error as whole_step
+/// does, for more processes than subdomains, for an algorithm that processes cannot share, and if they do not find the
+/// same contacts.
 template <int D>
-StepShare<D> share_step(const Simulation& simulation);
+GranularStep<D> share_step(const Simulation& simulation);
 
-/// The step with all its contacts, whatever processes share.
+/// The step with all its contacts, whatever processes share. Throws Error as prepare_step, naming both bodies if two
+/// overlap by more than `largest_overlap`, and for a system of another dimension than D.
 template <int D>
 StepProblem<D> whole_step(const Simulation& simulation);
+
+/// Throws Error as share_step does, at less cost: for the first step of a run, before anything is written.
+void check_next_step(const Simulation& simulation);
+
+/// Whether a step is partitioned afresh, which happens every `redecompose` steps. Between two fresh partitions known
+/// contacts keep their subdomain.
+bool decomposes_afresh(const Simulation& simulation, Index step);
+
+/// The partition of contacts of the next step. All processes take part.
+Partition partition_step(const Simulation& simulation, const std::vector<StepContact>& contacts);
+
+/// The free grains among the first so many, at rest where they are, or would be after a time `later`, s, at their
+/// velocities: those of a packing without what boundaries drive.
+Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains, double later = 0);
+
+/// What is remembered of contacts, ascending by (a, b), and of their partition.
+std::vector<RememberedSubdomain> subdomains_to_remember(const std::vector<StepContact>& contacts,
+                                                        const Partition& partition);
 
 /// Sums over all contacts of a step, added up subdomain by subdomain, see ContactSums. add(k, sums) adds what
 /// contact k of this process brings to the sums, `quantities` of them.
@@ -43,28 +67,5 @@ Vector sums_over_contacts(const Partition& partition, Index quantities, const Pr
   return ContactSums(partition.subdomain_of_contact, partition.subdomains, processes)
       .add_up(quantities, count(partition.subdomain_of_contact), add);
 }
-
-/// How well contacts obey their law at the velocities of the bodies, added up subdomain by subdomain.
-template <int D>
-ContactResidual residual_of_subdomains(const ContactLaw& law, const Partition& partition,
-                                       const std::vector<GrainContact<D>>& contacts,
-                                       const std::vector<GrainVelocity<D>>& velocities, const Processes& processes);
-
-/// The grains that several subdomains share, in whatever process, ascending.
-std::vector<Index> shared_grains(const Interface& interface);
-
-/// The contacts of a step to be remembered, ascending by (a, b). Each of several processes has those of its own
-/// subdomains and all contacts of shared grains, so that it knows every contact of its own grains.
-/// `shared`: grains that are shared, ascending.
-template <int D>
-std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<D>& problem, const Partition& partition,
-                                                        const std::vector<Index>& shared, const Processes& processes);
-
-/// The velocities of all grains at the end of a step, those that touch nothing included. `velocities`: of the bodies of
-/// the problem. Each of several processes knows those of its own contacts.
-template <int D>
-std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const StepProblem<D>& problem,
-                                              const std::vector<GrainVelocity<D>>& velocities,
-                                              const Processes& processes);
 
 }  // namespace nscdd

@@ -37,13 +37,16 @@ struct TrajectoryStep {
 
 /// The contacts of a solved step; of one that processes share those that this process has.
 template <int D>
-std::vector<TrajectoryContact> trajectory_contacts(const SolvedStep<D>& solved);
-
-/// The contacts of all processes in the first of them, ascending by (a, b), and none in the others. All take part.
-std::vector<TrajectoryContact> contacts_at_first(std::vector<TrajectoryContact> own, const Processes& processes);
-
-/// The step that led from `solved` to the state of `after`.
-template <int D>
-TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep<D>& solved);
+std::vector<TrajectoryContact> trajectory_contacts(const GranularStep<D>& solved) {
+  std::vector<TrajectoryContact> contacts;
+  contacts.reserve(solved.contacts.size());
+  for (std::size_t k = 0; k < solved.contacts.size(); ++k) {
+    const GrainContact<D>& c = solved.contacts[k];
+    contacts.push_back(
+        {solved.problem.geometry[k], {}, status_of(solved.problem.law, c), solved.partition.subdomain_of_contact[k]});
+    contacts.back().set(c.impulse);
+  }
+  return contacts;
+}
 
 }  // namespace nscdd

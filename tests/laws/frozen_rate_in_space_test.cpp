@@ -39,9 +39,9 @@ Simulation sheared_bed(Index grains, Index seed, Index steps = 3, const Componen
   return simulation;
 }
 
-SolvedStep<3> solved_to_rounding(Simulation simulation) {
+GranularStep<3> solved_to_rounding(Simulation simulation) {
   simulation.dynamics.solver.tolerance = 1e-13;
-  SolvedStep<3> solution = solve_step<3>(simulation);
+  GranularStep<3> solution = solve_step<3>(simulation);
   REQUIRE(solution.report.residual.relative_natural_map() < 1e-12);
   return solution;
 }
@@ -86,7 +86,7 @@ StepProblem<3> with_spheres(const StepProblem<2>& disks) {
 TEST_CASE("frozen iteration of spheres: the derivative of the algorithm at a solution, turning impulses included") {
   for (const Index seed : {1, 2}) {
     const Simulation bed = sheared_bed(60, seed);
-    const SolvedStep<3> solution = solved_to_rounding(bed);
+    const GranularStep<3> solution = solved_to_rounding(bed);
     for (const std::string algorithm : {"generic", "enriched"})
       for (const Index sweeps : {1, 3}) {
         INFO("seed = ", seed, ", algorithm = ", algorithm, ", sweeps = ", sweeps);
@@ -126,7 +126,7 @@ TEST_CASE("frozen iteration of spheres: the derivative of the algorithm at a sol
 TEST_CASE("frozen iteration of spheres: many sweeps are an exact Stage 1 at a solution") {
   for (const std::string algorithm : {"generic", "enriched"}) {
     const Simulation bed = sheared_bed(60, 1);
-    const SolvedStep<3> solution = solved_to_rounding(bed);
+    const GranularStep<3> solution = solved_to_rounding(bed);
     PreparedStep<3> step = prepare_solution<3>(cut(bed, algorithm, 1));
     restart_at(step.iteration, solution.contacts);
     const GranularDecomposition<3>& parts = step.iteration.parts();
@@ -185,7 +185,7 @@ TEST_CASE("frozen spheres in a plane have the rate of the disks, where contacts 
   const Simulation simulation = box_of_grains(40, dynamics, {2, 1});
   const StepProblem<2> disks = prepare_step<2>(start_of(simulation), false);
   const StepProblem<3> spheres = with_spheres(disks);
-  const Partition partition = partition_step(simulation, disks);
+  const Partition partition = partition_step(simulation, disks.geometry);
   const auto flat = decompose(disks, partition, "natural", 1);
   const auto parts = decompose(spheres, partition, "natural", 1);
   const std::array<ContactStatus, 4> pattern{ContactStatus::slide_forward, ContactStatus::slide_backward,

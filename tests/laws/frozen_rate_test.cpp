@@ -78,7 +78,7 @@ TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction o
   dynamics.solver.algorithm = "generic";
   const Simulation simulation = shaken_lattice(6, 5, dynamics, {2, 2});
   const StepProblem<2> problem = prepare_step<2>(start_of(simulation), false);
-  const Partition partition = partition_step(simulation, problem);
+  const Partition partition = partition_step(simulation, problem.geometry);
   const GranularDecomposition<2> parts = decompose(problem, partition, "natural", 1);
   const Decomposition linear =
       decompose(reference_problem(problem, simulation.system.grains()), partition_of_columns(partition, 2));
@@ -101,7 +101,7 @@ TEST_CASE("frozen iteration: many sweeps are an exact Stage 1, with sliding cont
   // Contacts of a deposit that touch are as many as it needs: no network is close to a dependent one.
   const Simulation simulation = sheared_box(30, {2, 1});
   const StepProblem<2> problem = prepare_step<2>(start_of(simulation), false);
-  const GranularDecomposition<2> parts = decompose(problem, partition_step(simulation, problem), "natural", 1);
+  const GranularDecomposition<2> parts = decompose(problem, partition_step(simulation, problem.geometry), "natural", 1);
   for (const auto& sliding : {std::vector<ContactStatus>{ContactStatus::slide_forward},
                               {ContactStatus::slide_forward, ContactStatus::slide_backward},
                               {ContactStatus::slide_backward, ContactStatus::slide_backward,
@@ -124,9 +124,9 @@ TEST_CASE("frozen iteration: with sliding contacts, changes of the velocities of
     Simulation simulation = sheared_box(60, {2, 1});
     simulation.dynamics.solver.gauss_seidel_sweeps = sweeps;
     PreparedStep<2> step = prepare_solution(simulation);
-    const ContactLaw law = step.problem.law;
+    const ContactLaw law = step.share.problem.law;
     const GranularDecomposition<2> parts = step.iteration.parts();
-    const std::size_t n = step.problem.contacts.size();
+    const std::size_t n = step.share.problem.contacts.size();
     int compared = 0, sliding = 0;
     std::vector<std::vector<ContactStatus>> statuses;
     std::vector<Vector> y;
@@ -197,14 +197,14 @@ TEST_CASE("the solution of a step, cut into subdomains, is a fixed point of Algo
         Simulation simulation = box_with_turning_walls(60, 2);
         StepSolver& solver = simulation.dynamics.solver;
         solver = {.algorithm = "auto", .criterion = Criterion::natural_map, .tolerance = 1e-13, .eta = "0.1"};
-        const SolvedStep<2> solution = solve_step(simulation);
+        const GranularStep<2> solution = solve_step(simulation);
         REQUIRE(solution.report.residual.relative_natural_map() < 1e-12);
         simulation.partitioner = GridPartitioner{grid};
         solver.algorithm = algorithm;
         solver.gauss_seidel_sweeps = sweeps;
         PreparedStep<2> step = prepare_solution(simulation);
         const Vector z = restart_at(step.iteration, solution.contacts);
-        REQUIRE(z.tail(step.report.interface_size).norm() > 0.1 * z.norm());
+        REQUIRE(z.tail(step.share.report.interface_size).norm() > 0.1 * z.norm());
         CHECK((step.iteration.state() - z).norm() < 1e-14 * z.norm());
         // Every copy has the velocity of its grain in the undivided packing.
         const double speed = largest_speed(solution.velocities, simulation.system.grains());
@@ -218,7 +218,7 @@ TEST_CASE("the solution of a step, cut into subdomains, is a fixed point of Algo
         CHECK((step.iteration.state() - z).norm() < 1e-10 * z.norm());
         // Other interface impulses are left at once.
         Vector other = z;
-        other.tail(step.report.interface_size) *= 1.001;
+        other.tail(step.share.report.interface_size) *= 1.001;
         step.iteration.restart(other);
         step.iteration.iterate();
         CHECK((step.iteration.state() - other).norm() > 1e-6 * z.norm());

@@ -78,15 +78,15 @@ TEST_CASE("driven disks across the cuts: what is glued is free, each further cop
     INFO("grid ", grid[0], " x ", grid[1]);
     const PreparedStep<2> step = prepare_solution(divided(whole, grid, "generic"));
     const GranularDecomposition<2>& parts = step.iteration.parts();
-    CHECK(shared_driven_bodies(step.problem, parts) > 0);
-    std::vector<Index> glued(step.problem.free.size(), 0);
+    CHECK(shared_driven_bodies(step.share.problem, parts) > 0);
+    std::vector<Index> glued(step.share.problem.free.size(), 0);
     for (const Gluing& one : parts.interface.gluing()) {
       REQUIRE(one.grain < whole.system.grains());
       CHECK(whole.system.free(one.grain));
       ++glued[at(one.grain)];
     }
     for (std::size_t i = 0; i < glued.size(); ++i) {
-      const bool free = step.problem.free[i].inverse_mass > 0;
+      const bool free = step.share.problem.free[i].inverse_mass > 0;
       CHECK(glued[i] == (free ? std::max<Index>(0, parts.interface.multiplicity(static_cast<Index>(i)) - 1) : 0));
     }
   }
@@ -102,7 +102,7 @@ TEST_CASE("driven disks, gravity, several sizes, no friction: any division comes
       Simulation simulation = divided(whole, grid, algorithm);
       simulation.dynamics.solver.eta = "0.05";  // grains weigh 80 to 300 kg
       const PreparedStep<2> prepared = prepare_solution(simulation);
-      CHECK(shared_driven_bodies(prepared.problem, prepared.iteration.parts()) > 0);
+      CHECK(shared_driven_bodies(prepared.share.problem, prepared.iteration.parts()) > 0);
       const Close step = closely(simulation);
       CHECK(step.interface_size > 0);
       CHECK(step.gluing < 1e-9);
@@ -137,16 +137,16 @@ TEST_CASE("friction, network active: Stage 2 has the columns that open, sliding 
   simulation.dynamics.solver.network = "active";
   const PreparedStep<2> step = prepare_solution(simulation);
   const double eta = 0.2;
-  const std::vector<char> columns = columns_of_last_step(simulation, step.problem);
+  const std::vector<char> columns = columns_of_last_step(simulation, step.share.problem);
   Index open = 0, slide = 0, stick = 0;
   for (std::size_t k = 0; k < columns.size(); k += 2) ++(columns[k] == 0 ? open : columns[k + 1] == 0 ? slide : stick);
   CHECK(open > 0);
   CHECK(slide > 0);
   CHECK(stick > 0);
-  const Decomposition linear =
-      decompose(reference_problem(step.problem, simulation.system.grains()), partition_of_columns(step.partition, 2));
+  const Decomposition linear = decompose(reference_problem(step.share.problem, simulation.system.grains()),
+                                         partition_of_columns(step.share.partition, 2));
   const InterfaceOperator expected = InterfaceFamily(restrict_contacts(linear, columns)).at(eta);
-  const InterfaceOperator met = enriched_operator(simulation, step.problem, step.partition, eta);
+  const InterfaceOperator met = enriched_operator(simulation, step.share, eta);
   const InterfaceOperator all = InterfaceFamily(linear).at(eta);
   const Vector f = RandomStream(7).normal_vector(step.iteration.parts().interface_size());
   CHECK((met.apply(f) - expected.apply(f)).norm() < 1e-12 * expected.apply(f).norm());

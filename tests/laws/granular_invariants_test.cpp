@@ -26,7 +26,7 @@ double angular_momentum(const GranularSystem& system, const std::vector<double>&
 
 // sum r_n |d| (1 - cos phi) / 2h over the contacts of two disks, phi the angle by which the line of centres
 // turned since the last step, |d| its length then.
-double gain_of_turning_normals(const GranularSystem& system, const SolvedStep<2>& step) {
+double gain_of_turning_normals(const GranularSystem& system, const GranularStep<2>& step) {
   double sum = 0;
   for (std::size_t k = 0; k < step.contacts.size(); ++k) {
     const StepContact& c = step.problem.geometry[k];
@@ -43,7 +43,7 @@ double gain_of_turning_normals(const GranularSystem& system, const SolvedStep<2>
 // (w = v where they part), r.w <= 0 and W r = v - v^-, the dissipation -r.(v + v^-)/2 is at least
 //     (1 - e)/(1 + e) r.W r/2 - e/(1 + e) sum r_n max(0, v_n^-),
 // the sum over contacts that parted and are pressed together by others.
-double least_dissipation(const SolvedStep<2>& step, double e) {
+double least_dissipation(const GranularStep<2>& step, double e) {
   double work = 0, pressed = 0;
   for (const GrainContact<2>& c : step.contacts) {
     const LocalVector<2> before = relative_velocity(c, step.problem.start);
@@ -92,7 +92,7 @@ TEST_CASE("no gravity, no boundary: energy only falls, by what friction and impa
     double energy = total_energy(energy_of(simulation.system, simulation.state, dynamics.time));
     const double scale = energy;
     for (int k = 0; k < 25; ++k) {
-      const SolvedStep<2> solved = solve_step(simulation);
+      const GranularStep<2> solved = solve_step(simulation);
       const double least = least_dissipation(solved, restitution);
       const StepReport report = take_step(simulation, solved);
       REQUIRE(report.residual.relative_natural_map() < 1e-4);
@@ -144,7 +144,7 @@ TEST_CASE("default settings: a falling heap without friction gains at most what 
   const double start = total_energy(energy_of(simulation.system, simulation.state, dynamics.time));
   double energy = start;
   for (int k = 0; k < 100; ++k) {
-    const SolvedStep<2> step = solve_step(simulation);
+    const GranularStep<2> step = solve_step(simulation);
     REQUIRE(step.report.status == SolverStatus::converged);
     const double allowed = gain_of_turning_normals(simulation.system, step);
     const StepReport report = take_step(simulation, step);
@@ -170,7 +170,7 @@ TEST_CASE("angular momentum at q_m changes by r_t times the gap of each contact,
       y[i] += dynamics.time.step / 2 * simulation.state.velocity_y[i];
     }
     const double before = angular_momentum(simulation.system, x, y, simulation.state);
-    const SolvedStep<2> step = solve_step(simulation);
+    const GranularStep<2> step = solve_step(simulation);
     double expected = 0;
     for (std::size_t c = 0; c < step.contacts.size(); ++c)
       expected += step.contacts[c].impulse.t * step.problem.geometry[c].gap;
@@ -279,7 +279,7 @@ TEST_CASE("a uniform velocity of everything changes nothing but itself") {
   still.dynamics.solver.algorithm = "generic";
   Simulation carried = still;
   for (double& v : carried.state.velocity_x) v += 3;
-  const SolvedStep<2> a = solve_step(still), b = solve_step(carried);
+  const GranularStep<2> a = solve_step(still), b = solve_step(carried);
   REQUIRE(a.contacts.size() == b.contacts.size());
   for (std::size_t k = 0; k < a.contacts.size(); ++k)
     CHECK(std::abs(a.contacts[k].impulse.n - b.contacts[k].impulse.n) < 1e-11);

@@ -116,7 +116,7 @@ TEST_CASE("a column of overlapping disks at rest is pushed apart: speeds of push
       dynamics.time.step = h;
       dynamics.boundaries = {wall("floor", {0, radius - distance}, {1, radius - distance})};
       const GranularScene made = scene(column, dynamics);
-      const SolvedStep<2> step = solve_step({made.system, made.state, dynamics, GridPartitioner{}});
+      const GranularStep<2> step = solve_step({made.system, made.state, dynamics, GridPartitioner{}});
       CHECK(step.report.status == SolverStatus::converged);
       CHECK(!step.energy_exploded);
       // The k-th disk leaves at k pushes.

@@ -31,7 +31,7 @@ struct LinearStep {
     simulation = shaken_lattice(5, 5, dynamics, grid);
     problem = prepare_step<2>(start_of(simulation), false);
     for (GrainContact<2>& c : problem.contacts) c.bias.n = 0;
-    partition = partition_step(simulation, problem);
+    partition = partition_step(simulation, problem.geometry);
     parts = decompose(reference_problem(problem, simulation.system.grains()), partition_of_columns(partition, 2));
   }
 

@@ -19,7 +19,7 @@ namespace {
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-bool same_bits(const SolvedStep<2>& a, const SolvedStep<2>& b) {
+bool same_bits(const GranularStep<2>& a, const GranularStep<2>& b) {
   if (a.contacts.size() != b.contacts.size() || a.velocities.size() != b.velocities.size()) return false;
   for (std::size_t k = 0; k < a.contacts.size(); ++k)
     if (!same_bits(a.contacts[k].impulse.n, b.contacts[k].impulse.n) ||
@@ -114,7 +114,7 @@ void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<GrainCo
 }
 
 // A step swept by hand, without any decomposition.
-SolvedStep<2> swept_by_hand(const SolvedStep<2>& step, const Dynamics& dynamics, int sweeps) {
+GranularStep<2> swept_by_hand(const GranularStep<2>& step, const Dynamics& dynamics, int sweeps) {
   const StepProblem<2>& problem = step.problem;
   const ContactLaw law = problem.law;
   std::vector<std::array<double, 3>> points;
@@ -122,7 +122,7 @@ SolvedStep<2> swept_by_hand(const SolvedStep<2>& step, const Dynamics& dynamics,
   const std::vector<Index> visit = contact_order(dynamics.solver.order, problem.contacts, problem.free, 1, points);
   std::vector<GrainContact<2>> contacts;
   for (const Index c : visit) contacts.push_back(problem.contacts[at(c)]);
-  SolvedStep<2> by_hand = step;
+  GranularStep<2> by_hand = step;
   by_hand.velocities = problem.free;
   for (int k = 0; k < sweeps; ++k) sweep_by_hand(law, dynamics.solver.contact_relaxation, contacts, by_hand.velocities);
   for (std::size_t k = 0; k < visit.size(); ++k) by_hand.contacts[at(visit[k])] = contacts[k];
@@ -148,7 +148,7 @@ TEST_CASE("one subdomain, generic or enriched, is plain Gauss-Seidel and a loop 
         dynamics.solver.criterion = "none";
         dynamics.solver.maximum_iterations = 12;
         Simulation simulation = shaken_lattice(7, 6, dynamics, {1, 1});
-        const SolvedStep<2> plain = solve_step(simulation);
+        const GranularStep<2> plain = solve_step(simulation);
         for (const std::string algorithm : {"generic", "enriched"}) {
           simulation.dynamics.solver.algorithm = algorithm;
           CHECK(same_bits(solve_step(simulation), plain));
@@ -244,7 +244,7 @@ TEST_CASE("a criterion that is looked at in every k-th iteration ends the same i
       dynamics.solver.maximum_iterations = most;
       std::vector<IterationRow> rows;
       const IterationSink sink{.row = [&](const IterationRow& row) { rows.push_back(row); }, .every = every};
-      const SolvedStep<2> step = solve_step(shaken_lattice(6, 6, dynamics, {3, 2}), sink);
+      const GranularStep<2> step = solve_step(shaken_lattice(6, 6, dynamics, {3, 2}), sink);
       return std::pair(step, rows);
     };
     const auto [plain, every] = solved(1, 20'000, 1);
@@ -277,7 +277,7 @@ TEST_CASE("mean velocities of copies are V_free + M^-1 H r at every iteration, c
       dynamics.solver.criterion = "none";
       dynamics.solver.maximum_iterations = iterations;
       const Simulation simulation = shaken_lattice(6, 6, dynamics, {3, 2});
-      const SolvedStep<2> step = solve_step(simulation);
+      const GranularStep<2> step = solve_step(simulation);
       const Index n = simulation.system.grains();
       CHECK(largest_difference(step.velocities, velocities_of(step.problem, step.contacts), n) <
             1e-13 * (1 + largest_speed(step.velocities, n)));
@@ -329,9 +329,9 @@ TEST_CASE("a step that starts from the impulses and the gluing of another is whe
   REQUIRE(cross_points > 0);
   for (int k = 0; k < 7; ++k) step.iteration.iterate();
   GranularTwoStage<2>& met = step.iteration;
-  StepProblem<2> problem = step.problem;
-  problem.contacts = met.gather(step.problem).contacts;
-  GranularTwoStage<2> started(decompose(problem, step.partition, dynamics.solver.order, 1), problem.law,
+  StepProblem<2> problem = step.share.problem;
+  problem.contacts = met.gather(step.share.problem).contacts;
+  GranularTwoStage<2> started(decompose(problem, step.share.partition, dynamics.solver.order, 1), problem.law,
                               dynamics.solver, {});
   started.start(met.gluing());
   CHECK((started.interface_impulses() - met.interface_impulses()).norm() < 1e-12 * met.interface_impulses().norm());
@@ -363,13 +363,13 @@ TEST_CASE("semi-implicit: the interface is solved once, then left alone") {
   dynamics.solver.criterion = "none";
   dynamics.solver.maximum_iterations = 1;
   Simulation simulation = shaken_lattice(6, 6, dynamics, {2, 2});
-  const SolvedStep<2> first = solve_step(simulation);
+  const GranularStep<2> first = solve_step(simulation);
   simulation.dynamics.solver.maximum_iterations = 40;
   Index rows = 0;
-  const SolvedStep<2> last = solve_step(simulation, {[&](const IterationRow& row) {
-                                          ++rows;
-                                          if (row.record.iteration > 1) CHECK(row.record.interface_change == 0);
-                                        }});
+  const GranularStep<2> last = solve_step(simulation, {[&](const IterationRow& row) {
+                                            ++rows;
+                                            if (row.record.iteration > 1) CHECK(row.record.interface_change == 0);
+                                          }});
   CHECK(rows == 40);
   CHECK(first.interface_impulses.norm() > 0);
   CHECK(first.interface_impulses == last.interface_impulses);
@@ -440,7 +440,7 @@ TEST_CASE("contact solvers on the whole packing meet the law, cohesion and resti
       dynamics.solver.maximum_iterations = 100'000;
       Simulation simulation = shaken_lattice(7, 6, dynamics, {1, 1});
       for (int step = 0; step < 3; ++step) {
-        const SolvedStep<2> swept = solve_step(simulation);
+        const GranularStep<2> swept = solve_step(simulation);
         const bool comparable = swept.report.residual.relative_natural_map() < 1e-9;
         CHECK((comparable || restitution > 0));  // there sweeps may stall at 10^-6
         for (const std::string algorithm : {"auto", "continuation", "admm"}) {
@@ -450,7 +450,7 @@ TEST_CASE("contact solvers on the whole packing meet the law, cohesion and resti
           other.dynamics.solver.algorithm = algorithm;
           other.dynamics.solver.tolerance = 1e-10;
           Index rows = 0;
-          const SolvedStep<2> found = solve_step(other, {[&](const IterationRow& row) { rows += row.step > 0; }});
+          const GranularStep<2> found = solve_step(other, {[&](const IterationRow& row) { rows += row.step > 0; }});
           CHECK(found.report.status == SolverStatus::converged);
           CHECK(rows == found.report.last.iteration);
           CHECK(contact_residual(found.problem.law, found.contacts, found.velocities).relative_natural_map() < 1e-9);

@@ -88,7 +88,7 @@ std::vector<GrainVelocity<3>> frozen_by_hand(const GranularSubdomain<3>& subdoma
   return moved;
 }
 
-Index linear_iterations(const SolvedStep<3>& step) {
+Index linear_iterations(const GranularStep<3>& step) {
   Index sum = 0;
   for (const RememberedModel& model : step.models) sum += model.switched_iterations;
   return sum;
@@ -107,18 +107,18 @@ TEST_CASE("a linear subdomain of spheres answers what a dense solve of its froze
     for (int k = 0; k < 300; ++k) step.iteration.iterate();
     Index frozen = 0;
     for (GranularSubdomain<3> subdomain : step.iteration.parts().subdomains) {
-      const auto statuses = statuses_of(step.problem.law, subdomain);
+      const auto statuses = statuses_of(step.share.problem.law, subdomain);
       frozen += count(statuses) - std::ranges::count(statuses, ContactStatus::open);
       if (friction > 0) REQUIRE(std::ranges::count(statuses, ContactStatus::slide) == 0);
       for (const double alpha : {1e-2, 1e-6}) {
-        LinearSubdomain<3> linear(subdomain, step.problem.law, statuses, alpha * step.problem.scale);
+        LinearSubdomain<3> linear(subdomain, step.share.problem.law, statuses, alpha * step.share.problem.scale);
         REQUIRE(linear.regular());
         for (int push = 0; push < 2; ++push) {
           GranularSubdomain<3> pushed = subdomain;  // as Stage 2 does
           for (GrainVelocity<3>& v : pushed.velocities)
             if (push == 1 && v.inverse_mass > 0) v.rim_y += v.z += v.y += 0.01;
           const LinearAnswer<3> answer = linear.answer(pushed);
-          const auto by_hand = frozen_by_hand(pushed, statuses, alpha * step.problem.scale);
+          const auto by_hand = frozen_by_hand(pushed, statuses, alpha * step.share.problem.scale);
           CHECK(largest_difference(answer.velocities, by_hand) < 1e-8);
         }
       }
@@ -131,7 +131,7 @@ TEST_CASE("spheres whose statuses stand still: a run that switches comes to the 
   Simulation plain = column(SwitchedModel::none), switched = column(SwitchedModel::linear);
   Index linear = 0, iterations = 0;
   for (int k = 0; k < 12; ++k) {
-    const SolvedStep<3> a = solve_step<3>(plain), b = solve_step<3>(switched);
+    const GranularStep<3> a = solve_step<3>(plain), b = solve_step<3>(switched);
     REQUIRE(a.report.status == SolverStatus::converged);
     REQUIRE(b.report.status == SolverStatus::converged);
     CHECK(largest_difference(a.velocities, b.velocities) < 1e-6);
@@ -152,7 +152,7 @@ TEST_CASE("spheres that slide with friction keep their subdomain as it is; witho
     const Simulation switched = shaken_cube(4, dynamics, {2, 2, 1});
     Simulation plain = switched;
     plain.dynamics.solver.model = SwitchedModel::none;
-    const SolvedStep<3> a = solve_step<3>(plain), b = solve_step<3>(switched);
+    const GranularStep<3> a = solve_step<3>(plain), b = solve_step<3>(switched);
     REQUIRE(a.report.status == SolverStatus::converged);
     CHECK(a.report.residual.slide > 10);
     if (friction > 0) {

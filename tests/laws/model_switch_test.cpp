@@ -169,7 +169,7 @@ struct OnTheFloor {
     dynamics.time.alert = 1;
     dynamics.boundaries.push_back(floor_wall());
     const PreparedStep<2> step = prepare_solution(simulation_of({{0, 0.5}, {1.1, 0.5}}, dynamics));
-    return decompose(step.problem, step.partition, ContactOrder::natural, 0);
+    return decompose(step.share.problem, step.share.partition, ContactOrder::natural, 0);
   }
   OnTheFloor() : parts(parts_of()), model(parts, 0, law, {.after = 3, .flexibility = 1e-6}, 0) {
     for (int k = 0; k < 6; ++k) model.stage_one(parts, sweeps, none);
@@ -185,18 +185,18 @@ TEST_CASE("a linear subdomain answers what a dense solve of its frozen network d
   PreparedStep<2> step = prepare_solution(box_of_grains(60, dynamics, {2, 1}));
   for (int k = 0; k < 300; ++k) step.iteration.iterate();
   for (GranularSubdomain<2> subdomain : step.iteration.parts().subdomains) {
-    const auto statuses = statuses_of(step.problem.law, subdomain);
+    const auto statuses = statuses_of(step.share.problem.law, subdomain);
     REQUIRE(std::ranges::count(statuses, ContactStatus::stick) > 3);
     REQUIRE(std::ranges::count(statuses, ContactStatus::open) > 0);
     REQUIRE(std::ranges::count_if(statuses, [](auto s) { return s > ContactStatus::stick; }) > 3);
     for (const double alpha : {1e-2, 1e-6}) {
-      LinearSubdomain<2> linear(subdomain, step.problem.law, statuses, alpha * step.problem.scale);
+      LinearSubdomain<2> linear(subdomain, step.share.problem.law, statuses, alpha * step.share.problem.scale);
       REQUIRE(linear.regular());
       for (int push = 0; push < 2; ++push) {
         GranularSubdomain<2> pushed = subdomain;  // as Stage 2 does
         if (push == 1) pushed.velocities[1].x += pushed.velocities[1].inverse_mass > 0 ? 0.01 : 0;
         const LinearAnswer<2> answer = linear.answer(pushed);
-        const auto by_hand = frozen_by_hand(pushed, statuses, alpha * step.problem.scale);
+        const auto by_hand = frozen_by_hand(pushed, statuses, alpha * step.share.problem.scale);
         const Index bodies = count(by_hand);
         CHECK(largest_difference(answer.velocities, by_hand, bodies) < 1e-8 * largest_speed(by_hand, bodies));
       }
@@ -208,9 +208,9 @@ TEST_CASE("a homogenised subdomain is the dense Galerkin projection, and on a fi
   const Simulation simulation = box_of_grains(60, divided(SwitchedModel::none), {2, 1});
   PreparedStep<2> step = prepare_solution(simulation);
   for (int k = 0; k < 300; ++k) step.iteration.iterate();
-  const double alpha = 1e-2 * step.problem.scale;
+  const double alpha = 1e-2 * step.share.problem.scale;
   for (const GranularSubdomain<2>& subdomain : step.iteration.parts().subdomains) {
-    const auto statuses = statuses_of(step.problem.law, subdomain);
+    const auto statuses = statuses_of(step.share.problem.law, subdomain);
     std::vector<PlacedBody> bodies;
     for (const Index i : subdomain.bodies) {
       const bool grain = i < simulation.system.grains();
@@ -219,13 +219,14 @@ TEST_CASE("a homogenised subdomain is the dense Galerkin projection, and on a fi
                         step.iteration.parts().interface.multiplicity(i) > 1});
     }
     const auto homogenised = [&](const std::vector<PlacedBody>& placed, Index cells) {
-      LinearSubdomain<2> model(subdomain, step.problem.law, statuses, alpha, [&](const FrozenNetwork& network) {
+      LinearSubdomain<2> model(subdomain, step.share.problem.law, statuses, alpha, [&](const FrozenNetwork& network) {
         return coarse_velocities(network, placed, {cells, cells});
       });
       REQUIRE(model.regular());
       return model.answer(subdomain).velocities;
     };
-    const auto linear = LinearSubdomain<2>(subdomain, step.problem.law, statuses, alpha).answer(subdomain).velocities;
+    const auto linear =
+        LinearSubdomain<2>(subdomain, step.share.problem.law, statuses, alpha).answer(subdomain).velocities;
     const Index n = count(linear);
     const double speed = largest_speed(linear, n);
     for (const Index cells : {1, 2, 3}) {
@@ -245,7 +246,7 @@ TEST_CASE("where statuses stand still, a run that switches comes to the velociti
   Simulation plain = column(SwitchedModel::none), switched = column(SwitchedModel::linear);
   Index linear_iterations = 0, iterations = 0;
   for (int k = 0; k < 12; ++k) {
-    const SolvedStep<2> a = solve_step(plain), b = solve_step(switched);
+    const GranularStep<2> a = solve_step(plain), b = solve_step(switched);
     REQUIRE(a.report.status == SolverStatus::converged);
     REQUIRE(b.report.status == SolverStatus::converged);
     const Index disks = plain.system.grains();
@@ -308,7 +309,7 @@ TEST_CASE("a run that switches has the same bits on any number of threads") {
       dynamics.solver.maximum_iterations = 300;
       Simulation simulation = box_of_grains(80, dynamics, {3, 2});
       for (int k = 0; k < 3; ++k) {
-        const SolvedStep<2> step = solve_step(simulation);
+        const GranularStep<2> step = solve_step(simulation);
         for (const RememberedModel& one : step.models) switched += one.switched_iterations;
         take_step(simulation, step);
       }

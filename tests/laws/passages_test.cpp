@@ -153,7 +153,7 @@ TEST_CASE("passages: a pair that met and parted has the normal of its meeting, e
     CAPTURE(offset);
     const double along = std::sqrt(1 - offset * offset), way = 2 * along + 0.2;
     Simulation s = simulation_of({{.x = -along - 0.1, .velocity_x = 10}, {.y = offset}}, free_flight(way / 5));
-    const SolvedStep<2> step = solve_step(s);
+    const GranularStep<2> step = solve_step(s);
     REQUIRE(step.problem.geometry.size() == 1);
     CHECK(step.problem.geometry[0].normal[0] == doctest::Approx(along).epsilon(1e-12));
     CHECK(step.problem.geometry[0].normal[1] == doctest::Approx(offset).epsilon(1e-12));

@@ -50,7 +50,7 @@ TEST_CASE("spheres: momentum stays, numerical energy is rounding at theta = 1/2,
 TEST_CASE("spheres: every algorithm finds the velocities of plain sweeps where there is no friction") {
   // Without friction velocities are unique.
   const Simulation whole = shaken_cube(4, shaken(0));
-  const SolvedStep<3> plain = solve_step<3>(whole);
+  const GranularStep<3> plain = solve_step<3>(whole);
   REQUIRE(plain.report.status == SolverStatus::converged);
   REQUIRE(plain.report.residual.active > 20);
   for (const char* name : {"generic", "enriched", "newton", "admm", "two_stage_newton", "two_stage_admm"})
@@ -60,7 +60,7 @@ TEST_CASE("spheres: every algorithm finds the velocities of plain sweeps where t
       cut.partitioner = GridPartitioner{grid};
       cut.dynamics.solver.algorithm = name;
       cut.dynamics.solver.tolerance = cut.dynamics.solver.gluing_tolerance = 1e-10;
-      const SolvedStep<3> step = solve_step<3>(cut);
+      const GranularStep<3> step = solve_step<3>(cut);
       CHECK(step.report.status == SolverStatus::converged);
       CHECK(largest_difference(step.velocities, plain.velocities, 64) < 1e-7);
     }
@@ -72,7 +72,7 @@ TEST_CASE("spheres: with friction every algorithm solves the step, and cut ones 
     Simulation simulation = shaken_cube(4, shaken(0.3), {2, 2, 2});
     simulation.dynamics.solver.algorithm = name;
     simulation.dynamics.solver.tolerance = simulation.dynamics.solver.gluing_tolerance = 1e-9;
-    const SolvedStep<3> step = solve_step<3>(simulation);
+    const GranularStep<3> step = solve_step<3>(simulation);
     CHECK(step.report.status == SolverStatus::converged);
     // Of what is kept: the velocities are those of the impulses, and obey the law.
     const std::vector<GrainVelocity<3>> found = velocities_of(step.problem, step.contacts);
@@ -141,12 +141,12 @@ TEST_CASE("spheres: what is remembered, impulses and gluing, is where the next s
     dynamics.solver.tolerance = dynamics.solver.gluing_tolerance = 1e-9;
     Simulation simulation = simulation_of(balls, dynamics, {2, 2, 1});
     advance_in_space(simulation, 3);
-    const SolvedStep<3> cold = solve_step<3>(simulation);
+    const GranularStep<3> cold = solve_step<3>(simulation);
     REQUIRE(cold.report.status == SolverStatus::converged);
     CHECK((cold.report.interface_size > 0) == (std::string_view(name) == "generic"));
     CHECK(cold.report.residual.stick == 6);
     simulation.dynamics.solver.warm_start = true;
-    const SolvedStep<3> warm = solve_step<3>(simulation);
+    const GranularStep<3> warm = solve_step<3>(simulation);
     CHECK(cold.report.last.iteration > 10);
     CHECK(warm.report.last.iteration <= 2);
   }
@@ -157,9 +157,9 @@ TEST_CASE("spheres: the contact problem of a step, and of each subdomain, is sol
   simulation.dynamics.solver.algorithm = "generic";
   simulation.dynamics.solver.gluing_tolerance = 1e-11;
   const Simulation before = simulation;
-  const SolvedStep<3> solved = solve_step<3>(simulation);
+  const GranularStep<3> solved = solve_step<3>(simulation);
   take_step(simulation, solved);
-  const TrajectoryStep after = trajectory_step(simulation, solved);
+  const TrajectoryStep after = TrajectoryStep{simulation.state, trajectory_contacts(solved)};
   const auto require_solution = [&](const FclibFile& file) {
     const auto& problem = std::get<GlobalFrictionProblem>(file.problem);
     REQUIRE(file.solution.has_value());

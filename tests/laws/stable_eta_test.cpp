@@ -92,7 +92,7 @@ TEST_CASE("eta = optimal kept between two decompositions is raised for the conta
   int raised = 0, as_kept = 0;
   for (int step = 1; step < 10; ++step) {
     CAPTURE(step);
-    SolvedStep<2> solved = solve_step(simulation);
+    GranularStep<2> solved = solve_step(simulation);
     const double stable = stable_eta(decompose(reference_problem(solved.problem, simulation.system.grains()),
                                                partition_of_columns(solved.partition, 2)));
     CHECK(solved.report.eta == doctest::Approx(std::max(kept, stable)).epsilon(2e-3));

@@ -23,23 +23,23 @@ Dynamics newton(const std::string& law, double restitution = 0) {
   return dynamics;
 }
 
-SolvedStep<2> undivided(Simulation simulation, const std::string& algorithm = "auto") {
+GranularStep<2> undivided(Simulation simulation, const std::string& algorithm = "auto") {
   simulation.dynamics.solver.algorithm = algorithm;
   return solve_step(simulation);
 }
 
 // By the same algorithm, on one subdomain.
-SolvedStep<2> in_one_piece(Simulation simulation) {
+GranularStep<2> in_one_piece(Simulation simulation) {
   simulation.partitioner = GridPartitioner{.grid = {1, 1}};
   return solve_step(simulation);
 }
 
 // Of the velocities that are kept, by the routine that judges sweeps.
-double natural_map_of(const SolvedStep<2>& step) {
+double natural_map_of(const GranularStep<2>& step) {
   return contact_residual(step.problem.law, step.contacts, step.velocities).relative_natural_map();
 }
 
-void check_solved(const Simulation& simulation, const SolvedStep<2>& found, const SolvedStep<2>& expected) {
+void check_solved(const Simulation& simulation, const GranularStep<2>& found, const GranularStep<2>& expected) {
   CHECK(found.report.status == SolverStatus::converged);
   CHECK(natural_map_of(found) < 10 * tolerance);
   // Impulses need not be unique, nor which contacts have any; where grains go is, next to always.
@@ -56,11 +56,11 @@ TEST_CASE("steps cut into subdomains end as undivided ones do, with any law and 
       for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {4, 2}}) {
         INFO("law = ", law, ", restitution = ", restitution, ", grid[0] * grid[1] = ", grid[0] * grid[1]);
         const Simulation simulation = shaken_lattice(10, 8, newton(law, restitution), grid);
-        const SolvedStep<2> found = solve_step(simulation), expected = undivided(simulation);
+        const GranularStep<2> found = solve_step(simulation), expected = undivided(simulation);
         check_solved(simulation, found, expected);
         CHECK(found.report.interface_size > 0);
         // Sweeps, steps along the curve and Newton's ones do not depend on the cut, to rounding.
-        const SolvedStep<2> one = in_one_piece(simulation);
+        const GranularStep<2> one = in_one_piece(simulation);
         const Index steps = one.report.factorisations;
         CHECK(one.report.interface_size == 0);
         CHECK(found.report.last.sweeps == one.report.last.sweeps);
@@ -72,7 +72,7 @@ TEST_CASE("steps cut into subdomains end as undivided ones do, with any law and 
 
 TEST_CASE("every network of Stage 2 leads to the same answer") {
   Simulation simulation = shaken_lattice(10, 8, newton("coulomb"), {3, 2});
-  const SolvedStep<2> expected = undivided(simulation);
+  const GranularStep<2> expected = undivided(simulation);
   for (const std::string network : {"none", "all", "active"}) {
     CAPTURE(network);
     simulation.dynamics.solver.interface_network = network;
@@ -87,7 +87,7 @@ TEST_CASE("two-stage ADMM takes the iterations of undivided ADMM, and one at the
       Simulation simulation = shaken_lattice(10, 8, newton(law), {4, 2});
       simulation.dynamics.solver.algorithm = "two_stage_admm";
       simulation.dynamics.solver.interface_network = network;
-      const SolvedStep<2> found = solve_step(simulation), expected = undivided(simulation, "admm");
+      const GranularStep<2> found = solve_step(simulation), expected = undivided(simulation, "admm");
       check_solved(simulation, found, expected);
       const Index iterations = expected.report.last.sweeps;
       CHECK(std::abs(found.report.last.sweeps - iterations) <= (network == "active" ? 0 : iterations / 20));
@@ -108,7 +108,7 @@ TEST_CASE("steps cut into subdomains have the same bits for any number of thread
       const ThreadLimit limit(threads);
       return solve_step(simulation);
     };
-    const SolvedStep<2> one = with_threads(1), two = with_threads(2);
+    const GranularStep<2> one = with_threads(1), two = with_threads(2);
     CHECK(one.report.interface_iterations == two.report.interface_iterations);
     for (std::size_t k = 0; k < one.contacts.size(); ++k) {
       CHECK(one.contacts[k].impulse.n == two.contacts[k].impulse.n);
@@ -121,12 +121,12 @@ TEST_CASE("the two-stage Newton method solves steps of one contact and of none")
   Dynamics dynamics = newton("coulomb");
   dynamics.boundaries = {floor_wall()};
   const Simulation falling = simulation_of({{.x = 0, .y = 5}}, dynamics, {2, 1});
-  const SolvedStep<2> free = solve_step(falling);
+  const GranularStep<2> free = solve_step(falling);
   CHECK(free.report.status == SolverStatus::converged);
   CHECK(free.contacts.empty());
   CHECK(free.velocities[0].y == doctest::Approx(-g * dynamics.time.step));
   const Simulation resting = simulation_of({{.x = 0, .y = 0.5}}, dynamics, {2, 1});
-  const SolvedStep<2> held = solve_step(resting);
+  const GranularStep<2> held = solve_step(resting);
   CHECK(held.report.status == SolverStatus::converged);
   REQUIRE(held.contacts.size() == 1);
   CHECK(std::abs(held.contacts[0].impulse.n) == doctest::Approx(g * dynamics.time.step));

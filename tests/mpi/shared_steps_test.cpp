@@ -65,7 +65,7 @@ void check_run(const Simulation& start, int steps) {
   shared.processes = all();
   for (int step = 0; step < steps; ++step) {
     CAPTURE(step);
-    const SolvedStep<D> whole = solve_step<D>(alone), own = solve_step<D>(shared);
+    const GranularStep<D> whole = solve_step<D>(alone), own = solve_step<D>(shared);
     CHECK(all().sum(static_cast<double>(own.contacts.size())) == static_cast<double>(whole.contacts.size()));
     std::size_t k = 0;  // both lists ascend
     for (std::size_t c = 0; c < own.contacts.size(); ++c) {
@@ -119,7 +119,7 @@ TEST_CASE("shared steps: every contact is in one process, which knows all contac
 TEST_CASE("shared steps: processes without contacts, and steps without any") {
   for (const std::string algorithm : {"generic", "two_stage_newton", "two_stage_admm"}) {
     CAPTURE(algorithm);
-    const SolvedStep<2> bed = solve_step(apart(algorithm));
+    const GranularStep<2> bed = solve_step(apart(algorithm));
     const auto& used = bed.partition.subdomain_of_contact;
     CHECK(std::set<Index>(used.begin(), used.end()).size() < 5);
     check_run(apart(algorithm), algorithm == "generic" ? 3 : 1);

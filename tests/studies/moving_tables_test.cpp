@@ -226,7 +226,7 @@ TEST_CASE("interface_iterations: a row has the step as its solver takes it, and 
   for (std::size_t row = 0; row < 2; ++row) {
     LeadIn lead_in;
     const VariedCase varied = varied_case(work, static_cast<Index>(row));
-    const SolvedStep<2> step = solve_step(lead_in.at(varied.one, 1).simulation);
+    const GranularStep<2> step = solve_step(lead_in.at(varied.one, 1).simulation);
     CHECK(integer(table, row, "subdomains") == (row == 0 ? 2 : 6));
     CHECK(integer(table, row, "outer_steps") == step.report.factorisations);
     CHECK(integer(table, row, "outer_steps") == integer(table, row, "outer_steps_undivided"));
@@ -298,7 +298,7 @@ TEST_CASE("solver_indicators: the checks of a contact solver, the last with what
   for (Index k = 0; k < 3; ++k) {
     CAPTURE(k);
     const VariedCase varied = varied_case(work, k);
-    const SolvedStep<2> step = solve_step(lead_in.at(varied.one, 1).simulation);
+    const GranularStep<2> step = solve_step(lead_in.at(varied.one, 1).simulation);
     REQUIRE(step.report.status == SolverStatus::converged);
     const std::string algorithm(to_string(varied.one.spec.dynamics->solver.algorithm));
     const std::size_t first = row;

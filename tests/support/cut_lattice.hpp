@@ -45,10 +45,10 @@ inline Cut cut_lattice(std::array<Index, 2> grid) {
   Dynamics dynamics = tight();
   dynamics.solver.algorithm = "two_stage_newton";
   const Simulation simulation = shaken_lattice(6, 5, dynamics, grid);
-  const StepProblem<2> problem = checked_problem<2>(simulation);
+  const StepProblem<2> problem = whole_step<2>(simulation);
   const ReferenceProblem whole = reference_problem(problem, simulation.system.grains());
   const SparseMatrix scaled = scaled_connectivity(whole.inertia, whole.h);
-  const Partition partition = partition_of_columns(partition_step(simulation, problem), 2);
+  const Partition partition = partition_of_columns(partition_step(simulation, problem.geometry), 2);
   return {decompose(whole, partition), scaled.transpose() * scaled, whole, partition};
 }
 

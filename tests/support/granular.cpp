@@ -71,7 +71,7 @@ Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynam
 }
 
 StepReport advance(Simulation& simulation) {
-  SolvedStep<2> step = solve_step(simulation);
+  GranularStep<2> step = solve_step(simulation);
   REQUIRE(step.report.status == SolverStatus::converged);
   return take_step(simulation, std::move(step));
 }
@@ -132,11 +132,11 @@ Close closely(const Simulation& simulation) {
     result.gluing = step.iteration.record().gluing;
     if (k % 20 == 0) result.map = step.iteration.residual().relative_natural_map();
   }
-  auto [contacts, velocities] = step.iteration.gather(step.problem);
+  auto [contacts, velocities] = step.iteration.gather(step.share.problem);
   result.contacts = std::move(contacts);
   result.velocities = std::move(velocities);
   result.interface_size = step.iteration.parts().interface_size();
-  result.problem = std::move(step.problem);
+  result.problem = std::move(step.share.problem);
   return result;
 }
 

@@ -62,7 +62,7 @@ Eigen::Quaterniond turn_of_ball(const GranularState& s, std::size_t i) {
 StepReport advance_in_space(Simulation& simulation, Index steps) {
   StepReport last;
   for (Index k = 0; k < steps; ++k) {
-    const SolvedStep<3> step = solve_step<3>(simulation);
+    const GranularStep<3> step = solve_step<3>(simulation);
     CAPTURE(step.report.step);
     CAPTURE(step.report.residual.relative_natural_map());
 

@@ -122,7 +122,7 @@ TEST_CASE("moving case: without [solver] every step is solved by auto to a natur
   CHECK(to_toml(parse(to_toml(one))) == to_toml(one));
   Simulation simulation = simulation_of({one});  // the partition of two subdomains has no part in it
   for (int k = 0; k < 3; ++k) {
-    const SolvedStep<2> step = solve_step(simulation);
+    const GranularStep<2> step = solve_step(simulation);
     CHECK(step.report.status == SolverStatus::converged);
     if (k > 0) CHECK(step.report.residual.relative_natural_map() <= 1e-8);  // in step 0 all fall alike
     CHECK(step.report.interface_size == 0);

@@ -4,7 +4,6 @@
 #include "contact_solvers/stored_contacts.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
-#include "simulation/contact_colours.hpp"
 #include "simulation/contact_solver_step.hpp"
 #include "simulation/step_decomposition.hpp"
 
@@ -21,15 +20,15 @@ namespace {
 // The next step of a simulation, cut as its solver says, and as a whole.
 template <int D>
 struct Divided {
-  explicit Divided(const Simulation& simulation)
-      : step(divide_step<D>(simulation)),
+  explicit Divided(const Simulation& simulation) : Divided(simulation, divide_step<D>(simulation)) {}
+  Divided(const Simulation& simulation, std::pair<GranularStep<D>, GranularDecomposition<D>> divided)
+      : step(std::move(divided.first)),
         whole(contact_problem(step.problem, simulation.system)),
         colours(contact_colours(simulation, step.problem)),
-        contacts(step.problem, step.partition, step.parts, colours,
-                 CutContacts<D>(linear_decomposition(simulation, step.problem, step.partition), {}),
-                 Refinement::one_step) {}
+        contacts(step.problem, step.partition, std::move(divided.second), colours,
+                 CutContacts<D>(linear_decomposition(simulation, step), {}), Refinement::one_step) {}
 
-  DividedStep<D> step;
+  GranularStep<D> step;
   LocalFrictionProblem whole;
   ContactColours colours;
   DividedContacts<D> contacts;
@@ -92,7 +91,7 @@ void check_against_whole(const Simulation& simulation, const std::string& algori
 }
 
 template <int D>
-void check_colours(const Simulation& simulation, const DividedStep<D>& step, const ContactColours& colours) {
+void check_colours(const Simulation& simulation, const GranularStep<D>& step, const ContactColours& colours) {
   std::set<std::pair<Index, Index>> met;  // colour and free grain
   for (std::size_t c = 0; c < step.problem.geometry.size(); ++c)
     for (const Index body : {step.problem.geometry[c].a, step.problem.geometry[c].b})

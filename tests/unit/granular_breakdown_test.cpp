@@ -15,7 +15,7 @@ TEST_CASE("status: converged, maximum reached, and as many iterations as asked f
   Dynamics dynamics = swept();
   dynamics.solver.tolerance = 1e-6;
   Simulation s = shaken_lattice(5, 5, dynamics);
-  const SolvedStep<2> converged = solve_step(s);
+  const GranularStep<2> converged = solve_step(s);
   CHECK(converged.report.status == SolverStatus::converged);
   CHECK(converged.report.last.zeta <= 1e-6);
   s.dynamics.solver.maximum_iterations = 3;
@@ -23,7 +23,7 @@ TEST_CASE("status: converged, maximum reached, and as many iterations as asked f
   CHECK(solve_step(s).report.last.iteration == 3);
   s.dynamics.solver.maximum_iterations = 77;
   s.dynamics.solver.criterion = "none";
-  const SolvedStep<2> none = solve_step(s);
+  const GranularStep<2> none = solve_step(s);
   CHECK(none.report.status == SolverStatus::maximum_reached);
   CHECK(none.report.last.iteration == 77);
 }
@@ -33,7 +33,7 @@ TEST_CASE("status: stalled when rounding keeps a criterion from falling for 10 0
   dynamics.solver.criterion = "natural_map";
   dynamics.solver.tolerance = 1e-30;
   dynamics.solver.maximum_iterations = 100'000;
-  const SolvedStep<2> step = solve_step(shaken_lattice(4, 4, dynamics));
+  const GranularStep<2> step = solve_step(shaken_lattice(4, 4, dynamics));
   CHECK(step.report.status == SolverStatus::stalled);
   CHECK(step.report.last.iteration < 20'000);
   CHECK(step.report.residual.relative_natural_map() < 1e-13);
@@ -73,7 +73,7 @@ TEST_CASE("status: diverged under an enrichment that is far too stiff, and the s
   dynamics.solver.gauss_seidel_sweeps = 1;
   dynamics.solver.maximum_iterations = 100'000;
   const Simulation s = shaken_lattice(6, 6, dynamics, {2, 2});
-  const SolvedStep<2> step = solve_step(s);
+  const GranularStep<2> step = solve_step(s);
   CHECK(step.report.status == SolverStatus::diverged);
   CHECK(s.state.step == 0);
   CHECK(describe_breakdown(s, step).find("largest impulse") != std::string::npos);
@@ -86,7 +86,7 @@ TEST_CASE("criterion interface_change without an interface does not pass the fir
     dynamics.solver.algorithm = algorithm;
     dynamics.solver.criterion = "interface_change";
     dynamics.solver.tolerance = 1e-8;
-    const SolvedStep<2> step = solve_step(shaken_lattice(6, 6, dynamics));
+    const GranularStep<2> step = solve_step(shaken_lattice(6, 6, dynamics));
     CHECK(step.report.status == SolverStatus::converged);
     CHECK(step.report.residual.relative_natural_map() < 1e-5);
   }
@@ -98,7 +98,7 @@ TEST_CASE("criterion interface_change of the semi-implicit scheme waits for the 
   dynamics.solver.enrichment = "semi_implicit";
   dynamics.solver.criterion = "interface_change";
   dynamics.solver.tolerance = 1e-8;
-  const SolvedStep<2> step = solve_step(shaken_lattice(6, 6, dynamics, {2, 1}));
+  const GranularStep<2> step = solve_step(shaken_lattice(6, 6, dynamics, {2, 1}));
   CHECK(step.report.last.zeta < 1e-6);
 }
 
@@ -118,7 +118,7 @@ TEST_CASE("no number: velocities or interface impulses that are none are never c
         dynamics.solver.algorithm = algorithm;
         Simulation s = shaken_lattice(4, 4, dynamics, {2, 1});
         s.system.mass[5] = 1e-310;
-        const SolvedStep<2> step = solve_step(s);
+        const GranularStep<2> step = solve_step(s);
         bool finite = true;
         for (Index i = 0; i < s.system.grains(); ++i)
           finite = finite && std::isfinite(step.velocities[at(i)].x + step.velocities[at(i)].rim);
@@ -129,8 +129,8 @@ TEST_CASE("no number: velocities or interface impulses that are none are never c
 TEST_CASE("describe_breakdown names what is not finite") {
   Dynamics dynamics = swept();
   Simulation s = shaken_lattice(3, 2, dynamics);
-  SolvedStep<2> step = solve_step(s);
-  SolvedStep<2> broken = step;
+  GranularStep<2> step = solve_step(s);
+  GranularStep<2> broken = step;
   broken.contacts[2].impulse.t = not_a_number;
   const StepContact& c = step.problem.geometry[2];
   CHECK(describe_breakdown(s, broken).starts_with("contact of disk " + std::to_string(c.a) + " and disk " +
@@ -144,7 +144,7 @@ TEST_CASE("describe_breakdown names what is not finite") {
   s.system.boundaries.push_back({.name = "drum", .motion = {}});
   s.system.driven_by[4] = 0;
   CHECK(describe_breakdown(s, broken).starts_with("disk 4 of boundary 'drum' at ("));
-  SolvedStep<2> empty;
+  GranularStep<2> empty;
   CHECK(describe_breakdown(s, empty) == "no contact");
 }
 
@@ -164,7 +164,7 @@ TEST_CASE("an impact that meets the interface through grains at rest is solved l
   for (int k = 0; k < 5; ++k) grains.push_back({.x = static_cast<double>(k)});
   Simulation s = simulation_of(grains, dynamics, {2, 1});
   s.state.x[0] -= 0.5 * dynamics.time.step * 6;  // touches at q_m
-  const SolvedStep<2> step = solve_step(s);
+  const GranularStep<2> step = solve_step(s);
   REQUIRE(step.report.interface_size > 0);
   CHECK(step.report.status == SolverStatus::converged);
   CHECK(std::isfinite(step.report.last.gluing));
@@ -178,7 +178,7 @@ TEST_CASE("disks that touch and move alike exchange nothing: the step ends at on
   for (int k = 0; k < 6; ++k) grains.push_back({.x = 0.1 + k, .velocity_x = 1});
   for (const std::string criterion : {"zeta", "natural_map"}) {
     dynamics.solver.criterion = criterion;
-    const SolvedStep<2> step = solve_step(simulation_of(grains, dynamics));
+    const GranularStep<2> step = solve_step(simulation_of(grains, dynamics));
     CHECK(step.report.status == SolverStatus::converged);
     CHECK(step.report.last.iteration < 50);
   }
@@ -191,7 +191,7 @@ TEST_CASE("contacts that have settled within subdomains are not converged while 
   dynamics.solver.tolerance = 1e-4;
   dynamics.solver.maximum_iterations = 3000;
   Simulation simulation = box_of_grains(60, dynamics, {2, 1});
-  const SolvedStep<2> open = solve_step(simulation);
+  const GranularStep<2> open = solve_step(simulation);
   CHECK(open.report.last.gluing > 0.01);
   CHECK(open.report.status == SolverStatus::maximum_reached);
   simulation.dynamics.solver.gluing_tolerance = 10;

@@ -77,7 +77,7 @@ TEST_CASE("contacts: a wall that comes fast is met in time, one that leaves is l
     Simulation s = simulation_of({{.x = 0.12 + speed * 0.0025, .radius = 0.1}}, dynamics);
     double deepest = 0;
     for (int k = 0; k < 3; ++k) {
-      const SolvedStep<2> step = solve_step(s);
+      const GranularStep<2> step = solve_step(s);
       deepest = std::max(deepest, step.report.overlap.maximum);
       take_step(s, step);
     }

@@ -31,7 +31,7 @@ struct SmallProblem {
 };
 
 // From positions, radii and velocities alone, in the order of step.geometry.
-SmallProblem written_down(const Simulation& s, const SolvedStep<2>& step) {
+SmallProblem written_down(const Simulation& s, const GranularStep<2>& step) {
   const Index n = s.system.grains(), contacts = count(step.problem.geometry);
   const double h = s.dynamics.time.step;
   SmallProblem p;
@@ -122,7 +122,7 @@ std::vector<Vector> every_solution(const SmallProblem& p, int statuses_per_conta
   }
 }
 
-Vector velocities_of(const Simulation& s, const SolvedStep<2>& step) {
+Vector velocities_of(const Simulation& s, const GranularStep<2>& step) {
   Vector v(3 * s.system.grains());
   for (Index i = 0; i < s.system.grains(); ++i) {
     const GrainVelocity<2>& one = step.velocities[at(i)];
@@ -177,7 +177,7 @@ TEST_CASE("frictionless: velocities and impulses are those of the only solution 
       CAPTURE(cluster.name);
       CAPTURE(seed);
       Simulation simulation = shaken(cluster, "frictionless", 0.4, seed);
-      const SolvedStep<2> step = solve_step(simulation);
+      const GranularStep<2> step = solve_step(simulation);
       REQUIRE(step.report.status == SolverStatus::converged);
       const SmallProblem problem = written_down(simulation, step);
       REQUIRE(problem.friction.size() <= 5);
@@ -188,7 +188,7 @@ TEST_CASE("frictionless: velocities and impulses are those of the only solution 
       for (const double relaxation : {0.7, 1.5}) {  // other iterates, the same end
         CAPTURE(relaxation);
         simulation.dynamics.solver.contact_relaxation = relaxation;
-        const SolvedStep<2> relaxed = solve_step(simulation);
+        const GranularStep<2> relaxed = solve_step(simulation);
         REQUIRE(relaxed.report.status == SolverStatus::converged);
         CHECK((velocities_of(simulation, relaxed) - v).norm() < 1e-9);
       }
@@ -208,7 +208,7 @@ TEST_CASE("Coulomb friction: the result is a solution with one status per contac
         CAPTURE(friction);
         CAPTURE(seed);
         const Simulation simulation = shaken(cluster, "coulomb", friction, seed);
-        const SolvedStep<2> step = solve_step(simulation);
+        const GranularStep<2> step = solve_step(simulation);
         REQUIRE(step.report.status == SolverStatus::converged);
         const SmallProblem problem = written_down(simulation, step);
         if (problem.friction.size() > 3) continue;
@@ -238,7 +238,7 @@ TEST_CASE("relaxation: a resting disk is given that part of what its weight stil
       dynamics.solver.contact_relaxation = relaxation;
       dynamics.solver.criterion = "none";
       dynamics.solver.maximum_iterations = sweeps;
-      const SolvedStep<2> step = solve_step(simulation_of({{.y = 0.5, .mass = 2}}, dynamics));
+      const GranularStep<2> step = solve_step(simulation_of({{.y = 0.5, .mass = 2}}, dynamics));
       const double lacking = std::pow(1 - relaxation, static_cast<double>(sweeps));
       CHECK(step.contacts.at(0).impulse.n == doctest::Approx((1 - lacking) * 2 * g * 0.005).epsilon(1e-13));
     }
@@ -255,7 +255,8 @@ TEST_CASE("residual: sums of parts add up entry by entry, and both ways to slide
   dynamics.boundaries = {floor_wall()};
   dynamics.interaction.friction = 0.3;
   for (const double speed : {-3.0, 3.0}) {
-    const SolvedStep<2> step = solve_step(simulation_of({{.y = 0.5, .velocity_x = speed, .velocity_y = -1}}, dynamics));
+    const GranularStep<2> step =
+        solve_step(simulation_of({{.y = 0.5, .velocity_x = speed, .velocity_y = -1}}, dynamics));
     CHECK(step.report.residual.slide == 1);
     CHECK(step.report.residual.stick == 0);
   }
@@ -263,7 +264,7 @@ TEST_CASE("residual: sums of parts add up entry by entry, and both ways to slide
 
 TEST_CASE("glued copies: their masses add up, and in their speed rims count as much as centres") {
   const Simulation simulation = simulation_of({{.x = 0, .y = 0.5}, {.x = 1, .y = 0.5}, {.x = 2, .y = 0.5}}, tight());
-  const SolvedStep<2> step = solve_step(simulation);
+  const GranularStep<2> step = solve_step(simulation);
   REQUIRE(step.contacts.size() == 2);
   GranularDecomposition<2> parts =
       decompose(step.problem, {.subdomains = 2, .subdomain_of_contact = {0, 1}}, "natural", 1);
@@ -300,7 +301,7 @@ TEST_CASE("residual: a resting disk whose reaction lacks d is off by d, by d / m
   Dynamics dynamics = tight();
   dynamics.boundaries = {floor_wall()};
   const Simulation simulation = simulation_of({{.y = 0.5, .mass = 2}}, dynamics);
-  const SolvedStep<2> step = solve_step(simulation);
+  const GranularStep<2> step = solve_step(simulation);
   REQUIRE(step.contacts.size() == 1);
   const double whole = 2 * g * 0.005, d = 0.3 * whole;
   StepProblem<2> lacking = step.problem;

@@ -29,7 +29,7 @@ LocalFrictionProblem problem_of(const Step& step) {
   spec.dynamics->interaction.friction = step.friction;
   LeadIn lead_in;
   const Simulation before = lead_in.at(resolve(spec), step.number - 1).simulation;
-  return contact_problem(checked_problem<2>(before), before.system);
+  return contact_problem(whole_step<2>(before), before.system);
 }
 
 }  // namespace

@@ -249,7 +249,7 @@ TEST_CASE("criterion and table have one scale") {
     dynamics.solver.maximum_iterations = 7;
     dynamics.solver.order = "natural";
     dynamics.solver.warm_start = false;
-    const SolvedStep<2> step = solve_step(shaken_lattice(6, 5, dynamics));
+    const GranularStep<2> step = solve_step(shaken_lattice(6, 5, dynamics));
     const LocalFrictionProblem problem = contact_problem(step.problem, shaken_lattice(6, 5, dynamics).system);
     Vector shifted(2 * problem.contacts());
     for (Index c = 0; c < problem.contacts(); ++c) {
@@ -491,7 +491,7 @@ TEST_CASE("interface impulses that are rounding of the momenta are no change") {
       Dynamics dynamics = dynamics_of(algorithm, units);
       dynamics.solver.criterion = "interface_change";
       dynamics.solver.tolerance = 1e-4;
-      const SolvedStep<2> step = solve_step(simulation_of(flying_row(units), dynamics, {2, 1}));
+      const GranularStep<2> step = solve_step(simulation_of(flying_row(units), dynamics, {2, 1}));
       CHECK(step.interface_impulses.norm() > 0);
       CHECK(step.interface_impulses.norm() <= 1e-16 * units.mass * units.speed());
       CHECK(step.report.status == SolverStatus::converged);
@@ -514,7 +514,7 @@ TEST_CASE("a linear subdomain of grains that fly together is no further from the
       Simulation simulation = simulation_of(flying_row(units), dynamics, {2, 1});
       double apart = 0;
       for (int k = 0; k < 3; ++k) {
-        const SolvedStep<2> step = solve_step(simulation);
+        const GranularStep<2> step = solve_step(simulation);
         for (const RememberedModel& model : step.models) {
           apart = std::max(apart, model.velocity_distance);
           CHECK(model.impulse_distance <= 1e-3);

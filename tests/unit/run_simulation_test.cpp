@@ -32,7 +32,7 @@ TEST_CASE("run: a disk that falls comes to rest, and not at its turning point") 
   Index sunk = 0;
   RunSinks sinks;
   sinks.step = [&](const Simulation&, const AnySolvedStep& any, const StepReport& report) {
-    const auto& solved = std::get<SolvedStep<2>>(any);
+    const auto& solved = std::get<GranularStep<2>>(any);
     ++sunk;
     CHECK(count(solved.contacts) == report.contacts);
   };
@@ -123,7 +123,7 @@ TEST_CASE("status changes: contacts that close and contacts that open count") {
   };
   const Simulation simulation = testing::simulation_of({hitting(0, 1), hitting(70, 10), {}}, dynamics);
   std::vector<Index> changes;
-  const SolvedStep<2> step =
+  const GranularStep<2> step =
       solve_step(simulation, {.row = [&](const IterationRow& row) { changes.push_back(row.status_changes); }});
   REQUIRE(step.contacts.size() == 2);
   CHECK(step.contacts[0].impulse.n == 0);

@@ -59,8 +59,8 @@ std::vector<TrajectoryStep> run_into(TrajectoryWriter& writer, Simulation& simul
   std::vector<TrajectoryStep> steps;
   RunSinks sinks;
   sinks.step = [&](const Simulation& after, const AnySolvedStep& any, const StepReport& report) {
-    const auto& solved = std::get<SolvedStep<2>>(any);
-    steps.push_back(trajectory_step(after, solved));
+    const auto& solved = std::get<GranularStep<2>>(any);
+    steps.push_back(TrajectoryStep{after.state, trajectory_contacts(solved)});
     writer.append(steps.back(), {row(step_columns(), report)}, report.step % save_every == 0);
   };
   REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
@@ -204,9 +204,10 @@ TEST_CASE("trajectory: steps reach the file together, in commits no more than a 
   TrajectoryWriter gathering(together, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
   RunSinks sinks;
   sinks.step = [&](const Simulation& after, const AnySolvedStep& any, const StepReport& report) {
-    const auto& solved = std::get<SolvedStep<2>>(any);
+    const auto& solved = std::get<GranularStep<2>>(any);
     for (TrajectoryWriter* writer : {&singly, &gathering})
-      writer->append(trajectory_step(after, solved), {row(step_columns(), report)}, report.step == 2);
+      writer->append(TrajectoryStep{after.state, trajectory_contacts(solved)}, {row(step_columns(), report)},
+                     report.step == 2);
     singly.commit();
     CHECK(read_last_step(one).state.step == report.step);
     CHECK(read_last_step(together).state.step == 0);
@@ -236,8 +237,8 @@ TEST_CASE("trajectory: a writer that is given up commits what it has gathered") 
     TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
     RunSinks sinks;
     sinks.step = [&](const Simulation& after, const AnySolvedStep& any, const StepReport& report) {
-      const auto& solved = std::get<SolvedStep<2>>(any);
-      writer.append(trajectory_step(after, solved), {row(step_columns(), report)}, true);
+      const auto& solved = std::get<GranularStep<2>>(any);
+      writer.append(TrajectoryStep{after.state, trajectory_contacts(solved)}, {row(step_columns(), report)}, true);
     };
     REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
   }

@@ -181,10 +181,11 @@ TEST_CASE("vtp: a step of a divided box as VTK reads it") {
   dynamics.solver.algorithm = "generic";
   Simulation simulation = box_of_grains(60, dynamics, {2, 1});
   take_step(simulation, solve_step(simulation));
-  const SolvedStep<2> step = solve_step(simulation);
+  const GranularStep<2> step = solve_step(simulation);
   take_step(simulation, step);
   const TemporaryFolder folder;
-  write_file(folder / "box.vtp", vtp_text(simulation.system, trajectory_step(simulation, step)));
+  write_file(folder / "box.vtp",
+             vtp_text(simulation.system, TrajectoryStep{simulation.state, trajectory_contacts(step)}));
   Arrays a = arrays_of(read_by_vtk(folder / "box.vtp"));
   CHECK(a["field/TimeValue"] == Values{simulation.state.time});
   REQUIRE(a["counts"][1] == 60);

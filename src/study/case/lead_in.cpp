@@ -72,16 +72,16 @@ Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
 }
 
 template <int D>
-SolvedStep<D> next_step(Simulation simulation, LeadInSolver solver) {
+GranularStep<D> next_step(Simulation simulation, LeadInSolver solver) {
   StepSolver decomposing = simulation.dynamics.solver;
   if (!decomposes(decomposing.algorithm)) decomposing.algorithm = StepAlgorithm::generic;
   if (solver == LeadInSolver::plain) simulation.dynamics.solver = plain_solver();
-  SolvedStep<D> step = solve_step<D>(simulation);
+  GranularStep<D> step = solve_step<D>(simulation);
   simulation.dynamics.solver = std::move(decomposing);
-  step.partition = partition_step(simulation, step.problem);
+  step.partition = partition_step(simulation, step.problem.geometry);
   return step;
 }
-template SolvedStep<2> next_step(Simulation, LeadInSolver);
-template SolvedStep<3> next_step(Simulation, LeadInSolver);
+template GranularStep<2> next_step(Simulation, LeadInSolver);
+template GranularStep<3> next_step(Simulation, LeadInSolver);
 
 }  // namespace nscdd

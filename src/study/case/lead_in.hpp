@@ -56,6 +56,6 @@ class LeadIn {
 /// plain Gauss-Seidel is decomposed as for the generic algorithm. Throws Error for a system of another dimension than
 /// D.
 template <int D>
-SolvedStep<D> next_step(Simulation simulation, LeadInSolver solver);
+GranularStep<D> next_step(Simulation simulation, LeadInSolver solver);
 
 }  // namespace nscdd

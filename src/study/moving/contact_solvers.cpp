@@ -45,7 +45,7 @@ Index run_trials(const ObservedCase& work) {
     if (!problem || k % each == 0) {
       const Simulation simulation = work.lead_in.at(work.one, step - 1, work.table.lead_in).simulation;
       problem = in_dimension(simulation.system, [&](auto dimension) {
-        return contact_problem(checked_problem<dimension()>(simulation), simulation.system);
+        return contact_problem(whole_step<dimension()>(simulation), simulation.system);
       });
       grains = simulation.system.free_grains();
     }

@@ -19,7 +19,7 @@ struct FrozenSystem {
 };
 
 template <int D>
-FrozenSystem<D> frozen_system(const SolvedStep<D>& step) {
+FrozenSystem<D> frozen_system(const GranularStep<D>& step) {
   const double alpha = frozen_proximal * step.problem.scale;
   FrozenSystem<D> system{{}, Vector(D * count(step.contacts))};
   // A law that pulls is Coulomb's for impulses that are larger by the pull, which then act from the beginning.
@@ -63,7 +63,7 @@ FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem<
 template <int D>
 InterfaceIterations by_newton(const Simulation& simulation) {
   const double flexibility = simulation.dynamics.solver.interface_flexibility;
-  const SolvedStep<D> step = solve_step<D>(simulation);
+  const GranularStep<D> step = solve_step<D>(simulation);
   InterfaceIterations result;
   result.report = step.report;
   result.subdomains = step.partition.subdomains;

@@ -34,7 +34,7 @@ namespace {
 
 // Subdomains that hold each grain after a fresh decomposition of the present step.
 template <int D>
-std::vector<std::set<Index>> memberships(const SolvedStep<D>& step, Index grains) {
+std::vector<std::set<Index>> memberships(const GranularStep<D>& step, Index grains) {
   std::vector<std::set<Index>> of_grain(at(grains));
   for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
     for (const Index i : {step.problem.geometry[k].a, step.problem.geometry[k].b})
@@ -122,7 +122,7 @@ const ResultColumns<ChainContact>& chain_columns(Index dimension) {
 template <int D>
 void chains_in(const ObservedCase& work, const Simulation& simulation, const Sink<ChainContact>& sink) {
   const GranularState& state = simulation.state;
-  const SolvedStep<D> step = next_step<D>(simulation, work.table.lead_in);
+  const GranularStep<D> step = next_step<D>(simulation, work.table.lead_in);
   for (std::size_t k = 0; k < step.contacts.size(); ++k) {
     const GrainContact<D>& c = step.contacts[k];
     const auto& place = step.problem.geometry[k];

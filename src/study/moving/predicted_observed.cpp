@@ -91,7 +91,7 @@ PredictedObserved compare_rates(const Simulation& simulation) {
   const GranularDecomposition<D> parts = step.iteration.parts();
   Stretches<D> stretches;
   IterationWatch watch(solver);
-  PredictedObserved result{.report = step.report};
+  PredictedObserved result{.report = step.share.report};
   std::optional<SolverStatus> status;
   while (!status) {
     step.iteration.iterate();

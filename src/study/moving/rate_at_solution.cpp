@@ -20,7 +20,7 @@ constexpr double least_angle = 1e-12;   // sine between errors that are multiple
 
 // The solution of the next step, as exact as rounding lets it be.
 template <int D>
-SolvedStep<D> solution_of(Simulation simulation) {
+GranularStep<D> solution_of(Simulation simulation) {
   simulation.dynamics.solver = {.algorithm = StepAlgorithm::automatic,
                                 .criterion = Criterion::natural_map,
                                 .tolerance = rounding,
@@ -29,7 +29,7 @@ SolvedStep<D> solution_of(Simulation simulation) {
 }
 
 template <int D>
-void describe(RateAtSolution& result, const SolvedStep<D>& solution) {
+void describe(RateAtSolution& result, const GranularStep<D>& solution) {
   double squares = 0, alone = solution.report.residual.scale.alone;
   std::vector<double> margins;
   for (const GrainContact<D>& contact : solution.contacts) {
@@ -177,10 +177,10 @@ template <int D>
 RateAtSolution rate_in(const Simulation& simulation) {
   const StepSolver& solver = simulation.dynamics.solver;
   PreparedStep<D> step = prepare_solution<D>(simulation);
-  const SolvedStep<D> solution = solution_of<D>(simulation);
+  const GranularStep<D> solution = solution_of<D>(simulation);
   RateAtSolution result{.report = solution.report};
-  result.report.interface_size = step.report.interface_size;
-  result.report.eta = step.report.eta;
+  result.report.interface_size = step.share.report.interface_size;
+  result.report.eta = step.share.report.eta;
   describe(result, solution);
   if (!(result.report.residual.relative_natural_map() <= solved)) return result;
 

@@ -30,7 +30,7 @@ double SwitchedStep::largest(double RememberedModel::*distance) const {
 }
 
 template <int D>
-double share_of(const SolvedStep<D>& step, bool at_end) {
+double share_of(const GranularStep<D>& step, bool at_end) {
   if (step.report.contacts == 0) return 0;
   double sum = 0;
   for (const Index e : step.partition.subdomain_of_contact) {
@@ -43,7 +43,7 @@ double share_of(const SolvedStep<D>& step, bool at_end) {
 
 // |V - V'| / max(|V'|, |V_free|) over the free bodies: those of a packing at rest hardly move.
 template <int D>
-double velocity_error(const SolvedStep<D>& switched, const SolvedStep<D>& plain) {
+double velocity_error(const GranularStep<D>& switched, const GranularStep<D>& plain) {
   double error = 0, speed = 0, free_speed = 0;
   const auto squared = [](const GrainVelocity<D>& v) { return squared_velocity(v) + squared_rim(v); };
   for (std::size_t i = 0; i < plain.velocities.size(); ++i) {
@@ -61,7 +61,7 @@ double velocity_error(const SolvedStep<D>& switched, const SolvedStep<D>& plain)
 
 // |F - F'| / |F'|. Impulses below 10^-12 of the momenta are rounding: grains that fly together exchange no more.
 template <int D>
-double impulse_error(const SolvedStep<D>& switched, const SolvedStep<D>& plain) {
+double impulse_error(const GranularStep<D>& switched, const GranularStep<D>& plain) {
   const double error = (switched.interface_impulses - plain.interface_impulses).norm();
   const double floor = 1e-12 * std::sqrt(plain.report.residual.scale.momenta);
   return error == 0 ? 0.0 : error / std::max(plain.interface_impulses.norm(), floor);
@@ -101,7 +101,7 @@ template <int D>
 SwitchedStep compared(const Simulation& simulation, const std::string& name) {
   Simulation without = simulation;
   without.dynamics.solver.model = SwitchedModel::none;
-  const SolvedStep<D> switched = solve_step<D>(simulation), plain = solve_step<D>(without);
+  const GranularStep<D> switched = solve_step<D>(simulation), plain = solve_step<D>(without);
   return {.solver = {name, simulation, switched.report},
           .report = switched.report,
           .plain = plain.report,
