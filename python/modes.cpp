@@ -23,8 +23,9 @@ using Shared = std::shared_ptr<FoundMode>;
 Shared found(const std::shared_ptr<Model>& model, const Contraction& b, const std::string& end,
              const SpectralOptions& options, Index threads) {
   LongWork work;
-  ModeOptions asked{Choice<SpectrumSide>::parse(end, "end"), work.watched(options)};
-  return work.run(threads, [&] { return std::make_shared<FoundMode>(FoundMode{b, model, mode_of(b, asked)}); });
+  const auto side = Choice<SpectrumSide>::parse(end, "end");
+  const SpectralOptions watched = work.watched(options);
+  return work.run(threads, [&] { return std::make_shared<FoundMode>(FoundMode{b, model, mode_of(b, side, watched)}); });
 }
 
 // V_E of each subdomain, a row per grain of it.

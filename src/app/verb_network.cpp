@@ -32,14 +32,12 @@ int run(const Options& options) {
   const ContactSet contacts = options.contacts;
   const ResultColumns<Link> columns = link_columns(contacts, model.problem.dimension);
   CsvWriter links(options.csv, options.force, headings(columns));
+  const ResultColumns<Grain> of_grains = grain_columns(model.problem.dimension);
   std::optional<CsvWriter> grains;
-  if (!options.grains.empty())
-    grains.emplace(options.grains, options.force, headings(grain_columns(model.problem.dimension)));
+  if (!options.grains.empty()) grains.emplace(options.grains, options.force, headings(of_grains));
   const ContactChoice choice = nscdd::links(
       model, [&](const Link& link) { links.write(row(columns, link)); }, contacts);
-  if (grains)
-    nscdd::grains(model,
-                  [&](const Grain& grain) { grains->write(row(grain_columns(model.problem.dimension), grain)); });
+  if (grains) nscdd::grains(model, [&](const Grain& grain) { grains->write(row(of_grains, grain)); });
   links.finish();
   if (grains) grains->finish();
   if (model.problem.arriving_velocity.isZero(0))

@@ -140,40 +140,31 @@ ResultColumns<Link> link_columns(ContactSet contacts, Index dimension) {
   const auto of = [](auto member) {
     return [member](const Link& link) { return std::invoke(member, link.contact()); };
   };
-  const auto centre = [](std::vector<double> Packing::*coordinate, Index Contact::*grain) {
-    return [=](const Link& link) { return (link.model.packing.*coordinate)[at(link.contact().*grain)]; };
+  const auto centre = [](Index Contact::*grain) {
+    return [=](const Link& link, Index k) { return coordinate(link.model.packing, link.contact().*grain, k); };
   };
-  const auto normal = [](std::size_t component) {
-    return [=](const Link& link) { return link.contact().normal[component]; };
-  };
-  const ResultColumns<Link> columns{
-      {"case", "", "name of the case", [](const Link& link) { return link.model.name; }},
-      {"contact", "1", "number of the contact", [](const Link& link) { return link.number; }},
-      {"grain_a", "1", "first grain", of(&Contact::a)},
-      {"grain_b", "1", "second grain, the larger number", of(&Contact::b)},
-      {"x_a", "m", "centre of grain_a", centre(&Packing::x, &Contact::a)},
-      {"y_a", "m", "centre of grain_a", centre(&Packing::y, &Contact::a)},
-      {"z_a", "m", "centre of grain_a", centre(&Packing::z, &Contact::a)},
-      {"x_b", "m", "centre of grain_b", centre(&Packing::x, &Contact::b)},
-      {"y_b", "m", "centre of grain_b", centre(&Packing::y, &Contact::b)},
-      {"z_b", "m", "centre of grain_b", centre(&Packing::z, &Contact::b)},
-      {"normal_x", "1", "unit normal from grain_a to grain_b", normal(0)},
-      {"normal_y", "1", "unit normal from grain_a to grain_b", normal(1)},
-      {"normal_z", "1", "unit normal from grain_a to grain_b", normal(2)},
-      {"gap", "m", "distance of the surfaces, negative for an overlap", of(&Contact::gap)},
-      {"subdomain", "1", "subdomain that owns the contact",
-       [](const Link& link) { return link.model.partition.subdomain_of_contact[at(link.number)]; }},
-      {"impulse", "kg m/s",
-       std::string("impulse of the ") + (unilateral ? "frictionless unilateral" : "linear rigid") +
-           " problem, > 0 in compression; nan without a load",
-       &Link::impulse},
-      {"active", "1", "in compression (every contact where nothing is prescribed)",
-       [](const Link& link) { return link.choice.active[at(link.number)] != 0; }},
-      {"impulse_solution", "",
-       unilateral ? "unilateral_unique, unilateral_maximal (carrying in some solution), or none without a load"
-                  : "unique, least_norm (hyperstatic network), or none without a load",
-       [](const Link& link) { return link.choice.solution; }}};
-  return in_dimension(columns, dimension);
+  return joined<Link>(
+      {{{"case", "", "name of the case", [](const Link& link) { return link.model.name; }},
+        {"contact", "1", "number of the contact", [](const Link& link) { return link.number; }},
+        {"grain_a", "1", "first grain", of(&Contact::a)},
+        {"grain_b", "1", "second grain, the larger number", of(&Contact::b)}},
+       vector_columns<Link>(dimension, "{}_a", "m", "centre of grain_a", centre(&Contact::a)),
+       vector_columns<Link>(dimension, "{}_b", "m", "centre of grain_b", centre(&Contact::b)),
+       vector_columns<Link>(dimension, "normal_{}", "1", "unit normal from grain_a to grain_b",
+                            [](const Link& link, Index k) { return link.contact().normal[at(k)]; }),
+       {{"gap", "m", "distance of the surfaces, negative for an overlap", of(&Contact::gap)},
+        {"subdomain", "1", "subdomain that owns the contact",
+         [](const Link& link) { return link.model.partition.subdomain_of_contact[at(link.number)]; }},
+        {"impulse", "kg m/s",
+         std::string("impulse of the ") + (unilateral ? "frictionless unilateral" : "linear rigid") +
+             " problem, > 0 in compression; nan without a load",
+         &Link::impulse},
+        {"active", "1", "in compression (every contact where nothing is prescribed)",
+         [](const Link& link) { return link.choice.active[at(link.number)] != 0; }},
+        {"impulse_solution", "",
+         unilateral ? "unilateral_unique, unilateral_maximal (carrying in some solution), or none without a load"
+                    : "unique, least_norm (hyperstatic network), or none without a load",
+         [](const Link& link) { return link.choice.solution; }}}});
 }
 
 ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet contacts) {
@@ -207,32 +198,26 @@ void problem_contacts(const Model& model, const Sink<ProblemContact>& sink) {
   }
 }
 
-const ResultColumns<Grain>& grain_columns(Index dimension) {
+ResultColumns<Grain> grain_columns(Index dimension) {
   const auto of = [](std::vector<double> Packing::*values) {
     return [=](const Grain& grain) { return (grain.model.packing.*values)[at(grain.number)]; };
   };
-  const auto velocity = [](Index component) {
-    return [=](const Grain& grain) {
-      const ReferenceProblem& problem = grain.model.problem;
-      return problem.arriving_velocity[problem.dofs_per_grain * grain.number + component];
-    };
-  };
-  static const ResultColumns<Grain> space{
-      {"case", "", "name of the case", [](const Grain& grain) { return grain.model.name; }},
-      {"grain", "1", "number of the grain", &Grain::number},
-      {"x", "m", "centre", of(&Packing::x)},
-      {"y", "m", "centre", of(&Packing::y)},
-      {"z", "m", "centre", of(&Packing::z)},
-      {"radius", "m", "radius", of(&Packing::radius)},
-      {"mass", "kg", "mass", of(&Packing::mass)},
-      {"contacts", "1", "contacts of the grain", &Grain::contacts},
-      {"multiplicity", "1", "subdomains that share the grain; 0 for a grain that touches nothing",
-       [](const Grain& grain) { return grain.model.parts.interface.multiplicity(grain.number); }},
-      {"velocity_x", "m/s", "prescribed velocity, 0 if the grain has none", velocity(0)},
-      {"velocity_y", "m/s", "prescribed velocity, 0 if the grain has none", velocity(1)},
-      {"velocity_z", "m/s", "prescribed velocity, 0 if the grain has none", velocity(2)}};
-  static const ResultColumns<Grain> plane = in_dimension(space, 2);
-  return dimension == 2 ? plane : space;
+  return joined<Grain>(
+      {{{"case", "", "name of the case", [](const Grain& grain) { return grain.model.name; }},
+        {"grain", "1", "number of the grain", &Grain::number}},
+       vector_columns<Grain>(
+           dimension, "{}", "m", "centre",
+           [](const Grain& grain, Index k) { return coordinate(grain.model.packing, grain.number, k); }),
+       {{"radius", "m", "radius", of(&Packing::radius)},
+        {"mass", "kg", "mass", of(&Packing::mass)},
+        {"contacts", "1", "contacts of the grain", &Grain::contacts},
+        {"multiplicity", "1", "subdomains that share the grain; 0 for a grain that touches nothing",
+         [](const Grain& grain) { return grain.model.parts.interface.multiplicity(grain.number); }}},
+       vector_columns<Grain>(dimension, "velocity_{}", "m/s", "prescribed velocity, 0 if the grain has none",
+                             [](const Grain& grain, Index k) {
+                               const ReferenceProblem& problem = grain.model.problem;
+                               return problem.arriving_velocity[problem.dofs_per_grain * grain.number + k];
+                             })});
 }
 
 void grains(const Model& model, const Sink<Grain>& sink) {
@@ -241,22 +226,19 @@ void grains(const Model& model, const Sink<Grain>& sink) {
   for (Index i = 0; i < model.packing.size(); ++i) sink({model, i, contacts[at(i)]});
 }
 
-const ResultColumns<GrainSizes>& size_columns(Index dimension) {
-  const auto columns = [](const std::string& measure) -> ResultColumns<GrainSizes> {
-    return {{"case", "", "name of the case", [](const GrainSizes& s) { return s.model.name; }},
-            {"radius_from", "m", "smallest radius of the class", [](const GrainSizes& s) { return s.one.from; }},
-            {"radius_to", "m", "upper bound of the class, its own in the last class only",
-             [](const GrainSizes& s) { return s.one.to; }},
-            {"grains", "1", "grains of the class", [](const GrainSizes& s) { return s.one.grains; }},
-            {"number_fraction", "1", "of all grains",
-             [](const GrainSizes& s) {
-               return static_cast<double>(s.one.grains) / static_cast<double>(s.model.packing.size());
-             }},
-            {measure + "_fraction", "1", "of the " + measure + " of all grains",
-             [](const GrainSizes& s) { return s.one.measure / s.all; }}};
-  };
-  static const ResultColumns<GrainSizes> plane = columns("area"), space = columns("volume");
-  return dimension == 2 ? plane : space;
+ResultColumns<GrainSizes> size_columns(Index dimension) {
+  const std::string measure = dimension == 2 ? "area" : "volume";
+  return {{"case", "", "name of the case", [](const GrainSizes& s) { return s.model.name; }},
+          {"radius_from", "m", "smallest radius of the class", [](const GrainSizes& s) { return s.one.from; }},
+          {"radius_to", "m", "upper bound of the class, its own in the last class only",
+           [](const GrainSizes& s) { return s.one.to; }},
+          {"grains", "1", "grains of the class", [](const GrainSizes& s) { return s.one.grains; }},
+          {"number_fraction", "1", "of all grains",
+           [](const GrainSizes& s) {
+             return static_cast<double>(s.one.grains) / static_cast<double>(s.model.packing.size());
+           }},
+          {measure + "_fraction", "1", "of the " + measure + " of all grains",
+           [](const GrainSizes& s) { return s.one.measure / s.all; }}};
 }
 
 void grain_sizes(const Model& model, const Sink<GrainSizes>& sink) {

@@ -90,7 +90,7 @@ struct Grain {
   const Model& model;
   Index number, contacts;
 };
-const ResultColumns<Grain>& grain_columns(Index dimension = 2);
+ResultColumns<Grain> grain_columns(Index dimension = 2);
 void grains(const Model& model, const Sink<Grain>& sink);  ///< throws Error as `links`
 
 /// Grains by size, ten classes of radii.
@@ -99,7 +99,7 @@ struct GrainSizes {
   SizeClass one;
   double all;  ///< area of all grains, m^2, or volume, m^3
 };
-const ResultColumns<GrainSizes>& size_columns(Index dimension = 2);
+ResultColumns<GrainSizes> size_columns(Index dimension = 2);
 void grain_sizes(const Model& model, const Sink<GrainSizes>& sink);  ///< throws Error as `links`
 
 }  // namespace nscdd

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/linear/modes.hpp"
 
-#include "ddm/enriched_inertia.hpp"
 #include "linalg/threads.hpp"
 #include "study/tables/dimension_columns.hpp"
 #include <nscdd/study/sweep.hpp>
@@ -58,15 +57,6 @@ Vector normalised(const Vector& f, const InterfaceOperator& preconditioner) {
   return f * (mode_sign(f) / std::sqrt(f.dot(preconditioner.apply(f))));
 }
 
-struct StageOneAnswers::Prepared {
-  EnrichedInertiaFamily family;
-  std::optional<EnrichedInertia> inertia = {};  // for `epsilon`
-  double epsilon = not_a_number;
-};
-
-StageOneAnswers::StageOneAnswers(const Decomposition& parts) : parts_(parts), prepared_(parts.subdomains.size()) {}
-StageOneAnswers::~StageOneAnswers() = default;
-
 std::vector<Vector> StageOneAnswers::velocities(double epsilon, const Vector& f) {
   std::vector<Vector> velocities(parts_.subdomains.size());
   for_each_in_parallel(count(velocities), [&](Index e) {
@@ -81,14 +71,13 @@ std::vector<Vector> StageOneAnswers::velocities(double epsilon, const Vector& f)
   return velocities;
 }
 
-Mode mode_of(const Contraction& b, const ModeOptions& asked, bool certain) {
-  SpectralOptions options = asked.spectral;
+Mode mode_of(const Contraction& b, SpectrumSide side, SpectralOptions options, bool certain) {
   // For the dense solver a second eigenvalue costs nothing. It tells whether the mode is one of several.
   if (choose_solver(b.rows(), options).solver == SpectralSolver::dense)
     options.eigenvalues = std::max<Index>(options.eigenvalues, 2);
   Mode mode;
   mode.spectrum = spectral_radius(b, options);
-  mode.side = asked.side == SpectrumSide::slowest ? slowest_side(mode.spectrum) : asked.side;
+  mode.side = side == SpectrumSide::slowest ? slowest_side(mode.spectrum) : side;
   const bool low = mode.side == SpectrumSide::low;
   const Vector& found = low ? mode.spectrum.mode_min : mode.spectrum.mode_max;
   const std::vector<double>& values = low ? mode.spectrum.low : mode.spectrum.high;
@@ -108,8 +97,8 @@ Mode interface_mode(const Model& model, const ModeParameters& parameters) {
   const InterfaceFamily stage_two(model.parts);
   // With the same contacts P and S are of one family and share what does not depend on the flexibility.
   const InterfaceFamily stage_one = selection.restricted ? InterfaceFamily(*selection.restricted) : stage_two;
-  return mode_of({stage_two.at(parameters.eta), stage_one.at(parameters.epsilon)},
-                 {parameters.side, parameters.spectral}, selection.certain);
+  return mode_of({stage_two.at(parameters.eta), stage_one.at(parameters.epsilon)}, parameters.side, parameters.spectral,
+                 selection.certain);
 }
 
 std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, const Mode& mode) {
@@ -131,37 +120,33 @@ double spread(const Mode& mode) {
   return std::pow(shares.lpNorm<1>(), 2) / shares.squaredNorm();
 }
 
-const ResultColumns<ModeImpulse>& mode_impulse_columns(Index dimension) {
+ResultColumns<ModeImpulse> mode_impulse_columns(Index dimension) {
   using One = ModeImpulse;
-  const auto of = [](Vector Mode::*values, Index component) {
-    return [=](const One& r) { return (r.mode.*values)[r.model.parts.dofs_per_grain() * r.number + component]; };
+  const auto of = [](Vector Mode::*values) {
+    return [=](const One& r, Index k) { return (r.mode.*values)[r.model.parts.dofs_per_grain() * r.number + k]; };
   };
-  static const ResultColumns<One> space{
-      {"case", "", "name of the case", [](const One& r) { return r.model.name; }},
-      {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit",
-       [](const One& r) { return r.parameters.epsilon; }},
-      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm",
-       [](const One& r) { return r.parameters.eta; }},
-      {"end", "", "of the spectrum without unit eigenvalues: low or high", [](const One& r) { return r.mode.side; }},
-      {"eigenvalue", "1", "of the contraction operator, to which the mode belongs",
-       [](const One& r) { return r.mode.eigenvalue; }},
-      {"grain", "1", "number of the shared grain", [](const One& r) { return r.gluing().grain; }},
-      {"subdomain_first", "1", "subdomain of the copy that feels the opposite of the impulse",
-       [](const One& r) { return r.gluing().first.subdomain; }},
-      {"subdomain_second", "1", "subdomain of the copy that feels the impulse",
-       [](const One& r) { return r.gluing().second.subdomain; }},
-      {"x", "m", "centre", [](const One& r) { return r.model.packing.x[at(r.gluing().grain)]; }},
-      {"y", "m", "centre", [](const One& r) { return r.model.packing.y[at(r.gluing().grain)]; }},
-      {"z", "m", "centre", [](const One& r) { return r.model.packing.z[at(r.gluing().grain)]; }},
-      {"impulse_x", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 0)},
-      {"impulse_y", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 1)},
-      {"impulse_z", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 2)},
-      {"jump_x", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 0)},
-      {"jump_y", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 1)},
-      {"jump_z", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 2)},
-      {"share", "1", "of F^T P F; all shares add up to 1", [](const One& r) { return r.mode.shares[at(r.number)]; }}};
-  static const ResultColumns<One> plane = in_dimension(space, 2);
-  return dimension == 2 ? plane : space;
+  return joined<One>(
+      {{{"case", "", "name of the case", [](const One& r) { return r.model.name; }},
+        {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit",
+         [](const One& r) { return r.parameters.epsilon; }},
+        {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm",
+         [](const One& r) { return r.parameters.eta; }},
+        {"end", "", "of the spectrum without unit eigenvalues: low or high", [](const One& r) { return r.mode.side; }},
+        {"eigenvalue", "1", "of the contraction operator, to which the mode belongs",
+         [](const One& r) { return r.mode.eigenvalue; }},
+        {"grain", "1", "number of the shared grain", [](const One& r) { return r.gluing().grain; }},
+        {"subdomain_first", "1", "subdomain of the copy that feels the opposite of the impulse",
+         [](const One& r) { return r.gluing().first.subdomain; }},
+        {"subdomain_second", "1", "subdomain of the copy that feels the impulse",
+         [](const One& r) { return r.gluing().second.subdomain; }}},
+       vector_columns<One>(dimension, "{}", "m", "centre",
+                           [](const One& r, Index k) { return coordinate(r.model.packing, r.gluing().grain, k); }),
+       vector_columns<One>(dimension, "impulse_{}", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J",
+                           of(&Mode::impulses)),
+       vector_columns<One>(dimension, "jump_{}", "m/s", "velocity of the first copy minus that of the second",
+                           of(&Mode::jumps)),
+       {{"share", "1", "of F^T P F; all shares add up to 1",
+         [](const One& r) { return r.mode.shares[at(r.number)]; }}}});
 }
 
 void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,
@@ -171,29 +156,22 @@ void mode_impulses(const Model& model, const ModeParameters& parameters, const M
   for (Index k = 0; k < count(model.parts.interface.gluing()); ++k) sink({model, parameters, mode, k});
 }
 
-const ResultColumns<ModeVelocity>& mode_velocity_columns(Index dimension) {
+ResultColumns<ModeVelocity> mode_velocity_columns(Index dimension) {
   using One = ModeVelocity;
-  const auto of = [](std::vector<double> Packing::*values) {
-    return [=](const One& r) { return (r.model.packing.*values)[at(r.grain)]; };
-  };
-  const auto velocity = [](std::size_t k) { return [=](const One& r) { return r.velocity[k]; }; };
-  const char* meaning = "velocity of this copy that Stage 1 answers the impulses with";
-  static const ResultColumns<One> space{
-      {"case", "", "name of the case", [](const One& r) { return r.model.name; }},
-      {"grain", "1", "number of the grain", &One::grain},
-      {"subdomain", "1", "subdomain of this copy", &One::subdomain},
-      {"x", "m", "centre", of(&Packing::x)},
-      {"y", "m", "centre", of(&Packing::y)},
-      {"z", "m", "centre", of(&Packing::z)},
-      {"radius", "m", "radius", of(&Packing::radius)},
-      {"multiplicity", "1", "subdomains that share the grain",
-       [](const One& r) { return r.model.parts.interface.multiplicity(r.grain); }},
-      {"velocity_x", "m/s", meaning, velocity(0)},
-      {"velocity_y", "m/s", meaning, velocity(1)},
-      {"velocity_z", "m/s", meaning, velocity(2)},
-      {"jump", "m/s", "largest distance to the velocity of another copy; 0 for a grain of one subdomain", &One::jump}};
-  static const ResultColumns<One> plane = in_dimension(space, 2);
-  return dimension == 2 ? plane : space;
+  return joined<One>(
+      {{{"case", "", "name of the case", [](const One& r) { return r.model.name; }},
+        {"grain", "1", "number of the grain", &One::grain},
+        {"subdomain", "1", "subdomain of this copy", &One::subdomain}},
+       vector_columns<One>(dimension, "{}", "m", "centre",
+                           [](const One& r, Index k) { return coordinate(r.model.packing, r.grain, k); }),
+       {{"radius", "m", "radius", [](const One& r) { return r.model.packing.radius[at(r.grain)]; }},
+        {"multiplicity", "1", "subdomains that share the grain",
+         [](const One& r) { return r.model.parts.interface.multiplicity(r.grain); }}},
+       vector_columns<One>(dimension, "velocity_{}", "m/s",
+                           "velocity of this copy that Stage 1 answers the impulses with",
+                           [](const One& r, Index k) { return r.velocity[at(k)]; }),
+       {{"jump", "m/s", "largest distance to the velocity of another copy; 0 for a grain of one subdomain",
+         &One::jump}}});
 }
 
 void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVelocity>& sink) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/enriched_inertia.hpp"
 #include <nscdd/core/table.hpp>
 #include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/model.hpp>
@@ -15,12 +16,6 @@ enum class SpectrumSide {
 };
 
 constexpr auto names_of(SpectrumSide) { return std::to_array<std::string_view>({"slowest", "low", "high"}); }
-
-/// Which mode of a contraction is meant, and how its spectrum is computed.
-struct ModeOptions {
-  SpectrumSide side = SpectrumSide::slowest;
-  SpectralOptions spectral = {};
-};
 
 struct ModeParameters {
   double epsilon = 1.0;   ///< 1/kg; 0 is the rigid limit
@@ -58,7 +53,7 @@ struct Mode {
 };
 
 /// The mode of one end of a contraction. `certain`: whether the contacts of Stage 1 are, see ContactChoice.
-Mode mode_of(const Contraction& b, const ModeOptions& options, bool certain = true);
+Mode mode_of(const Contraction& b, SpectrumSide side, SpectralOptions options, bool certain = true);
 
 /// The mode of one end. None is found for an empty interface, for B = I or B = 0, or if the solver failed.
 /// Throws Error if the contacts cannot be chosen (see choose_contacts).
@@ -74,15 +69,17 @@ double mode_sign(const Vector& f);
 /// what does not depend on F is set up once for each epsilon, and what does not depend on epsilon either once for all.
 class StageOneAnswers {
  public:
-  explicit StageOneAnswers(const Decomposition& parts);  ///< which must outlive it
-  ~StageOneAnswers();
-  StageOneAnswers(const StageOneAnswers&) = delete;
-  StageOneAnswers& operator=(const StageOneAnswers&) = delete;
+  /// `parts` must outlive it.
+  explicit StageOneAnswers(const Decomposition& parts) : parts_(parts), prepared_(parts.subdomains.size()) {}
 
   std::vector<Vector> velocities(double epsilon, const Vector& f);  ///< d n_E each, m/s; f: n_Gamma, kg m/s
 
  private:
-  struct Prepared;
+  struct Prepared {
+    EnrichedInertiaFamily family;
+    std::optional<EnrichedInertia> inertia = {};  // for `epsilon`
+    double epsilon = not_a_number;
+  };
   const Decomposition& parts_;
   std::vector<std::unique_ptr<Prepared>> prepared_;  // of each subdomain
 };
@@ -117,7 +114,7 @@ struct ModeImpulse {
 
   const Gluing& gluing() const { return model.parts.interface.gluing()[at(number)]; }
 };
-const ResultColumns<ModeImpulse>& mode_impulse_columns(Index dimension = 2);
+ResultColumns<ModeImpulse> mode_impulse_columns(Index dimension = 2);
 void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,
                    const Sink<ModeImpulse>& sink);
 
@@ -128,7 +125,7 @@ struct ModeVelocity {
   std::array<double, 3> velocity;  ///< m/s, along z 0 in the plane
   double jump;                     ///< largest distance to the velocity of another copy
 };
-const ResultColumns<ModeVelocity>& mode_velocity_columns(Index dimension = 2);
+ResultColumns<ModeVelocity> mode_velocity_columns(Index dimension = 2);
 void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVelocity>& sink);
 
 }  // namespace nscdd

@@ -1,15 +1,46 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "study/moving/interface_iterations.hpp"
-
+#include "core/fail.hpp"
 #include "linalg/pencil.hpp"
+#include "study/moving/moving_tables.hpp"
 #include "two_stage/cut_contacts.hpp"
-#include "two_stage/granular_two_stage.hpp"
 
 namespace nscdd {
 namespace {
 
 constexpr Index most_eigenvalues = 2500;
 constexpr Index most_iterations = 3000;
+constexpr double frozen_proximal = 1e-5;   // alpha / W_nn of the linear systems compared: where Newton's steps begin
+constexpr double frozen_tolerance = 1e-8;  // relative jumps that the iterations compared leave
+
+// One linear system of the two-stage Newton method with one network in Stage 2.
+struct FrozenInterface {
+  Index iterations = 0;             // of the Krylov method, measured
+  double predicted = not_a_number;  // the same, from the eigenvalues of P^-1 S alone; NaN above 2 500 unknowns
+  // Of Richardson's iteration F <- F + P^-1 (g - S F), from the spectral radius of I - P^-1 S; infinite from 1 on.
+  double richardson = not_a_number;
+};
+
+// A step by the two-stage Newton method, and the linear system at its end with each network in Stage 2.
+struct InterfaceIterations {
+  StepReport report;                   // of the step
+  Index subdomains = 0, systems = 0;   // systems: linear systems solved
+  Index stick = 0, slide = 0;          // contacts at the end
+  FrozenInterface none, all, active;   // at these statuses, alpha = frozen_proximal W_nn
+  Index undivided_factorisations = 0;  // of the same step on one subdomain
+  // Of the same step by other methods. The limit of all is solver.maximum_iterations.
+  struct Rival {
+    Index iterations = 0;
+    bool converged = false;
+  };
+  Rival generic, enriched;  // Algorithm 1 with its defaults, to zeta <= 1e-4
+  Rival admm;               // two-stage ADMM to the tolerance of the case, one solve at the interface in each
+
+  bool known() const { return report.status == SolverStatus::converged; }
+  // 0 where sweeps alone solved the step.
+  double iterations_per_system() const {
+    return systems == 0 ? 0 : static_cast<double>(report.interface_iterations) / static_cast<double>(systems);
+  }
+};
 
 // A linear system of Newton's method at the end of a step: its relations and its right-hand side.
 template <int D>
@@ -102,8 +133,7 @@ InterfaceIterations::Rival by_admm(Simulation simulation) {
   return {report.last.sweeps, report.status == SolverStatus::converged};
 }
 
-}  // namespace
-
+// Solves the next step of a simulation, whose solver is two_stage_newton, and compares.
 InterfaceIterations interface_iterations(const Simulation& simulation) {
   InterfaceIterations result =
       in_dimension(simulation.system, [&](auto dimension) { return by_newton<dimension()>(simulation); });
@@ -116,5 +146,58 @@ InterfaceIterations interface_iterations(const Simulation& simulation) {
   result.admm = by_admm(simulation);
   return result;
 }
+
+ResultColumns<FrozenInterface> frozen_columns(const std::string& network, const std::string& words) {
+  return {{"iterations_" + network, "1", "Krylov iterations of the last system with " + words + " in Stage 2",
+           &FrozenInterface::iterations},
+          {"predicted_" + network, "1", "the same from the spectrum of P^-1 S; nan above 2 500 unknowns",
+           &FrozenInterface::predicted},
+          {"richardson_" + network, "1", "Richardson iterations instead, from the spectral radius of I - P^-1 S",
+           &FrozenInterface::richardson}};
+}
+
+ResultColumns<InterfaceIterations::Rival> rival_columns(const std::string& name, const std::string& words) {
+  using Rival = InterfaceIterations::Rival;
+  return {{name + "_iterations", "1", "of " + words, &Rival::iterations},
+          {name + "_converged", "", "whether it got there within maximum_iterations", &Rival::converged}};
+}
+
+const ResultColumns<InterfaceIterations>& cut_columns() {
+  using Found = InterfaceIterations;
+  static const ResultColumns<Found> outer{
+      {"subdomains", "1", "number of subdomains", &Found::subdomains},
+      {"stick", "1", "contacts that stick at the end", &Found::stick},
+      {"slide", "1", "contacts that slide at the end", &Found::slide},
+      {"natural_map", "1", "|natural map| / max(|r|, |r^1|) at the end",
+       [](const Found& f) { return f.report.residual.relative_natural_map(); }},
+      {"outer_steps", "1", "matrices factorised in the step", [](const Found& f) { return f.report.factorisations; }},
+      {"outer_steps_undivided", "1", "the same on one subdomain", &Found::undivided_factorisations},
+      {"systems", "1", "systems solved at the interface, two for each linear system", &Found::systems},
+      {"iterations_per_system", "1", "iterations at the interface, mean over these systems",
+       &Found::iterations_per_system}};
+  static const auto columns =
+      joined<Found>({outer,
+                     columns_of(&Found::none, frozen_columns("none", "no contacts")),
+                     columns_of(&Found::all, frozen_columns("all", "all contacts")),
+                     columns_of(&Found::active, frozen_columns("active", "the active contacts")),
+                     columns_of(&Found::generic, rival_columns("generic", "the generic Algorithm 1, to zeta 1e-4")),
+                     columns_of(&Found::enriched, rival_columns("enriched", "the enriched one with eta = 30 W")),
+                     columns_of(&Found::admm, rival_columns("admm", "two-stage ADMM, to the tolerance")),
+                     {{"converged", "", "whether the step did", &Found::known}}});
+  return columns;
+}
+
+}  // namespace
+
+constinit const Observable observables::interface_iterations = examined_steps<cut_columns, nscdd::interface_iterations>(
+    {.name = "interface_iterations",
+     .summary =
+         "outer steps and iterations at the interface of a step by the two-stage Newton method, with those predicted",
+     .check = [](const CaseSpec& spec) {
+       using Expected = step_algorithms::TwoStageNewton;
+       if (const StepSolver& solver = spec.dynamics->solver; solver.algorithm != step_algorithm<Expected>)
+         throw Error("solver.algorithm",
+                     fmt::format("expected {}, met {}", Expected::name, to_string(solver.algorithm)));
+     }});
 
 }  // namespace nscdd

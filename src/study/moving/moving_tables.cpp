@@ -2,7 +2,6 @@
 #include "study/moving/moving_tables.hpp"
 
 #include "core/fail.hpp"
-#include "study/moving/predicted_observed.hpp"
 #include "study/tables/dimension_columns.hpp"
 
 #include <set>
@@ -49,34 +48,29 @@ struct PlacedGrain {
   const std::set<Index>& subdomains;  // that hold it
 };
 
-const ResultColumns<PlacedGrain>& grain_columns(Index dimension) {
+ResultColumns<PlacedGrain> grain_columns(Index dimension) {
   using One = PlacedGrain;
-  const auto of = [](std::vector<double> GranularState::*values) {
-    return [=](const One& grain) { return (grain.simulation.state.*values)[at(grain.number)]; };
-  };
-  static const ResultColumns<One> space{
-      {"case", "", "name of the case", [](const One& grain) { return grain.name; }},
-      {"step", "1", "steps done", [](const One& grain) { return grain.simulation.state.step; }},
-      {"disk", "1", "number of the disk or sphere, grains first", &One::number},
-      {"x", "m", "centre", of(&GranularState::x)},
-      {"y", "m", "centre", of(&GranularState::y)},
-      {"z", "m", "centre", of(&GranularState::z)},
-      {"radius", "m", "radius", [](const One& grain) { return grain.simulation.system.radius[at(grain.number)]; }},
-      {"angle", "rad", "angle turned by, in space from 0 to pi about some axis",
-       [](const One& grain) {
-         const GranularState& state = grain.simulation.state;
-         const std::size_t i = at(grain.number);
-         if (grain.simulation.system.dimension == 2) return state.angle[i];
-         const double sine = std::hypot(state.turn_x[i], state.turn_y[i], state.turn_z[i]);
-         return 2 * std::atan2(sine, std::abs(state.turn_w[i]));
-       }},
-      {"driven", "", "whether a boundary drives it",
-       [](const One& grain) { return !grain.simulation.system.free(grain.number); }},
-      {"subdomain", "1", "lowest subdomain that holds it; -1 without a contact",
-       [](const One& grain) { return grain.subdomains.empty() ? -1 : *grain.subdomains.begin(); }},
-      {"multiplicity", "1", "subdomains that hold it", [](const One& grain) { return grain.subdomains.size(); }}};
-  static const ResultColumns<One> plane = in_dimension(space, 2);
-  return dimension == 2 ? plane : space;
+  return joined<One>(
+      {{{"case", "", "name of the case", [](const One& grain) { return grain.name; }},
+        {"step", "1", "steps done", [](const One& grain) { return grain.simulation.state.step; }},
+        {"disk", "1", "number of the disk or sphere, grains first", &One::number}},
+       vector_columns<One>(
+           dimension, "{}", "m", "centre",
+           [](const One& grain, Index k) { return coordinate(grain.simulation.state, grain.number, k); }),
+       {{"radius", "m", "radius", [](const One& grain) { return grain.simulation.system.radius[at(grain.number)]; }},
+        {"angle", "rad", "angle turned by, in space from 0 to pi about some axis",
+         [](const One& grain) {
+           const GranularState& state = grain.simulation.state;
+           const std::size_t i = at(grain.number);
+           if (grain.simulation.system.dimension == 2) return state.angle[i];
+           const double sine = std::hypot(state.turn_x[i], state.turn_y[i], state.turn_z[i]);
+           return 2 * std::atan2(sine, std::abs(state.turn_w[i]));
+         }},
+        {"driven", "", "whether a boundary drives it",
+         [](const One& grain) { return !grain.simulation.system.free(grain.number); }},
+        {"subdomain", "1", "lowest subdomain that holds it; -1 without a contact",
+         [](const One& grain) { return grain.subdomains.empty() ? -1 : *grain.subdomains.begin(); }},
+        {"multiplicity", "1", "subdomains that hold it", [](const One& grain) { return grain.subdomains.size(); }}}});
 }
 
 Index placed_grains(const ObservedCase& work, Index steps, const Sink<PlacedGrain>& sink) {
@@ -97,27 +91,25 @@ struct ChainContact {
   Index subdomain;
 };
 
-const ResultColumns<ChainContact>& chain_columns(Index dimension) {
+ResultColumns<ChainContact> chain_columns(Index dimension) {
   using Link = ChainContact;
-  const auto of = [](std::array<double, 3> Link::*end, std::size_t k) {
-    return [=](const Link& c) { return (c.*end)[k]; };
+  const auto ends = [=](const char* name, const char* description, std::array<double, 3> Link::*end) {
+    return vector_columns<Link>(dimension, name, "m", description,
+                                [=](const Link& c, Index k) { return (c.*end)[at(k)]; });
   };
-  static const ResultColumns<Link> space{
-      {"case", "", "name of the case", [](const Link& c) { return c.name; }},
-      {"step", "1", "steps done before the one whose impulses these are", &Link::steps},
-      {"x_a", "m", "centre of one grain", of(&Link::first, 0)},
-      {"y_a", "m", "centre of one grain", of(&Link::first, 1)},
-      {"z_a", "m", "centre of one grain", of(&Link::first, 2)},
-      {"x_b", "m", "centre of the other, or foot on a wall", of(&Link::second, 0)},
-      {"y_b", "m", "centre of the other, or foot on a wall", of(&Link::second, 1)},
-      {"z_b", "m", "centre of the other, or foot on a wall", of(&Link::second, 2)},
-      {"impulse_n", "N s", "normal impulse", &Link::impulse_n},
-      {"impulse_t", "N s", "tangential impulse; in space its magnitude", &Link::impulse_t},
-      {"status", "", "stick, slide_forward or slide_backward; in space stick or slide", &Link::status},
-      {"subdomain", "1", "subdomain of the contact", &Link::subdomain}};
-  static const ResultColumns<Link> plane = in_dimension(space, 2);
-  return dimension == 2 ? plane : space;
+  return joined<Link>(
+      {{{"case", "", "name of the case", [](const Link& c) { return c.name; }},
+        {"step", "1", "steps done before the one whose impulses these are", &Link::steps}},
+       ends("{}_a", "centre of one grain", &Link::first),
+       ends("{}_b", "centre of the other, or foot on a wall", &Link::second),
+       {{"impulse_n", "N s", "normal impulse", &Link::impulse_n},
+        {"impulse_t", "N s", "tangential impulse; in space its magnitude", &Link::impulse_t},
+        {"status", "", "stick, slide_forward or slide_backward; in space stick or slide", &Link::status},
+        {"subdomain", "1", "subdomain of the contact", &Link::subdomain}}});
 }
+
+double tangential(const LocalVector<2>& impulse) { return impulse.t; }
+double tangential(const LocalVector<3>& impulse) { return norm(impulse.t); }
 
 template <int D>
 void chains_in(const ObservedCase& work, const Simulation& simulation, const Sink<ChainContact>& sink) {
@@ -128,19 +120,9 @@ void chains_in(const ObservedCase& work, const Simulation& simulation, const Sin
     const auto& place = step.problem.geometry[k];
     if (c.impulse.n == 0 && norm(c.impulse.t) == 0) continue;
     const bool wall = place.b >= simulation.system.grains();
-    ChainContact link{work.one.spec.name,
-                      state.step,
-                      centre_of(state, at(place.a)),
-                      wall ? place.point : centre_of(state, at(place.b)),
-                      c.impulse.n,
-                      0,
-                      status_of(step.problem.law, c),
-                      step.partition.subdomain_of_contact[k]};
-    if constexpr (D == 2)
-      link.impulse_t = c.impulse.t;
-    else
-      link.impulse_t = norm(c.impulse.t);
-    sink(link);
+    sink({work.one.spec.name, state.step, centre_of(state, at(place.a)),
+          wall ? place.point : centre_of(state, at(place.b)), c.impulse.n, tangential(c.impulse),
+          status_of(step.problem.law, c), step.partition.subdomain_of_contact[k]});
   }
 }
 
@@ -237,53 +219,6 @@ Index whole_run(const ObservedCase& work, Index steps, const Sink<WholeRun>& sin
   return 0;
 }
 
-// Predicted beside observed rate of a step.
-struct ComparedStep {
-  SolvedCase solver;
-  Index step = 0;  // from 1
-  PredictedObserved rates;
-
-  bool known() const { return rates.converged && !std::isnan(rates.observed); }
-};
-
-const ResultColumns<ComparedStep>& rate_columns() {
-  using Rates = PredictedObserved;
-  static const ResultColumns<Rates> rates{
-      {"active", "1", "contacts with an impulse at the statuses compared", &Rates::active},
-      {"stick", "1", "of them sticking", &Rates::stick},
-      {"slide", "1", "of them sliding", &Rates::slide},
-      {"predicted", "1", "spectral radius of the frozen iteration with n_GS sweeps", &Rates::predicted},
-      {"predicted_exact", "1", "the same with an exact Stage 1; nan for large packings", &Rates::predicted_exact},
-      {"complex_pair", "", "whether the dominant eigenvalue is one of a complex pair", &Rates::complex_pair},
-      {"observed", "1",
-       "rate fitted to the run; nan where no stretch of fixed statuses falls or grows enough, at one rate",
-       &Rates::observed},
-      {"observed_error", "1", "standard error of the fit, and what the rate drifts by along it",
-       &Rates::observed_error},
-      {"relative_gap", "1", "|observed - predicted| / |1 - predicted|", &Rates::relative_gap},
-      {"agree", "", "whether that is at most 1 %, or the rates differ by at most three errors of the fit",
-       &Rates::agree},
-      {"rate_z", "1", "rate fitted to Z itself over the same iterations", &Rates::rate_z},
-      {"first_iteration", "1", "first iteration fitted", &Rates::first},
-      {"last_iteration", "1", "last iteration fitted", &Rates::last},
-      {"iterations", "1", "iterations run", [](const Rates& r) { return r.report.last.iteration; }},
-      {"status", "", "how the run ended", [](const Rates& r) { return r.report.status; }}};
-  static const auto columns = joined<ComparedStep>(
-      {columns_of(&ComparedStep::solver, solver_columns()),
-       {{"step", "1", "step examined, from 1", &ComparedStep::step}},
-       columns_of(&ComparedStep::rates, rates),
-       {{"converged", "", "whether prediction and observation are both known", &ComparedStep::known}}});
-  return columns;
-}
-
-Index compared_rates(const ObservedCase& work, Index step, const Sink<ComparedStep>& sink) {
-  const Simulation simulation = simulation_at(work, step - 1);
-  const PredictedObserved rates = predicted_observed(simulation);
-  const ComparedStep result{{work.one.spec.name, simulation, rates.report}, step, rates};
-  sink(result);
-  return Index{!result.known()};
-}
-
 }  // namespace
 
 constinit const Observable observables::configuration = at_steps<grain_columns, placed_grains>(
@@ -306,13 +241,6 @@ constinit const Observable observables::solver_indicators = at_steps<solver_indi
        if (!is_contact_solver(spec.dynamics->solver.algorithm))
          fail("solver.algorithm: expected a contact solver, met {}", to_string(spec.dynamics->solver.algorithm));
      }});
-
-constinit const Observable observables::predicted_observed = at_steps<rate_columns, compared_rates>(
-    {.name = "predicted_observed",
-     .summary = "rate of a step with friction, predicted at its frozen statuses and observed",
-     .rows = row_per_step,
-     .known = known_step,
-     .check = [](const CaseSpec& spec) { require_comparable(*spec.dynamics, spec.partition); }});
 
 constinit const Observable observables::runs = at_steps<run_columns, whole_run>(
     {.name = "runs",

@@ -10,7 +10,7 @@ namespace nscdd {
 
 /// `columns()`, or `columns(dimension)` of the cases of a table.
 template <auto columns>
-const auto& columns_of_table(const StudyTable& table) {
+auto columns_of_table(const StudyTable& table) {
   if constexpr (std::invocable<decltype(columns), Index>)
     return columns(dimension_of(table));
   else
@@ -41,7 +41,8 @@ constexpr Observable at_steps(Observable record) {
 
 /// The case of a table after some steps.
 inline Simulation simulation_at(const ObservedCase& work, Index steps) {
-  return work.lead_in.at(work.one, steps, work.table.lead_in).simulation;
+  const bool own = work.table.observable->own_solver;
+  return work.lead_in.at(work.one, steps, own ? LeadInSolver::own : work.table.lead_in).simulation;
 }
 
 /// A case with its solver, as these tables tell of it.
@@ -60,5 +61,33 @@ const ResultColumns<SolvedCase>& solver_columns();
 /// One row for each of the steps of a table, and what is known of it.
 Index row_per_step(const StudyTable& table);
 KnownCells known_step(const StudyTable& table, Index row);
+
+/// A step of a case, and what is found out about it: a `report` of the step, and whether the rest is `known()`.
+template <class Result>
+struct ExaminedStep {
+  SolvedCase solver;
+  Index step = 0;  ///< from 1
+  Result found;
+};
+
+/// The record of an observable with a row for each step that `examine(simulation)` examines, the next one of the
+/// simulation; `columns()` are those of its result.
+template <auto columns, auto examine>
+constexpr Observable examined_steps(Observable record) {
+  using Step = ExaminedStep<decltype(examine(std::declval<const Simulation&>()))>;
+  record.rows = row_per_step;
+  record.known = known_step;
+  return at_steps<[] {
+    return joined<Step>({columns_of(&Step::solver, solver_columns()),
+                         {{"step", "1", "step examined, from 1", &Step::step}},
+                         columns_of(&Step::found, columns())});
+  },
+                  [](const ObservedCase& work, Index number, const Sink<Step>& sink) {
+                    const Simulation simulation = simulation_at(work, number - 1);
+                    const auto found = examine(simulation);
+                    sink({{work.one.spec.name, simulation, found.report}, number, found});
+                    return Index{!found.known()};
+                  }>(record);
+}
 
 }  // namespace nscdd

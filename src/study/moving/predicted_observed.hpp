@@ -24,22 +24,16 @@ struct PredictedObserved {
   double rate_z = not_a_number;            ///< factor per iteration of Z itself over the stretch fitted
   Index first = 0, last = 0;               ///< iterations of the stretch fitted
 
+  bool known() const { return converged && !std::isnan(observed); }  ///< prediction and observation both
   double relative_gap() const { return nscdd::relative_gap(observed, predicted); }
   bool agree() const { return rates_agree(observed, predicted, observed_error); }
 };
 
-/// Compares the rate of one step with the local theory, as follows.
-/// 1. Run the iterations of the next step of a simulation to their end.
-/// 2. Look for the stretch of iterations without a change of status in which the corrections of F_Gamma fell
-///    most, or grew most. (With friction a frozen map may be unstable. The run then leaves these statuses at
-///    the rate of its radius, above 1.)
-/// 3. Between changes of status the run is the frozen linear iteration. The corrections F_i - F_{i-1} tend to
-///    a constant drift at a rate that is the subdominant radius. (The drift consists of impulses that the
-///    networks carry either way; it is zero where there are none.) So the rate is fitted to
-///    |F_i - 2 F_{i-1} + F_{i-2}| over the last half of the stretch.
-/// 4. Compare it with the radius of the frozen iteration at the statuses of that stretch; in space, where directions of
-///    sliding turn on the way, with the derivative at its last iteration.
-/// Throws Error as require_comparable.
+/// Runs the iterations of the next step of a simulation to their end, and compares their rate with the local theory
+/// (docs/theory.md, section 9). The rate is fitted to |F_i - 2 F_{i-1} + F_{i-2}| over the last half of that stretch of
+/// iterations without a change of status in which it fell most, or grew most: with friction a frozen map may be
+/// unstable, and the run then leaves these statuses. The prediction is of the statuses of the stretch; in space, where
+/// directions of sliding turn on the way, of its last iteration. Throws Error as require_comparable.
 PredictedObserved predicted_observed(const Simulation& simulation);
 
 /// Grains up to which the rate with an exact Stage 1 is worth its dense factorisations.

@@ -227,15 +227,9 @@ RateAtSolution rate_at_solution(const Simulation& simulation) {
 
 namespace {
 
-struct SolvedRate {
-  SolvedCase solver;
-  Index step = 0;  // from 1
-  RateAtSolution rate;
-};
-
-const ResultColumns<SolvedRate>& solved_rate_columns() {
+const ResultColumns<RateAtSolution>& solved_rate_columns() {
   using At = RateAtSolution;
-  static const ResultColumns<At> rates{
+  static const ResultColumns<At> columns{
       {"natural_map", "1", "|natural map| / max(|r|, |r^1|) of the solution",
        [](const At& r) { return r.report.residual.relative_natural_map(); }},
       {"drift", "1", "|V_1 - V| / |V| of one iteration from the solution", &At::drift},
@@ -257,26 +251,14 @@ const ResultColumns<SolvedRate>& solved_rate_columns() {
       {"iterations", "1", "iterations run", &At::iterations},
       {"changed", "1", "of them those in which a contact had another status than in the solution", &At::changed},
       {"converged", "", "whether solution, prediction and observation are known", &At::converged}};
-  static const auto columns = joined<SolvedRate>({columns_of(&SolvedRate::solver, solver_columns()),
-                                                  {{"step", "1", "step examined, from 1", &SolvedRate::step}},
-                                                  columns_of(&SolvedRate::rate, rates)});
   return columns;
-}
-
-Index rates_at_solution(const ObservedCase& work, Index step, const Sink<SolvedRate>& sink) {
-  const Simulation simulation = simulation_at(work, step - 1);
-  const RateAtSolution rate = rate_at_solution(simulation);
-  sink({{work.one.spec.name, simulation, rate.report}, step, rate});
-  return Index{!rate.converged};
 }
 
 }  // namespace
 
-constinit const Observable observables::rate_at_solution = at_steps<solved_rate_columns, rates_at_solution>(
+constinit const Observable observables::rate_at_solution = examined_steps<solved_rate_columns, nscdd::rate_at_solution>(
     {.name = "rate_at_solution",
      .summary = "rate of Algorithm 1 next to the solution of a step with friction, predicted and observed",
-     .rows = row_per_step,
-     .known = known_step,
      .check = [](const CaseSpec& spec) { require_comparable(*spec.dynamics, spec.partition); }});
 
 }  // namespace nscdd

@@ -20,22 +20,20 @@ struct RateAtSolution {
   Index modes = 0;                         ///< that the observation tells apart, 1 or 2
   Index iterations = 0, changed = 0;       ///< run; of them those in which a contact had another status
   bool converged = false;                  ///< solution and prediction are, and `observed` is known
+
+  bool known() const { return converged; }
 };
 
 /// Finds the solution of the next step, and how fast Algorithm 1 comes back to it or, where its frozen map is unstable,
-/// leaves it.
+/// leaves it (docs/theory.md, section 9).
 /// 1. Solve the contact problem of the whole packing by `auto` to rounding; a natural map above 1e-10 is no solution.
-/// 2. Cut it: F_Gamma = X^-1 sum_E A_E V_E(F = 0) gives all copies of a grain its velocity. Then z = (r, F) is a fixed
-///    point of Algorithm 1, generic or enriched, with any n_GS.
+/// 2. Cut it, see restart_at: z = (r, F) is a fixed point of Algorithm 1, generic or enriched, with any n_GS.
 /// 3. Perturb F by 1e-6 |F| in a random direction and run `maximum_iterations` of the algorithm, in a hundred parts.
 ///    Each begins at z + d, and d is what the last one left, scaled to a fixed size of the velocities. (What the
 ///    same iterations make of z itself is taken off.) As long as no status changes this is one long run, with no
 ///    end in rounding.
 /// 4. The rate is that of the sizes over the last tenth; or that of two modes, which may be a pair, if the errors of
 ///    three tenths follow e_2 = a e_1 + b e_0. The one is taken that has changed less since the tenth before.
-/// In the plane the iteration is linear as long as no status changes (`changed`). In space it is so in the limit of
-/// small errors alone, because directions of sliding turn, which changes no status. Errors of 1e-7 of the velocities
-/// left 1e-5 of 1 - rho between prediction and observation on beds of spheres.
 /// Throws Error as require_comparable and prepare_solution.
 RateAtSolution rate_at_solution(const Simulation& simulation);
 

@@ -7,12 +7,13 @@ namespace {
 
 // A step of a run that switches models, beside the same step, from the same state, without.
 struct SwitchedStep {
-  SolvedCase solver;
+  SwitchedModel kind = SwitchedModel::none;
   StepReport report, plain;
   std::vector<RememberedModel> models;
   double share = 0, share_at_end = 0;  // of the contacts in switched subdomains, in the mean over the iterations
   double velocity_error = 0, impulse_error = 0;
 
+  bool known() const { return true; }
   Index switch_backs() const;
   double largest(double RememberedModel::*distance) const;
 };
@@ -69,40 +70,37 @@ double impulse_error(const GranularStep<D>& switched, const GranularStep<D>& pla
 
 const ResultColumns<SwitchedStep>& switching_columns() {
   using Step = SwitchedStep;
-  static const auto columns = joined<Step>(
-      {columns_of(&Step::solver, solver_columns()),
-       {{"step", "1", "step examined, from 1", [](const Step& s) { return s.report.step; }},
-        {"switch", "", "model of switched subdomains",
-         [](const Step& s) { return to_string(s.solver.solver().model); }},
-        {"subdomains", "1", "of the partition", [](const Step& s) { return s.models.size(); }},
-        {"share", "1", "part of the contacts in switched subdomains, in the mean over the iterations", &Step::share},
-        {"share_at_end", "1", "the same in the last iteration", &Step::share_at_end},
-        {"switch_backs", "1", "of all subdomains in the step", &Step::switch_backs},
-        {"velocity_distance", "m/s", "largest distance of a switched subdomain from the law, on its interface",
-         [](const Step& s) { return s.largest(&RememberedModel::velocity_distance); }},
-        {"impulse_distance", "1", "the same in impulses, relative to those of the interface",
-         [](const Step& s) { return s.largest(&RememberedModel::impulse_distance); }},
-        {"iterations", "1", "of the step", [](const Step& s) { return s.report.last.iteration; }},
-        {"iterations_plain", "1", "of the same step without switching",
-         [](const Step& s) { return s.plain.last.iteration; }},
-        {"natural_map", "1", "|natural map| / max(|r|, |r^1|)",
-         [](const Step& s) { return s.report.residual.relative_natural_map(); }},
-        {"natural_map_plain", "1", "the same without switching",
-         [](const Step& s) { return s.plain.residual.relative_natural_map(); }},
-        {"velocity_error", "1", "|V - V'| / max(|V'|, |V_free|), V' without switching", &Step::velocity_error},
-        {"impulse_error", "1", "|F - F'| / |F'| of the interface, F' without switching", &Step::impulse_error},
-        {"seconds", "s", "of the iterations", [](const Step& s) { return s.report.solve_seconds; }},
-        {"seconds_plain", "s", "of the iterations without switching",
-         [](const Step& s) { return s.plain.solve_seconds; }}}});
+  static const ResultColumns<Step> columns{
+      {"switch", "", "model of switched subdomains", &Step::kind},
+      {"subdomains", "1", "of the partition", [](const Step& s) { return s.models.size(); }},
+      {"share", "1", "part of the contacts in switched subdomains, in the mean over the iterations", &Step::share},
+      {"share_at_end", "1", "the same in the last iteration", &Step::share_at_end},
+      {"switch_backs", "1", "of all subdomains in the step", &Step::switch_backs},
+      {"velocity_distance", "m/s", "largest distance of a switched subdomain from the law, on its interface",
+       [](const Step& s) { return s.largest(&RememberedModel::velocity_distance); }},
+      {"impulse_distance", "1", "the same in impulses, relative to those of the interface",
+       [](const Step& s) { return s.largest(&RememberedModel::impulse_distance); }},
+      {"iterations", "1", "of the step", [](const Step& s) { return s.report.last.iteration; }},
+      {"iterations_plain", "1", "of the same step without switching",
+       [](const Step& s) { return s.plain.last.iteration; }},
+      {"natural_map", "1", "|natural map| / max(|r|, |r^1|)",
+       [](const Step& s) { return s.report.residual.relative_natural_map(); }},
+      {"natural_map_plain", "1", "the same without switching",
+       [](const Step& s) { return s.plain.residual.relative_natural_map(); }},
+      {"velocity_error", "1", "|V - V'| / max(|V'|, |V_free|), V' without switching", &Step::velocity_error},
+      {"impulse_error", "1", "|F - F'| / |F'| of the interface, F' without switching", &Step::impulse_error},
+      {"seconds", "s", "of the iterations", [](const Step& s) { return s.report.solve_seconds; }},
+      {"seconds_plain", "s", "of the iterations without switching",
+       [](const Step& s) { return s.plain.solve_seconds; }}};
   return columns;
 }
 
 template <int D>
-SwitchedStep compared(const Simulation& simulation, const std::string& name) {
+SwitchedStep compared(const Simulation& simulation) {
   Simulation without = simulation;
   without.dynamics.solver.model = SwitchedModel::none;
   const GranularStep<D> switched = solve_step<D>(simulation), plain = solve_step<D>(without);
-  return {.solver = {name, simulation, switched.report},
+  return {.kind = simulation.dynamics.solver.model,
           .report = switched.report,
           .plain = plain.report,
           .models = switched.models,
@@ -112,20 +110,15 @@ SwitchedStep compared(const Simulation& simulation, const std::string& name) {
           .impulse_error = impulse_error(switched, plain)};
 }
 
-Index switched_step(const ObservedCase& work, Index step, const Sink<SwitchedStep>& sink) {
-  const Simulation simulation = work.lead_in.at(work.one, step - 1, LeadInSolver::own).simulation;
-  sink(in_dimension(simulation.system,
-                    [&](auto dimension) { return compared<dimension()>(simulation, work.one.spec.name); }));
-  return 0;
+SwitchedStep switched_step(const Simulation& simulation) {
+  return in_dimension(simulation.system, [&](auto dimension) { return compared<dimension()>(simulation); });
 }
 
 }  // namespace
 
-constinit const Observable observables::switching = at_steps<switching_columns, switched_step>(
+constinit const Observable observables::switching = examined_steps<switching_columns, switched_step>(
     {.name = "switching",
      .summary = "steps of a run that switches models, beside the same steps without",
-     .rows = row_per_step,
-     .known = known_step,
      .own_solver = true,
      .check = [](const CaseSpec& spec) {
        if (!switches_models(*spec.dynamics))
