@@ -41,7 +41,11 @@ ResultColumns<OptimumResult> optimum_columns(bool relative) {
 
 Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink, const Monitor& monitor,
              Index first) {
-  const Selection selection = select(model, sweep.contacts);
+  return optima(model, select(model, sweep.contacts), sweep, sink, monitor, first);
+}
+
+Index optima(const Model& model, const Selection& selection, const SweepParameters& sweep,
+             const Sink<OptimumResult>& sink, const Monitor& monitor, Index first) {
   const double scale = flexibility_scale(model);
   Index failed = 0;
   const Index total = count(sweep.epsilon);

@@ -25,5 +25,8 @@ ResultColumns<OptimumResult> optimum_columns(bool relative);
 /// set is asked for and nothing is prescribed.
 Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink,
              const Monitor& monitor = {}, Index first = 0);
+/// The same with a choice of contacts that was made before.
+Index optima(const Model& model, const Selection& selection, const SweepParameters& sweep,
+             const Sink<OptimumResult>& sink, const Monitor& monitor = {}, Index first = 0);
 
 }  // namespace nscdd

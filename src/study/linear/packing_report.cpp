@@ -49,72 +49,41 @@ Index copies_of(const Interface& interface) {
   return copies;
 }
 
-// One set of contacts at work.
-class GridWork {
- public:
-  GridWork(const Model& model, const PackingReportParameters& parameters, RadiusGrid& grid, const ModePlaces& places)
-      : model_(model),
-        grid_(grid),
-        places_(places),
-        sweep_(parameters.sweep),
-        optima_(parameters.optima),
-        selection_(select(model, grid.contacts, grid.choice)),
-        answers_(selection_.stage_one(model)) {
-    sweep_.contacts = grid.contacts;
-    grid.modes_asked = count(places.rows) * count(places.columns);
-  }
+// The slowest mode at a point of the grid, if there is one.
+void keep_mode(RadiusGrid& grid, Index row, Index column, const SweepResult& result, const Decomposition& stage_one,
+               StageOneAnswers& answers) {
+  const SpectralRadius& radius = result.radius;
+  const SpectrumSide side = slowest_side(radius);
+  const bool low = side == SpectrumSide::low;
+  const Vector& f = low ? radius.mode_min : radius.mode_max;
+  if (f.size() == 0 || f.isZero(0) || !radius.converged) return;
+  const auto velocities = answers.velocities(result.point.epsilon, mode_sign(f) * f);
+  grid.modes.push_back({row, column, side, low ? radius.subdominant_min : radius.subdominant_max,
+                        relative_velocities(stage_one.interface, velocities, stage_one.dofs_per_grain())});
+}
 
-  void run(Progress& progress) {
-    const Sink<SweepResult> sink = [&](const SweepResult& result) { take(result); };
-    sweep(model_, selection_, sweep_, sink, [&](Index, Index) { return progress.advance(); });
-    if (optima_ && !progress.stopped) find_optima(progress);
-  }
-
- private:
-  void take(const SweepResult& result) {
-    const Index row = count(grid_.points) / count(sweep_.eta), column = count(grid_.points) % count(sweep_.eta);
-    grid_.points.push_back(result);
-    SpectralRadius& radius = grid_.points.back().radius;
+void fill(RadiusGrid& grid, const Model& model, const PackingReportParameters& parameters, const ModePlaces& places,
+          Progress& progress) {
+  const Selection selection = select(model, grid.contacts, grid.choice);
+  const Decomposition& stage_one = selection.stage_one(model);
+  StageOneAnswers answers(stage_one);
+  SweepParameters asked = parameters.sweep;
+  asked.contacts = grid.contacts;
+  grid.modes_asked = count(places.rows) * count(places.columns);
+  const auto take = [&](const SweepResult& result) {
+    const Index row = count(grid.points) / count(asked.eta), column = count(grid.points) % count(asked.eta);
+    grid.points.push_back(result);
+    SpectralRadius& radius = grid.points.back().radius;
     radius.mode_min = radius.mode_max = {};
-    if (places_.hold(row, column)) keep_mode(row, column, result);
-  }
-
-  void keep_mode(Index row, Index column, const SweepResult& result) {
-    const SpectralRadius& radius = result.radius;
-    const SpectrumSide side = slowest_side(radius);
-    const bool low = side == SpectrumSide::low;
-    const Vector& f = low ? radius.mode_min : radius.mode_max;
-    if (f.size() == 0 || f.isZero(0) || !radius.converged) return;
-    const auto velocities = answers_.velocities(result.point.epsilon, mode_sign(f) * f);
-    grid_.modes.push_back(
-        {row, column, side, low ? radius.subdominant_min : radius.subdominant_max,
-         relative_velocities(selection_.stage_one(model_).interface, velocities, model_.problem.dimension)});
-  }
-
-  void find_optima(Progress& progress) {
-    const double scale = flexibility_scale(model_);
-    SpectralOptions options = sweep_.spectral;
-    options.certify = false;  // as in a table of optima
-    for (const double asked : sweep_.epsilon) {
-      const double epsilon = sweep_.relative_epsilon ? asked * scale : asked;
-      OptimumResult found{selection_.of_case, epsilon,
-                          optimum(model_.parts, selection_.stage_one(model_), epsilon, options), epsilon / scale,
-                          scale};
-      if (!selection_.certain && found.best.status != OptimumStatus::no_interface)
-        found.best.status = OptimumStatus::not_converged;
-      grid_.best.push_back(found);
-      if (!progress.advance()) return;
-    }
-  }
-
-  const Model& model_;
-  RadiusGrid& grid_;
-  const ModePlaces& places_;
-  SweepParameters sweep_;
-  bool optima_;
-  Selection selection_;
-  StageOneAnswers answers_;
-};
+    if (places.hold(row, column)) keep_mode(grid, row, column, result, stage_one, answers);
+  };
+  const Monitor on = [&](Index, Index) { return progress.advance(); };
+  sweep(model, selection, asked, take, on);
+  if (!parameters.optima || progress.stopped) return;
+  asked.spectral.certify = false;  // as in a table of optima
+  optima(
+      model, selection, asked, [&](const OptimumResult& found) { grid.best.push_back(found); }, on);
+}
 
 std::vector<double> in_units(const std::vector<double>& values, bool relative, double scale) {
   std::vector<double> all;
@@ -167,7 +136,7 @@ std::optional<PackingReport> report_packing(const Model& model, const PackingRep
   const Index spectra = point_count(sweep), optima = parameters.optima ? count(sweep.epsilon) : 0;
   Progress progress{monitor, 0, sets * (spectra + optima)};
   for (RadiusGrid& grid : report.grids) {
-    GridWork(model, parameters, grid, places).run(progress);
+    fill(grid, model, parameters, places, progress);
     if (progress.stopped) return std::nullopt;
   }
   return report;
