@@ -59,8 +59,7 @@ std::string to_toml(const Dynamics& dynamics);
 /// interface, of a law or of random numbers have an effect only in runs that use these.
 bool has_effect(const Dynamics& dynamics, std::string_view path);
 
-/// Throws Error naming `where` if the parameter has no effect, and says which other value it goes with, and that the
-/// algorithm is the default if it was not stated.
+/// Throws Error naming `where` if the parameter has no effect, and says which other value it goes with.
 void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where,
                     bool algorithm_stated = true);
 

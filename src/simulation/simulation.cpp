@@ -76,7 +76,7 @@ void iterate(GranularStep<D>& step, GranularTwoStage<D>& iteration, const Simula
     const bool judged = watch.looks_at(k);
     if (look || judged) report.last = iteration.record();
     report.solve_seconds += seconds_since(start);
-    if (look || (judged && needs_residual(solver.criterion))) report.residual = iteration.residual();
+    if (look || (judged && watch.needs_residual())) report.residual = iteration.residual();
     if (judged) status = watch.judge(report.last, report.residual);
     if (sink.goes_on && !sink.goes_on()) {
       report.status = SolverStatus::given_up;

@@ -127,7 +127,8 @@ Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus
   return changes;
 }
 
-bool needs_residual(Criterion criterion) {
+bool IterationWatch::needs_residual() const {
+  const Criterion criterion = solver_.criterion;
   return criterion == Criterion::natural_map || criterion == Criterion::quad_dv ||
          criterion == Criterion::mean_dv_over_r;
 }

@@ -75,16 +75,15 @@ struct StepReport {
 };
 const ResultColumns<StepReport>& step_columns();  ///< of the group `summary` of a trajectory
 
-/// Whether a criterion of StepSolver needs the residual of the contact law at every iteration.
-bool needs_residual(Criterion criterion);
-
 /// Decides when the iterations of a step end.
 class IterationWatch {
  public:
   explicit IterationWatch(const StepSolver& solver);
   /// Whether it is to judge this iteration, from 1: every criterion_interval-th, and the last one allowed.
   bool looks_at(Index iteration) const;
-  /// How the iterations ended, or nothing if they go on. `residual` counts only if the criterion needs it.
+  /// Whether the criterion needs the residual of the contact law.
+  bool needs_residual() const;
+  /// How the iterations ended, or nothing if they go on. `residual` counts only if it is needed.
   std::optional<SolverStatus> judge(const IterationRecord& record, const ContactResidual& residual);
 
  private:

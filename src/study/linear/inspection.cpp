@@ -4,7 +4,6 @@
 #include "core/disjoint_sets.hpp"
 #include "ddm/rigid_motions.hpp"
 #include "packing/precision.hpp"
-#include "study/tables/dimension_columns.hpp"
 #include "study/tables/study.hpp"
 
 #include <fmt/format.h>

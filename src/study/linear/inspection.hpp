@@ -7,8 +7,7 @@
 
 namespace nscdd {
 
-/// Kinematics of one contact network, rank W = rank H. Rank and what follows from it are 0 if ranks were left
-/// out.
+/// Kinematics of one contact network, rank W = rank H; 0 where ranks were left out.
 struct NetworkDegrees {
   Index grains = 0;
   Index contacts = 0;        ///< links, columns of H: two or, in space, three of each contact with friction
@@ -38,8 +37,7 @@ struct Inspection {
   std::vector<SizeClass> sizes;              ///< ten classes of radii
 };
 
-/// Ranks are computed for networks of at most so many contacts. There they take seconds, and the time grows
-/// faster than the network.
+/// Ranks are computed for networks of at most so many contacts: there they take seconds.
 inline constexpr Index ranks_up_to_by_default = 100'000;
 
 /// A case that moves, with the overlaps that its simulation accepts where it says nothing of its own; other
@@ -58,7 +56,6 @@ std::vector<std::string> remarks_on(const Model& model, const Partitioner& parti
 Inspection inspect(const Model& model, Index ranks_up_to = ranks_up_to_by_default);
 
 /// A link of the contact network with the impulse behind a choice of contacts: what Figures 2-4 draw.
-/// Columns of this and the following tables are described in docs/formats.md.
 struct Link {
   const Model& model;
   const ContactChoice& choice;
@@ -72,8 +69,7 @@ struct Link {
 /// packing, in space centres and normals have a z.
 ResultColumns<Link> link_columns(ContactSet contacts = ContactSet::active, Index dimension = 2);
 
-/// All links in the order of the contacts. Returns the choice. Throws Error for a contact problem, of which
-/// no geometry is known.
+/// All links in the order of the contacts. Returns the choice. Throws Error for a contact problem.
 ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet contacts = ContactSet::active);
 
 /// A contact of a contact problem, of which no geometry is known: its bodies and its subdomain.

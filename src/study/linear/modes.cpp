@@ -2,8 +2,7 @@
 #include "study/linear/modes.hpp"
 
 #include "linalg/threads.hpp"
-#include "study/tables/dimension_columns.hpp"
-#include <nscdd/study/sweep.hpp>
+#include "study/tables/study.hpp"
 
 #include <map>
 

@@ -29,17 +29,15 @@ struct ModeParameters {
 /// algorithm started from F runs
 ///     Stage 1   (M_E + K_E / epsilon) V_E = - A_E^T F        ([ADI12] eqs. (9), (14) with F^d_E = 0)
 ///     Stage 2   F' = F + P^-1 sum_E A_E V_E = mu F
-/// so that the jumps are sum_E A_E V_E = - S F = - lambda P F, lambda = 1 - mu. With a relaxation omega, F moves omega
-/// times as far, and lambda = (1 - mu) / omega.
+/// so that the jumps are sum_E A_E V_E = - S F = - lambda P F, lambda = (1 - mu) / omega with a relaxation omega.
 /// F is normalised to F^T P F = 1 J, with its largest component positive (the first of those that equal it
 /// within 1e-6). If an eigenvalue is multiple, F is one vector of its eigenspace: see `next`.
 struct Mode {
   SpectralRadius spectrum;
   SpectrumSide side = SpectrumSide::high;  ///< `low` or `high`
   double eigenvalue = not_a_number;        ///< mu
-  /// The eigenvalue next to it, inwards. It is known if the solver is dense or was asked for two, else NaN.
-  double next = not_a_number;
-  double residual = not_a_number;  ///< omega ||S F - lambda P F||_{P^-1} of the vectors given here
+  double next = not_a_number;              ///< the eigenvalue next to it, inwards; NaN unless the solver finds two
+  double residual = not_a_number;          ///< omega ||S F - lambda P F||_{P^-1} of the vectors given here
   /// Whether this is a mode of the operator: `residual` is within the tolerance and the contacts are certain.
   /// `spectrum.converged` tells whether no other mode lies further out.
   bool converged = true;
@@ -65,8 +63,7 @@ SpectrumSide slowest_side(const SpectralRadius& spectrum);
 /// 1 or -1, which times F is positive in its largest component, as in Mode. F must not be zero.
 double mode_sign(const Vector& f);
 
-/// The velocities that Stage 1 answers interface impulses with, V_E = - (M_E + K_E / epsilon)^-1 A_E^T F, of many F:
-/// what does not depend on F is set up once for each epsilon, and what does not depend on epsilon either once for all.
+/// The velocities that Stage 1 answers interface impulses with, V_E = - (M_E + K_E / epsilon)^-1 A_E^T F, of many F.
 class StageOneAnswers {
  public:
   /// `parts` must outlive it.
@@ -101,11 +98,9 @@ std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, cons
 /// Over how many of the row blocks the mode spreads: (sum |s_k|)^2 / sum s_k^2, between 1 and their number.
 double spread(const Mode& mode);
 
-/// A mode as two tables, which plots/modes.py draws; columns are described in docs/formats.md. Without a mode
-/// (Mode::found) both are empty. `dimension`: of the packing, in space there are columns along z. Both throw Error for
-/// a contact problem, of which no geometry is known.
-
-/// A gluing row block of a mode: an interface impulse and the jump that it meets.
+/// A gluing row block of a mode: an interface impulse and the jump that it meets. This table and the next one are empty
+/// without a mode (Mode::found), and throw Error for a contact problem, of which no geometry is known. `dimension`: of
+/// the packing.
 struct ModeImpulse {
   const Model& model;
   const ModeParameters& parameters;

@@ -17,8 +17,7 @@ inline constexpr std::string_view uncertain_choice = "the impulses that choose t
 /// A radius of contacts whose choice is uncertain proves nothing: it counts as not converged.
 void withdraw_if_uncertain(SpectralRadius& radius, const Selection& selection);
 
-/// The selection for a choice of contacts that was made before, and the sweep of such a selection: for several works on
-/// one choice, which may take longer than they do. `parameters.contacts` is that of the selection.
+/// The selection for a choice of contacts that was made before, and its sweep. `parameters.contacts` is that of it.
 Selection select(const Model& model, ContactSet contacts, const ContactChoice& choice);
 Index sweep(const Model& model, const Selection& selection, const SweepParameters& parameters,
             const Sink<SweepResult>& sink, const Monitor& monitor = {}, Index first = 0);

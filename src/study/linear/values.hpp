@@ -18,8 +18,6 @@ std::vector<double> parse_values(std::string_view spec, std::string_view what);
 /// The values of a flexibility, and whether they are multiples of the scale W of the packing (see Flexibility)
 /// rather than 1/kg: they are where a W stands behind every item ("0.1W,1:10:5 W"); 0 and inf need none.
 using FlexibilityValues = std::pair<std::vector<double>, bool>;
-
-/// The same for each quantity of a sweep, with its bounds checked.
 FlexibilityValues parse_epsilon(std::string_view spec);  ///< finite, >= 0
 FlexibilityValues parse_eta(std::string_view spec);      ///< > 0, inf allowed
 /// The one value there is, in 1/kg; a relative one is that multiple of `scale`. Throws Error naming `option` where

@@ -2,7 +2,6 @@
 #include "study/moving/moving_tables.hpp"
 
 #include "core/fail.hpp"
-#include "study/tables/dimension_columns.hpp"
 
 #include <set>
 

@@ -100,7 +100,7 @@ PredictedObserved compare_rates(const Simulation& simulation) {
     stretches.record(step.iteration);
     result.report.last = record;
     if (!watch.looks_at(record.iteration)) continue;
-    status = watch.judge(record, needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{});
+    status = watch.judge(record, watch.needs_residual() ? step.iteration.residual() : ContactResidual{});
   }
   result.report.status = *status;
   const Stretch<D> best = stretches.best();

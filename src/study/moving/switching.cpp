@@ -14,21 +14,17 @@ struct SwitchedStep {
   double velocity_error = 0, impulse_error = 0;
 
   bool known() const { return true; }
-  Index switch_backs() const;
-  double largest(double RememberedModel::*distance) const;
+  Index switch_backs() const {
+    Index sum = 0;
+    for (const RememberedModel& model : models) sum += model.switch_backs;
+    return sum;
+  }
+  double largest(double RememberedModel::*distance) const {
+    double result = 0;
+    for (const RememberedModel& model : models) result = std::max(result, model.*distance);
+    return result;
+  }
 };
-
-Index SwitchedStep::switch_backs() const {
-  Index sum = 0;
-  for (const RememberedModel& model : models) sum += model.switch_backs;
-  return sum;
-}
-
-double SwitchedStep::largest(double RememberedModel::*distance) const {
-  double result = 0;
-  for (const RememberedModel& model : models) result = std::max(result, model.*distance);
-  return result;
-}
 
 template <int D>
 double share_of(const GranularStep<D>& step, bool at_end) {

@@ -5,26 +5,24 @@
 #include "study/case/lead_in.hpp"
 #include <nscdd/study/sweep.hpp>
 
+#include <fmt/format.h>
+
 namespace nscdd {
 
 struct StudyTable;
 struct ObservedCase;
 
-/// Cells of a row that are known before it is computed, by column: the case, varied parameters and the
-/// coordinates of its point.
+/// Cells of a row that are known before it is computed, by column.
 using KnownCells = std::vector<std::pair<std::string, Cell>>;
 
-/// What a table of a study measures: a file with its results, their columns and its record, and one word
-/// among the `observables`.
+/// What a table of a study measures.
 struct Observable {
-  std::string_view name, summary;  ///< in study files and of `nscdd list`
-  /// The keys of a study file that it uses, apart from those that every observable uses.
-  std::array<std::string_view, 8> keys = {};
+  std::string_view name, summary;             ///< in study files and of `nscdd list`
+  std::array<std::string_view, 8> keys = {};  ///< of a study file, apart from those that every observable uses
   std::vector<Column> (*columns)(const StudyTable&) = nullptr;  ///< of its results, `case` the first
-  /// Computes the rows of one case from `first` on; returns how many did not converge.
-  Index (*run)(const ObservedCase&) = nullptr;
-  /// How many rows each case has, and what is known of one of them (counted within its case) but for the name
-  /// of the case. Null where the number is not known before the case is built.
+  Index (*run)(const ObservedCase&) = nullptr;  ///< computes the rows of a case; returns how many did not converge
+  /// How many rows each case has, and what is known of one of them (counted within its case). Null if the number is
+  /// not known before the case is built.
   Index (*rows)(const StudyTable&) = nullptr;
   KnownCells (*known)(const StudyTable&, Index row) = nullptr;
   bool moving = false;      ///< of cases that move
@@ -65,31 +63,27 @@ struct Variation {
   std::vector<std::string> values;
 };
 
-/// One table of a study: cases x variations x sweep, through one observable.
+/// One table of a study: cases x variations x sweep.
 struct StudyTable {
   std::string name;
   const Observable* observable = &observables::spectral_radius;
   std::vector<Case> cases;
-  /// Parameters that change at once, from one place of their lists (of equal lengths) to the next; for each
-  /// place there is every combination of `vary`.
+  /// Parameters that change at once; their lists have equal lengths.
   std::vector<Variation> vary_together;
-  std::vector<Variation> vary;  ///< every combination, the last one running fastest
+  std::vector<Variation> vary;  ///< every combination for each place of `vary_together`, the last one running fastest
   SweepParameters sweep;
   std::uint64_t seed = 1;
   std::vector<Index> steps{1};  ///< of a case that moves: the step examined (from 1), or steps done (from 0)
   LeadInSolver lead_in = LeadInSolver::plain;          ///< of a case that moves: how it gets there
   std::vector<std::string> contact_solvers = {"all"};  ///< by their names
   bool large = false;                                  ///< run only where large tables are asked for
-  bool baseline = true;  ///< whether the study keeps one (a picture of thousands of disks does not)
-  /// What a comparison with the baseline allows for, times max(1, |number|), and for single columns instead
-  /// of it (the place of a flat minimum is known less well than its value).
-  double check_tolerance = 1e-8;
-  std::map<std::string, double> column_tolerance;
-  bool check_relative = false;  ///< times |number| alone, for columns that fall over decades
+  bool baseline = true;           ///< whether the study keeps one (a picture of thousands of disks does not)
+  double check_tolerance = 1e-8;  ///< of a comparison with the baseline, times max(1, |number|)
+  std::map<std::string, double> column_tolerance;  ///< for single columns instead of it
+  bool check_relative = false;                     ///< times |number| alone, for columns that fall over decades
 };
 
-/// The work of an observable on one case of a table. The monitor counts the rows of the case, where their
-/// number is known.
+/// The work of an observable on one case of a table. The monitor counts rows, where their number is known.
 struct ObservedCase {
   const Case& one;
   const StudyTable& table;
@@ -106,8 +100,7 @@ struct Study {
   std::vector<StudyTable> tables;
 };
 
-/// Columns of a study table: those of its observable, with one column per varied parameter (those of
-/// `vary_together` first) after `case`.
+/// Columns of a table: those of its observable, with varied parameters after `case`.
 std::vector<Column> study_columns(const StudyTable& table);
 
 /// 2 in the plane, 3 in space. Throws Error if a table of grains or contacts has cases of both. It is 3 if no resolved
@@ -120,32 +113,43 @@ std::optional<Index> row_count(const StudyTable& table);
 /// What is known of a row (from 0). Nothing where the number of rows is not known.
 KnownCells known_cells(const StudyTable& table, Index row);
 
-/// The coordinates of a point of the sweep of a table, but for a relaxation that is the optimal one: what
-/// observables of sweeps know of a row.
+/// The coordinates of a point of the sweep of a table, but for an optimal relaxation.
 KnownCells known_of_point(const StudyTable& table, Index number);
 
-/// The cases of a table with every combination of its varied parameters, from 0, the combinations running
-/// fastest: the case and the cells of those parameters.
+/// The cases of a table with every combination of its varied parameters, from 0, the combinations running fastest.
 struct VariedCase {
   Case one;
-  Row cells;
+  Row cells;  ///< of the varied parameters
 };
 Index varied_case_count(const StudyTable& table);
 VariedCase varied_case(const StudyTable& table, Index number);
 
-/// Rows of a study table from row `first` on, as they come; returns how many of them did not converge. No
-/// case is built whose rows are all known. Throws Error naming the case where one cannot be built, and for
-/// `first` > 0 where the number of rows is not known beforehand. The monitor counts rows (cases where the
-/// number of rows is not known). Tables that look at the same cases on the way may share the `lead_in`.
+/// Computes the rows of a table from `first` on; returns how many did not converge. Throws Error naming a case that
+/// cannot be built, and for `first` > 0 if the number of rows is not known beforehand. The monitor counts rows, or
+/// cases if that number is not known. Tables that look at the same cases on the way may share the `lead_in`.
 Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {}, Index first = 0,
                 LeadIn* lead_in = nullptr);
 
 /// The program, its build and the libraries: what numbers depend on beside their input.
 std::string code_identity();
 
-/// What the rows of a table of a study come from, and the table as a resumable file takes it. `table` must
-/// outlive the latter.
+/// What the rows of a table come from, and the table as a resumable file takes it; `table` must outlive the latter.
 WorkIdentity work_identity(const StudyTable& table);
 TableWork table_work(const StudyTable& table);
+
+/// The columns of a vector, one along x, one along y and in space one along z: `name` has {} for the direction, and
+/// component(result, k) is the k-th number.
+template <class Result, class Component>
+ResultColumns<Result> vector_columns(Index dimension, std::string_view name, const std::string& unit,
+                                     const std::string& description, Component component) {
+  ResultColumns<Result> columns;
+  for (Index k = 0; k < dimension; ++k)
+    columns.push_back({fmt::format(fmt::runtime(name), "xyz"[k]), unit, description,
+                       [component, k](const Result& result) { return component(result, k); }});
+  return columns;
+}
+
+/// The k-th coordinate of a grain of a packing or a state, m.
+double coordinate(const auto& of, Index grain, Index k) { return (k == 0 ? of.x : k == 1 ? of.y : of.z)[at(grain)]; }
 
 }  // namespace nscdd
