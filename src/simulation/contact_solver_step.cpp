@@ -127,11 +127,9 @@ LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularS
   return problem;
 }
 
-template <int D>
-ContactColours contact_colours(const Simulation& simulation, const StepProblem<D>& problem) {
+ContactColours contact_colours(const Simulation& simulation, const std::vector<StepContact>& contacts) {
   const auto ends_of = [](const StepContact& contact) { return std::pair(contact.a, contact.b); };
-  const auto& own = problem.geometry;  // ascending
-  ContactColours colours{std::vector<Index>(own.size()), 0};
+  ContactColours colours{std::vector<Index>(contacts.size()), 0};
   const GranularSystem& system = simulation.system;
   GreedyColours taken(system.grains());
   std::vector<Index> ends;
@@ -141,9 +139,9 @@ ContactColours contact_colours(const Simulation& simulation, const StepProblem<D
       if (end < system.grains() && system.free(end)) ends.push_back(end);
     const Index colour = taken.take_least(ends, ends);
     colours.number = std::max(colours.number, colour + 1);
-    const auto found = std::ranges::lower_bound(own, ends_of(contact), {}, ends_of);
-    if (found != own.end() && ends_of(*found) == ends_of(contact))
-      colours.of_contact[static_cast<std::size_t>(found - own.begin())] = colour;
+    const auto found = std::ranges::lower_bound(contacts, ends_of(contact), {}, ends_of);
+    if (found != contacts.end() && ends_of(*found) == ends_of(contact))
+      colours.of_contact[at(found - contacts.begin())] = colour;
   });
   return colours;
 }
@@ -166,8 +164,9 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   const StepSolver& solver = simulation.dynamics.solver;
   const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
   CutContacts<D> cut(linear_decomposition(simulation, step), cut_options(solver, stage_two_inertia(simulation)));
-  DividedContacts<D> divided(step.problem, step.partition, std::move(parts), contact_colours(simulation, step.problem),
-                             std::move(cut), admm ? Refinement::none : Refinement::one_step);
+  DividedContacts<D> divided(step.problem, step.partition, std::move(parts),
+                             contact_colours(simulation, step.problem.geometry), std::move(cut),
+                             admm ? Refinement::none : Refinement::one_step);
   const auto velocities = [&](const Vector& shifted) { return divided.velocities(shifted); };
   solve<D>(
       step, divided, start, velocities, [&] { return divided.work().iterations; }, simulation, sink);
@@ -181,8 +180,6 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
 }
 
 template LocalFrictionProblem contact_problem(const StepProblem<2>&, const GranularSystem&);
-template ContactColours contact_colours(const Simulation&, const StepProblem<2>&);
-template ContactColours contact_colours(const Simulation&, const StepProblem<3>&);
 template void solve_whole_contacts(GranularStep<2>&, const Simulation&, const IterationSink&);
 template void solve_divided_contacts(GranularStep<2>&, GranularDecomposition<2>, const Simulation&,
                                      const IterationSink&);

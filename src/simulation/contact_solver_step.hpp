@@ -12,11 +12,10 @@ namespace nscdd {
 template <int D>
 LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularSystem& system);
 
-/// Colours of the contacts of `problem`, the next step of a simulation or the share of this process. Greedy: in the
-/// order in which contacts are found, each takes the least colour that no earlier contact on its free grains has. Every
-/// process colours all contacts of the step, and finds the same colours.
-template <int D>
-ContactColours contact_colours(const Simulation& simulation, const StepProblem<D>& problem);
+/// Colours of contacts of the next step of a simulation, ascending by (a, b). Greedy: in the order in which contacts
+/// are found, each takes the least colour that no earlier contact on its free grains has. Every process colours all
+/// contacts of the step, and finds the same colours.
+ContactColours contact_colours(const Simulation& simulation, const std::vector<StepContact>& contacts);
 
 /// Solves a step that is not decomposed by a contact solver (see solve_friction) on its contact problem u = W r + q.
 /// The tolerance is on the natural map. `maximum_iterations` bounds the matrices factorised, and 100 times as many the

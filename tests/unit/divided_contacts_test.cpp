@@ -24,7 +24,7 @@ struct Divided {
   Divided(const Simulation& simulation, std::pair<GranularStep<D>, GranularDecomposition<D>> divided)
       : step(std::move(divided.first)),
         whole(contact_problem(step.problem, simulation.system)),
-        colours(contact_colours(simulation, step.problem)),
+        colours(contact_colours(simulation, step.problem.geometry)),
         contacts(step.problem, step.partition, std::move(divided.second), colours,
                  CutContacts<D>(linear_decomposition(simulation, step), {}), Refinement::one_step) {}
 

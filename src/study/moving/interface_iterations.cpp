@@ -194,10 +194,9 @@ constinit const Observable observables::interface_iterations = examined_steps<cu
      .summary =
          "outer steps and iterations at the interface of a step by the two-stage Newton method, with those predicted",
      .check = [](const CaseSpec& spec) {
-       using Expected = step_algorithms::TwoStageNewton;
-       if (const StepSolver& solver = spec.dynamics->solver; solver.algorithm != step_algorithm<Expected>)
-         throw Error("solver.algorithm",
-                     fmt::format("expected {}, met {}", Expected::name, to_string(solver.algorithm)));
+       if (const StepSolver& solver = spec.dynamics->solver; solver.algorithm != StepAlgorithm::two_stage_newton)
+         throw Error("solver.algorithm", fmt::format("expected {}, met {}", to_string(StepAlgorithm::two_stage_newton),
+                                                     to_string(solver.algorithm)));
      }});
 
 }  // namespace nscdd
