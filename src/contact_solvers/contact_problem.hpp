@@ -3,6 +3,7 @@
 
 #include "contact_solvers/contact_matrix.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
+#include <nscdd/core/processes.hpp>
 
 namespace nscdd {
 

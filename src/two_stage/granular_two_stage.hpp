@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/sum_of_parts.hpp"
 #include "two_stage/model_switch.hpp"
+#include <nscdd/core/processes.hpp>
 
 namespace nscdd {
 
