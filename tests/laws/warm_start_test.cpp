@@ -51,7 +51,7 @@ std::vector<std::string> rows_of(const Model& model, const SweepParameters& para
 }
 
 SweepParameters two_way_sweep() {
-  return {.epsilon = {1e-3, 1e-2, 0.1, 1, 10},
+  return {.epsilon = {1, 1e-3, 1e-2, 0.1, 1, 10},
           .eta = {0.02, 0.5, infinity},
           .relaxation = {1.0, std::nullopt},
           .spectral = shift_invert};
