@@ -20,7 +20,7 @@ std::vector<double> features(const Model& model) {
           static_cast<double>(model.partition.subdomains),
           static_cast<double>(model.parts.interface_size()),
           model.problem.inertia.norm(),
-          model.problem.h.norm(),
+          model.problem.contacts() == 0 ? 0.0 : model.problem.h.norm(),
           places};
 }
 
