@@ -48,8 +48,11 @@ std::vector<Given> given_parameters(const Options& options) {
     if (before != given.end()) fail("{}: expected {} once, met {} too", option, key, before->option);
     given.push_back({key, option});
   };
-  const bool metis = options.subdomains.starts_with("metis:");
-  if (!options.subdomains.empty()) add(metis ? "partition.metis" : "partition.grid", "--subdomains");
+  if (!options.subdomains.empty()) {
+    const auto name = [](const auto& partitioner) { return partitioner.name; };
+    const Partitioner partitioner = parse_partitioner(options.subdomains, "--subdomains");
+    add(fmt::format("partition.{}", std::visit(name, partitioner)), "--subdomains");
+  }
   for (const ParameterOption& one : options.parameters)
     if (one.value) add(one.key, one.option);
   for (const std::string& setting : options.settings) {

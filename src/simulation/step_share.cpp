@@ -17,7 +17,7 @@ constexpr auto ends_of = [](const auto& contact) { return std::pair(contact.a, c
 // wholly in others it may return any of these others. All processes take part. The simulation must outlive it.
 using SubdomainOfContact = std::function<Index(const StepContact&)>;
 
-// The step problem with normal directions alone: METIS needs only to know which contacts share a grain.
+// The step problem with normal directions alone: a graph needs only to know which contacts share a grain.
 template <int D>
 ReferenceProblem normal_problem(const StepProblem<D>& problem, Index grains) {
   ReferenceProblem result = reference_problem(problem, grains);
@@ -33,28 +33,30 @@ Index known_subdomain(const std::vector<RememberedSubdomain>& known, const StepC
   return found != known.end() && ends_of(*found) == ends_of(c) ? found->subdomain : -1;
 }
 
-// The cells of a grid, which is laid over the box of the centres of free grains where contacts are found.
-auto cells_of(const GridPartitioner& grid, const Simulation& simulation) {
+// The subdomain of a midpoint, by the centres of the free grains where contacts are found.
+template <class Geometric>
+auto subdomain_of_point(const Geometric& partitioner, const Simulation& simulation) {
   const TimeStepping& time = simulation.dynamics.time;
-  return cell_of_midpoint(
-      grid, free_grains(simulation.system, simulation.state, simulation.system.grains(), (1 - time.theta) * time.step));
+  return subdomain_of_midpoint(partitioner, free_grains(simulation.system, simulation.state, simulation.system.grains(),
+                                                        (1 - time.theta) * time.step));
 }
 
 SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
-  const GranularSystem& system = simulation.system;
-  if (const auto* grid = std::get_if<GridPartitioner>(&simulation.partitioner)) {
-    const auto cell = cells_of(*grid, simulation);
-    return [cell](const StepContact& c) { return cell(c.point); };
-  }
-  // METIS partitions the graph of all contacts.
-  return in_dimension(system, [&](auto dimension) -> SubdomainOfContact {
-    const auto problem = prepare_step<dimension()>(start_of(simulation), false);
-    const Partition of_contacts =
-        partition(std::get<MetisPartitioner>(simulation.partitioner), normal_problem(problem, system.grains()));
-    return [known = subdomains_to_remember(problem.geometry, of_contacts)](const StepContact& c) {
-      return known_subdomain(known, c);
-    };
-  });
+  const auto by = [&](const auto& partitioner) -> SubdomainOfContact {
+    if constexpr (std::decay_t<decltype(partitioner)>::needs_geometry)
+      return [subdomain = subdomain_of_point(partitioner, simulation)](const StepContact& c) {
+        return subdomain(c.point);
+      };
+    else
+      return in_dimension(simulation.system, [&](auto dimension) -> SubdomainOfContact {
+        const auto problem = prepare_step<dimension()>(start_of(simulation), false);
+        const Partition of_contacts = partition(partitioner, normal_problem(problem, simulation.system.grains()));
+        return [known = subdomains_to_remember(problem.geometry, of_contacts)](const StepContact& c) {
+          return known_subdomain(known, c);
+        };
+      });
+  };
+  return std::visit(by, simulation.partitioner);
 }
 
 // Known contacts stay in their subdomain. A new one goes to the subdomain of a known one that shares a free grain.
@@ -253,9 +255,11 @@ void check_next_step(const Simulation& simulation) {
   check_system(simulation, system.dimension);
   const StepStart start = start_of(simulation);
   check_overlaps(start, for_each_step_contact(start, [](const StepContact&) {}).deep);
-  const auto* grid = std::get_if<GridPartitioner>(&simulation.partitioner);
-  if (grid != nullptr && decomposes(dynamics.solver.algorithm) && decomposes_afresh(simulation, simulation.state.step))
-    cells_of(*grid, simulation);
+  if (!decomposes(dynamics.solver.algorithm) || !decomposes_afresh(simulation, simulation.state.step)) return;
+  const auto check_cells = [&](const auto& partitioner) {
+    if constexpr (std::decay_t<decltype(partitioner)>::needs_geometry) subdomain_of_point(partitioner, simulation);
+  };
+  std::visit(check_cells, simulation.partitioner);
 }
 
 bool decomposes_afresh(const Simulation& simulation, Index step) {

@@ -13,7 +13,7 @@ namespace nscdd {
 ///   key_form        how [partition] has that key
 ///   option_form     how --subdomains has it; `value_of_option` reads the value of the key from there
 ///   needs_geometry  whether it looks at centres and midpoints, or at the graph of contacts alone
-/// and functions `subdomains` and `partition`.
+/// and functions `subdomains`, `partition` and, where it needs geometry, `subdomain_of_midpoint`.
 using Partitioner = std::variant<GridPartitioner, MetisPartitioner>;
 
 /// Calls f with one of each, with its defaults.

@@ -49,8 +49,8 @@ Index subdomains(const GridPartitioner& partitioner) {
   return cells;
 }
 
-std::function<Index(const std::array<double, 3>&)> cell_of_midpoint(const GridPartitioner& partitioner,
-                                                                    const Packing& packing) {
+std::function<Index(const std::array<double, 3>&)> subdomain_of_midpoint(const GridPartitioner& partitioner,
+                                                                         const Packing& packing) {
   if (packing.size() == 0) return [](const auto&) { return Index{0}; };
   const Components<Index>& grid = partitioner.grid;
   if (subdomains(partitioner) > 1) require_components(grid, packing.dimension(), "partition.grid");
@@ -67,7 +67,7 @@ std::function<Index(const std::array<double, 3>&)> cell_of_midpoint(const GridPa
 
 Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network) {
   Partition result{.subdomains = subdomains(partitioner), .subdomain_of_contact = {}};
-  const auto cell_of = cell_of_midpoint(partitioner, packing);
+  const auto cell_of = subdomain_of_midpoint(partitioner, packing);
   for (const Contact& contact : network.contacts) result.subdomain_of_contact.push_back(cell_of(contact.midpoint));
   return result;
 }

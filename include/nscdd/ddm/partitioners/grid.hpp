@@ -42,7 +42,7 @@ Index subdomains(const GridPartitioner& partitioner);
 Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network);
 
 /// The subdomain of a contact by its midpoint, m, for a process without all contacts. Throws Error as `partition` does.
-std::function<Index(const std::array<double, 3>&)> cell_of_midpoint(const GridPartitioner& partitioner,
-                                                                    const Packing& packing);
+std::function<Index(const std::array<double, 3>&)> subdomain_of_midpoint(const GridPartitioner& partitioner,
+                                                                         const Packing& packing);
 
 }  // namespace nscdd
