@@ -14,8 +14,9 @@ namespace nscdd {
 
 /// The solvers by the places of FrictionAlgorithm.
 template <ContactProblem P>
-constexpr void (*contact_solvers[])(P&, SolverRun<P::dimension>&) = {automatic<P>, continuation<P>, newton<P>,
-                                                                     nlgs<P>,      admm<P>,         apgd<P>};
+constexpr auto contact_solvers = std::to_array<void (*)(P&, SolverRun<P::dimension>&)>({automatic<P>, continuation<P>,
+                                                                                        newton<P>, nlgs<P>, admm<P>,
+                                                                                        apgd<P>});
 
 /// Throws Error for a guess of another length and bad options.
 void check_options(Index dimension, Index contacts, const FrictionSolverOptions& options, const Vector& guess);
@@ -23,6 +24,7 @@ void check_options(Index dimension, Index contacts, const FrictionSolverOptions&
 template <ContactProblem P>
 FrictionSolution solve_contacts(P& problem, const FrictionSolverOptions& options, const Vector& guess,
                                 const FrictionObserver& observer) {
+  static_assert(contact_solvers<P>.size() == names_of(FrictionAlgorithm{}).size());
   check_options(P::dimension, problem.data.contacts(), options, guess);
   SolverRun<P::dimension> run(problem, options, guess, observer);
   contact_solvers<P>[static_cast<std::size_t>(FrictionAlgorithm{options.algorithm})](problem, run);
