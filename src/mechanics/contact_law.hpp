@@ -15,10 +15,11 @@ namespace nscdd {
 
 /// Laws between two bodies with a normal and a tangential component: one file and one word here per law. A law has
 ///   name
-///   impulse(stop, w, friction)  the impulse of one contact, solved together with v = W (r - stop); all a sweep needs
+///   impulse(stop, w, friction)  the impulse of one contact, solved together with v = W (r - stop)
 ///   of(interaction, h, scale)   the law with its parameters, see contact_law
 ///   opens                       whether a contact may part: it then obeys Coulomb's law once `pull` is added to its
-///                               normal impulse, and statuses and residuals are those of this shifted law
+///                               normal impulse. Sweeps over spheres, statuses, residuals and contact solvers know
+///                               it by that alone. Otherwise the law is linear and has a `flexibility`.
 ///   rubs                        whether a contact has a tangential impulse
 ///   pulls, pull()               whether touching bodies hold each other, and the largest impulse with which they do,
 ///                               N s; a law that pulls can be made from that impulse alone
