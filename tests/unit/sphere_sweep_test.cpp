@@ -37,7 +37,8 @@ Heap random_heap(std::uint64_t seed, const ContactLaw& law, bool tangential_bias
     const double pressed = 1 + number();
     heap.contacts.impulses.push_back(swept(n, {pressed, {0.2 * number() * pressed, 0.2 * number() * pressed}}));
     if (tangential_bias) heap.contacts.bias_t.push_back(swept(n, {0, {number(), number()}}).t);
-    if (std::visit([](const auto& one) { return one.pulls; }, law)) heap.contacts.pull.push_back(random.below(2) == 0 ? 0 : 0.4);
+    if (std::visit([](const auto& one) { return one.pulls; }, law))
+      heap.contacts.pull.push_back(random.below(2) == 0 ? 0 : 0.4);
   }
   return heap;
 }
