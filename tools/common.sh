@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sourced by the tools: where the tree is, and how a step is announced.
+# Sourced by the tools: the root of the tree, and functions that announce and run their steps.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 total_steps=1
@@ -12,7 +12,7 @@ step() {
   printf '[%d/%d] %s (%d s elapsed)\n' "$current_step" "$total_steps" "$1" "$((SECONDS - started))"
 }
 
-# quietly LOG COMMAND...: runs a command with its output in a log, shown only where it fails.
+# quietly LOG COMMAND...: runs a command with its output in a log, which is printed only if the command fails.
 quietly() {
   local log=$1
   shift

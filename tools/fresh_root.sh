@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sourced by tools/package and tools/first-uses after common.sh: a root of Debian 12 with nothing but apt, in which
-# commands run as on a machine that was just installed.
+# Sourced by tools/package and tools/first-uses after common.sh. Makes a root of Debian 12 with nothing but apt, in
+# which commands run as on a newly installed machine.
 base="$root/build/root/base.tar"
 
 # Exits with 2 where this machine cannot make such a root.
@@ -16,7 +16,7 @@ need_fresh_roots() {
   fi
 }
 
-# need_packages FOLDER: exits with 2 where a package that debian/control names is not in there.
+# need_packages FOLDER: exits with 2 if the folder lacks a package that debian/control names.
 need_packages() {
   local missing="" package
   for package in $(awk '/^Package:/ {print $2}' "$root/debian/control"); do

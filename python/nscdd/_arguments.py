@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arguments of Python in the form that the command line has them: both are then read and refused alike."""
+"""Converts arguments of Python to the texts of the command line, so that one parser reads both."""
 from __future__ import annotations
 
 import functools
@@ -22,18 +22,18 @@ Values = Union[float, str, Iterable[float]]
 #: (3, 2) for a grid of 3 x 2 cells, in space (3, 2, 2), a text such as "3x2" or "metis:4", or an array or list with the
 #: number of a subdomain for each contact.
 Subdomains = Union[str, tuple[int, int], tuple[int, int, int], ArrayLike]
-#: True for a bar on standard error, or what is called with (units done, units in all), at most 20 times per second.
+#: True for a bar on standard error, or a function of (units done, units in all), called at most 20 times per second.
 Progress = Union[bool, Callable[[int, int], object], None]
 #: Velocities (vx, vy), in space (vx, vy, vz), by the number of a grain, m/s; numbers count from 0, and -1 is the last.
 Prescribed = Mapping[int, Sequence[float]]
-#: An option that is described by the compiled module, see `takes`.
+#: An option that the compiled module describes, see `takes`.
 Option = Union[str, float, bool]
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def takes(described: list[tuple[str, Any, str]], without: Sequence[str] = ()) -> Callable[[Function], Function]:
-    """Gives a function that ends in **options the options that are described, (name, default, description), as keyword
-    arguments: its signature and hints name them, others are refused, and the docstring has them at "OPTIONS"."""
+    """A decorator that replaces **options of a function by keyword arguments (name, default, description). Signature
+    and type hints name them, other keywords are refused, and the docstring lists them at "OPTIONS"."""
     options = [one for one in described if one[0] not in without]
     lines = "\n".join(textwrap.fill(text, 110, initial_indent=f"{name:<11}  ", subsequent_indent=" " * 13)
                       for name, _, text in options)
@@ -59,12 +59,12 @@ def takes(described: list[tuple[str, Any, str]], without: Sequence[str] = ()) ->
 
 
 def masked(values: object) -> bool:
-    """Whether parts of an array are masked: what is behind a mask is no number to be used."""
+    """Whether parts of an array are masked. Masked entries are not numbers."""
     return bool(np.ma.is_masked(values))  # type: ignore[no-untyped-call]
 
 
 def spec(values: Values | None) -> str:
-    """The SPEC of values: numbers as they read back, None for infinity."""
+    """Values as a SPEC of the command line, with numbers that read back exactly; None is infinity."""
     if values is None:
         return "inf"
     if isinstance(values, str):
@@ -79,7 +79,7 @@ def spec(values: Values | None) -> str:
 
 
 def interval(values: Values | tuple[float, float] | None) -> str:
-    """The same, where two numbers in a tuple are the ends of a range."""
+    """As `spec`, but a tuple of two numbers is a range FROM:TO."""
     if isinstance(values, tuple) and len(values) == 2:
         return f"{number(values[0])}:{number(values[1])}"
     return spec(values)
@@ -90,7 +90,7 @@ def number(value: object) -> str:
 
 
 def text(value: object) -> str:
-    """A parameter of a case as --set has it."""
+    """The value of a parameter of a case as --set takes it."""
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, (int, np.integer)):

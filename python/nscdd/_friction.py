@@ -34,12 +34,12 @@ def _each(mu: ArrayLike, contacts: int) -> ArrayLike:
 
 
 class ContactProblem:
-    """A contact problem with friction, in the plane or in space, from arrays or a file: impulses r and velocities
-    u = W r + q such that every contact obeys Signorini's and Coulomb's laws. A contact has a row of its normal
-    component and then one of its tangential component, or two in space: a problem is in space where W (or H) has
-    three columns for each coefficient of `mu`, and plane otherwise. `ContactProblem(W, q, mu)` has the unknowns of
-    the contacts alone, `ContactProblem.of_bodies(M, H, f, w, mu)` the velocities v of the bodies too:
-    M v = H r + f, u = H^T v + w. Arrays that come out cannot be written to.
+    """A contact problem with friction, in the plane or in space: impulses r and velocities u = W r + q such that every
+    contact obeys Signorini's and Coulomb's laws. `ContactProblem(W, q, mu)` has the unknowns of the contacts only.
+    `ContactProblem.of_bodies(M, H, f, w, mu)` also has the velocities v of the bodies: M v = H r + f, u = H^T v + w.
+
+    A contact has a row for its normal component, then one for its tangential component, or two in space. A problem is
+    in space if W (or H) has three columns for each coefficient of `mu`. Returned arrays are read-only.
 
     W, M   symmetric, 1/kg or kg, an array or any matrix of scipy.sparse, stored in full
     q, w   relative velocities without contact impulses, or of moving supports, m/s
@@ -123,12 +123,12 @@ class ContactProblem:
 
     @property
     def solution(self) -> dict[str, np.ndarray] | None:
-        """Impulses r and velocities u, with bodies v too, that the file has as its solution, or None."""
+        """The solution stored in the file, or None: impulses r, velocities u, and v of the bodies if there are any."""
         return self._core.solution
 
     @property
     def guesses(self) -> list[dict[str, np.ndarray]]:
-        """Further ones that the file has, to start from."""
+        """Initial guesses stored in the file, with the keys of `solution`."""
         return self._core.guesses
 
     def reduced(self) -> "ContactProblem":
@@ -143,9 +143,9 @@ class ContactProblem:
 
         OPTIONS
         guess        impulses to start from, 2c or 3c numbers
-        callback     is shown the solution at every check; where it returns False, the solver stops
+        callback     receives the solution at every check; if it returns False, the solver stops
 
-        Solvers that factorise are faster where the problem has bodies.
+        Solvers that factorise are faster if the problem has bodies.
         """
         return _core.solve(self._core, dict(options), guess, callback, threads)
 
@@ -154,17 +154,17 @@ class ContactProblem:
 
 
 def read_contact_problem(path: str | os.PathLike[str]) -> ContactProblem:
-    """The contact problem of a file: HDF5 of FCLIB (.h5, .hdf5), or a text of Siconos (.dat). Raises Error naming
-    the file, and line or dataset, for what cannot be used or is not supported, such as rolling friction."""
+    """The contact problem of a file: HDF5 of FCLIB (.h5, .hdf5), or a text of Siconos (.dat). Raises Error naming the
+    file, and line or dataset, for input that is wrong or not supported, such as rolling friction."""
     return ContactProblem._of(_core.read_contact_problem(_arguments.path(path)))
 
 
 def write_contact_problem(path: str | os.PathLike[str], problem: ContactProblem,
                           solution: FrictionSolution | None = None, *, title: str | None = None,
                           description: str | None = None, math_info: str | None = None, force: bool = False) -> None:
-    """Writes a contact problem, with its texts and guesses, as HDF5 of FCLIB (.h5, .hdf5), or the problem alone as a text
-    of Siconos (.dat). A `solution` that converged replaces that of the problem; one that did not is added to the
-    guesses. Raises Error for a file that is there already, unless `force`, and for a solution of another problem."""
+    """Writes a contact problem, with its texts and guesses, as HDF5 of FCLIB (.h5, .hdf5), or only the problem as a
+    text of Siconos (.dat). A `solution` that converged replaces that of the problem; one that did not is added to the
+    guesses. Raises Error if the file exists, unless `force`, and for a solution of another problem."""
     info = [(name, text) for name, text in (("title", title), ("description", description), ("math_info", math_info))
             if text is not None]
     _core.write_contact_problem(problem._core, _arguments.path(path), solution, info, force)
@@ -181,7 +181,7 @@ def solve(W: Any, q: ArrayLike, mu: ArrayLike, *, guess: ArrayLike | None = None
 @_arguments.takes(_core.friction_options)
 def reduce_and_solve(M: Any, H: Any, f: ArrayLike, w: ArrayLike, mu: ArrayLike, *, guess: ArrayLike | None = None,
                      callback: Observer = None, threads: int = 0, **options: _arguments.Option) -> FrictionSolution:
-    """Solves `ContactProblem.of_bodies(M, H, f, w, mu)`, likewise. Also raises Error for an M that is not positive
-    definite."""
+    """Solves `ContactProblem.of_bodies(M, H, f, w, mu)`, with the arguments of its method `solve`. Raises Error as
+    ContactProblem does, and for an M that is not positive definite."""
     problem = ContactProblem.of_bodies(M, H, f, w, mu)
     return problem.solve(guess=guess, callback=callback, threads=threads, **options)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the iteration is slow."""
+"""Modes: where the iteration is slow."""
 from __future__ import annotations
 
 import numpy as np
@@ -11,9 +11,9 @@ from ._tables import Table
 
 
 class Mode:
-    """An eigenvector F of a contraction, B F = mu F, and what the grains do in it: the error that remains in the end. F
-    is scaled to F^T P F = 1 J. There is no mode if the interface is empty, if all eigenvalues are equal, or if the
-    solver failed: then `found` is False, and arrays are empty."""
+    """An eigenvector F of a contraction, B F = mu F, and the velocities of the grains in it. The slowest mode is the
+    error that remains last. F is scaled to F^T P F = 1 J. There is no mode if the interface is empty, if all
+    eigenvalues are equal, or if the solver failed: then `found` is False, and arrays are empty."""
 
     def __init__(self, core: _core.Mode) -> None:
         self._core = core
@@ -30,7 +30,7 @@ class Mode:
 
     @property
     def eigenvalue(self) -> float:
-        """mu, unit eigenvalues of the rigid limit apart."""
+        """mu. Unit eigenvalues of the rigid limit are left out."""
         return self._core.eigenvalue
 
     @property
@@ -41,12 +41,12 @@ class Mode:
 
     @property
     def residual(self) -> float:
-        """omega ||S F - lambda P F||_{P^-1}, lambda = (1 - mu) / omega: an eigenvalue lies as near as this."""
+        """omega ||S F - lambda P F||_{P^-1}, lambda = (1 - mu) / omega: an eigenvalue of B lies within it of mu."""
         return self._core.residual
 
     @property
     def converged(self) -> bool:
-        """Whether the residual is within the tolerance. `spectrum` says whether a mode lies further out."""
+        """Whether the residual is within the tolerance. `spectrum` says whether an eigenvalue may lie further out."""
         return self._core.converged
 
     @property
@@ -66,7 +66,7 @@ class Mode:
 
     @property
     def velocities(self) -> list[np.ndarray]:
-        """V_E of each subdomain, m/s, a row for each of `parts.subdomains[e].grains`: what Stage 1 answers F with."""
+        """V_E of each subdomain, m/s, a row for each of `parts.subdomains[e].grains`: the response of Stage 1 to F."""
         return self._core.velocities
 
     @property
@@ -76,7 +76,7 @@ class Mode:
 
     @property
     def spread(self) -> float:
-        """Over how many pairs of copies the mode spreads; 0 where there is none."""
+        """Number of pairs of copies over which the mode spreads; 0 if there is no mode."""
         return self._core.spread
 
     def impulse_table(self) -> Table:
@@ -97,6 +97,6 @@ class Mode:
 
 @_arguments.takes(_core.spectral_options)
 def mode(b: Contraction, end: str = "slowest", *, threads: int = 0, **options: _arguments.Option) -> Mode:
-    """The mode of one end of the spectrum: "slowest" (of larger modulus), "low" or "high". The other arguments are those
-    of `spectral_radius`."""
+    """The mode of one end of the spectrum: "slowest" (the end of larger modulus), "low" or "high". The other arguments
+    are those of `spectral_radius`."""
     return Mode(_core.mode(_of(b).parts, b._core, end, dict(options), threads))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The operators of the interface, as SciPy takes linear operators, and their spectral radius."""
+"""The operators of the interface, as linear operators of SciPy, and their spectral radius."""
 from __future__ import annotations
 
 import math
@@ -23,8 +23,8 @@ def _applied(apply: Callable[[ArrayLike], np.ndarray], f: ArrayLike) -> np.ndarr
 
 class InterfaceOperator(LinearOperator):
     """X_eta = sum_E A_E (M_E + H_E H_E^T / eta)^-1 A_E^T, 1/kg: jumps of velocity caused by interface impulses while
-    the contacts act as links of flexibility eta. Symmetric, positive definite for eta > 0. eta = inf knows no contacts,
-    eta = 0 is the rigid limit, which may be singular."""
+    the contacts act as links of flexibility eta. Symmetric, positive definite for eta > 0. eta = inf is the operator
+    without contacts, eta = 0 the rigid limit, which may be singular."""
 
     def __init__(self, core: _core.InterfaceOperator) -> None:
         super().__init__(np.dtype(float), (core.rows, core.rows))
@@ -105,9 +105,9 @@ def contraction(parts: Decomposition, epsilon: float | str, eta: float | str | N
 
     epsilon   flexibility of the contacts, 1/kg, or a text such as "0.1W" in multiples of the mean of W_nn; 0 is rigid
     eta       flexibility of the network that Stage 2 sees, likewise; inf (or None) is the generic algorithm
-    contacts  that Stage 1 works with: "all", "active" or "unilateral" (see `chosen_contacts`)
+    contacts  of Stage 1: "all", "active" or "unilateral" (see `chosen_contacts`)
 
-    Raises Error for values out of bounds, and where contacts depend on impulses that all vanish.
+    Raises Error for values out of bounds, and if the choice of contacts depends on impulses that all vanish.
     """
     core = _core.contraction(parts, _arguments.spec(epsilon), _arguments.spec(eta), contacts, float(relaxation))
     return Contraction(core, parts)
@@ -124,10 +124,10 @@ def spectral_radius(b: Contraction, *, threads: int = 0, **options: _arguments.O
     """Spectral radius of a contraction operator, with a bound on its error.
 
     OPTIONS
-    threads      at most; 0 for all of the machine. No result depends on them
+    threads      largest number of threads; 0 for all of the machine. No result depends on it
 
-    The residual counts relative to max(1, rho). Eigenvalues are `low` and `high` of the result. "arpack" neither
-    certifies nor finds more than one at each end.
+    The tolerance is relative to max(1, rho). The result has the eigenvalues as `low` and `high`. "arpack" neither
+    certifies nor finds more than one eigenvalue at each end.
 
     `converged` of the result is False if the tolerance was not reached. Ctrl-C ends the work between two products or
     solves; the eigenvalues of a dense matrix are one call of LAPACK, which is not interrupted.

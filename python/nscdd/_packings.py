@@ -14,8 +14,8 @@ from ._core import ContactNetwork, Decomposition, Packing
 def read_packing(path: str | os.PathLike[str]) -> Packing:
     """The packing of a file: CSV with columns x, y, radius and maybe z and mass, HDF5 (.h5, .hdf5) with datasets of
     these names in the group `packing`, a text with lines "x y radius" or "x y z radius", or the free disks of a folder
-    DATBOX of LMGC90. What has a z is in space; in text it must differ between grains. Raises Error naming file and
-    line, or dataset, for what cannot be used."""
+    DATBOX of LMGC90. A packing with z is in space; in a text z must differ between grains. Raises Error naming file
+    and line, or dataset, for bad input."""
     return _core.read_packing(_arguments.path(path))
 
 
@@ -24,7 +24,7 @@ def generate(generator: str, *, progress: _arguments.Progress = None, threads: i
     """The packing of a generator. Equal parameters give equal bits. `progress` counts grains. Raises Error for an
     unknown generator or parameter, or a value out of bounds.
 
-    The generators, and their parameters with what they are by default:
+    The generators, their parameters and defaults:
     """
     return _core.generate(generator, _arguments.settings(parameters), _arguments.progress(progress), threads)
 
@@ -34,10 +34,10 @@ if generate.__doc__:  # not with python3 -OO
 
 
 def contacts(packing: Packing, *, tolerance: float = 1e-7, overlap_tolerance: float = 1e-7) -> ContactNetwork:
-    """Every pair of grains whose gap is at most `tolerance` times the smaller radius. Where the coordinates are written
-    more coarsely (six decimals, float32, doubles far from the origin), what their digits are worth is the tolerance of
-    gaps and overlaps; if contacts depend on it, a UserWarning says so. Raises Error naming both grains where a pair
-    overlaps by more than `overlap_tolerance` times the smaller radius, or shares a centre."""
+    """The contacts: every pair of grains whose gap is at most `tolerance` times the smaller radius. If the coordinates
+    are coarser than that (six decimals, float32, doubles far from the origin), the uncertainty of their digits replaces
+    both tolerances, and a UserWarning reports contacts that depend on it. Raises Error naming both grains of a pair
+    that overlaps by more than `overlap_tolerance` times the smaller radius, or shares a centre."""
     return _core.contacts(packing, tolerance, overlap_tolerance)
 
 
@@ -58,7 +58,7 @@ def decompose(packing: Packing, subdomains: _arguments.Subdomains = (1, 1), *, t
     compression, shear   rates, 1/s, of a homogeneous deformation that all other grains arrive with: along x and y, in
                  space along z too; shear of x and y
 
-    Velocities matter only for the choice of active contacts. Raises Error for what cannot be used.
+    Velocities matter only for the choice of active contacts. Raises Error for bad input.
     """
     given = {"contacts.tolerance": tolerance, "contacts.overlap_tolerance": overlap_tolerance,
              "loads.compression": compression, "loads.shear": shear}
@@ -72,9 +72,9 @@ def read_case(path: str | os.PathLike[str], subdomains: _arguments.Subdomains | 
               settings: dict[str, object] | None = None, progress: _arguments.Progress = None) -> Decomposition:
     """The decomposition of a case file (docs/cases.md): its packing or contact problem, cut as the file or `subdomains`
     says. The path may also be what stands for a case on the command line: a packing, a contact problem of FCLIB or
-    Siconos, or a folder DATBOX of LMGC90, whose contacts are found to the digits of its numbers. `settings`: parameters
-    of the case that are to be others, {"packing.grains": 16}, as --set has them. Raises Error naming file, line and key,
-    and for a packing that is to be settled by a simulation."""
+    Siconos, or a folder DATBOX of LMGC90, whose contacts are found to the digits of its numbers. `settings` overrides
+    parameters of the case, {"packing.grains": 16}, as --set does. Raises Error naming file, line and key, and for a
+    packing that a simulation would have to settle."""
     cut = None if subdomains is None else _arguments.subdomains(subdomains)
     return _core.read_case(_arguments.path(path), cut, _arguments.settings(settings or {}),
                            _arguments.progress(progress))
@@ -82,8 +82,8 @@ def read_case(path: str | os.PathLike[str], subdomains: _arguments.Subdomains | 
 
 def chosen_contacts(parts: Decomposition, contacts: str = "active") -> np.ndarray:
     """Which contacts Stage 1 works with, one flag per contact: "all", "active" (in compression in the linear rigid
-    problem) or "unilateral" (carrying in the frictionless unilateral problem). Raises Error where the choice depends on
-    impulses and no grain has an arriving velocity, and where the impulses were not found to 1e-8."""
+    problem) or "unilateral" (carrying in the frictionless unilateral problem). Raises Error if the choice depends on
+    impulses and no grain has an arriving velocity, and if the impulses were not found to 1e-8."""
     flags, _, rule, certain = _core.chosen_contacts(parts, contacts)
     if not certain:
         raise _core.Error(f"contacts: expected impulses to 1e-8 for {contacts}, met less ({rule})")

@@ -14,14 +14,14 @@ StepObserver = Optional[Callable[[Step], object]]
 
 
 class Run:
-    """A run of a simulation that has come to its end."""
+    """A finished run of a simulation."""
 
     def __init__(self, core: _core.Run) -> None:
         self.steps = Table(core.columns)  #: a row for each step: the table `summary` of a trajectory (docs/formats.md)
         self.end = core.end  #: "completed", "at rest", "stopped" or "broke down"
         self.reason = core.reason  #: of a breakdown: the step, and the grain or contact
         self.last = core.last  #: the last good step
-        self.packing = core.packing  #: the free grains of the packing as they then lie, with their masses
+        self.packing = core.packing  #: the free grains at the end, with their masses
 
     def __repr__(self) -> str:
         return f"<nscdd.Run of {self.steps.rows} steps, {self.end}{': ' * bool(self.reason)}{self.reason}>"
@@ -34,15 +34,15 @@ def simulate(case: str | os.PathLike[str], *, packing: Packing | None = None,
     """Takes the steps of a case file with [dynamics] (docs/cases.md), or of a folder DATBOX of LMGC90, in memory: nothing
     is written.
 
-    packing     in place of that of the case, such as the `packing` of a run that settled it
-    subdomains  (columns, rows), in space (columns, rows, layers), or "metis:N", in place of those of the case
-    settings    parameters of the case that are to be others, {"dynamics.steps": 50, "solver.algorithm": "generic"}
-    callback    is shown each step once it is taken; where it returns False, the run ends
+    packing     replaces the packing of the case, such as the `packing` of a run that settled it
+    subdomains  (columns, rows), in space (columns, rows, layers), or "metis:N"; replaces those of the case
+    settings    overrides parameters of the case, {"dynamics.steps": 50, "solver.algorithm": "generic"}
+    callback    receives each step once it is taken; if it returns False, the run ends
     progress    counts steps
 
-    Ctrl-C ends it within a step, between two iterations. A breakdown raises no error: see `end` and `reason`. Raises
-    Error for what cannot be used, for a setting without effect, and for a case whose packing is to be settled by
-    another one unless `packing` gives it.
+    Ctrl-C ends the run within a step, between two iterations. A breakdown raises no error: see `end` and `reason`.
+    Raises Error for bad input, for a setting without effect, and for a case whose packing another case settles, unless
+    `packing` is given.
     """
     cut = None if subdomains is None else _arguments.subdomains(subdomains)
     if cut is not None and not isinstance(cut, str):

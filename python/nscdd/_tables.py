@@ -29,7 +29,7 @@ class Table(dict[str, np.ndarray]):
         return len(next(iter(self.values()))) if self else 0
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """The same as a DataFrame of pandas, which must be installed."""
+        """The table as a DataFrame of pandas, which must be installed."""
         import pandas
 
         return pandas.DataFrame(dict(self))
@@ -43,7 +43,7 @@ def sweep(parts: Decomposition, epsilon: _arguments.Values, eta: _arguments.Valu
           relaxation: _arguments.Values = 1.0, gauss_seidel_sweeps: _arguments.Values | None = None,
           contacts: str = "all", progress: _arguments.Progress = None, threads: int = 0,
           **options: _arguments.Option) -> Table:
-    """Spectral radii at every point of a sweep: a row for each combination of the values given, the last one running
+    """Spectral radii at every point of a sweep: a row for each combination of the values given, the last list running
     fastest. Values are numbers, or texts as `nscdd sweep` takes them: "1e-3:1e3:61", "0.1W,1W".
 
     relaxation           omega, or "optimal"
@@ -58,11 +58,11 @@ def sweep(parts: Decomposition, epsilon: _arguments.Values, eta: _arguments.Valu
 
 
 class CurveTable(Table):
-    """The rows of curves, one curve behind the other, each ascending."""
+    """The rows of curves, one curve after the other, each ascending."""
 
     def __init__(self, columns: list[tuple[str, str, str, np.ndarray]], status: list[str]) -> None:
         super().__init__(columns)
-        #: Of each curve: "proved", "wide" (proved, but a wider band than asked for) or "not_converged" (nothing is).
+        #: Of each curve: "proved", "wide" (proved, in a band wider than the tolerance) or "not_converged" (not proved).
         self.status = status
 
     @property
