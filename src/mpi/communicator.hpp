@@ -7,14 +7,14 @@
 
 namespace nscdd::mpi {
 
-/// Whether MPI is finalised: what it made must not be freed any more.
+/// Whether MPI is finalised, so that its objects must no longer be freed.
 inline bool mpi_has_ended() {
   int finalised = 0;
   MPI_Finalized(&finalised);
   return finalised != 0;
 }
 
-/// A duplicate of a communicator, freed with the object unless MPI is finalised already. What is sent is counted.
+/// A duplicate of a communicator, which counts what is sent. Freed with the object, unless MPI is finalised.
 class Communicator {
  public:
   explicit Communicator(MPI_Comm of, std::shared_ptr<WorkCount> work = std::make_shared<WorkCount>())
@@ -39,18 +39,18 @@ class Communicator {
     return size;
   }
   const std::shared_ptr<WorkCount>& work() const { return work_; }
-  /// Counts a message of this process to another one, of so many numbers of eight bytes.
+  /// Counts a message to another rank, of numbers of eight bytes.
   void count_message(Index numbers) const {
     ++work_->messages;
     work_->message_bytes += 8 * static_cast<double>(numbers);
   }
-  /// Counts an exchange of all processes, to which this one gives so many bytes.
+  /// Counts a collective exchange, to which this rank contributes so many bytes.
   void count_sum(std::size_t bytes) const {
     ++work_->sums;
     work_->sum_bytes += static_cast<double>(bytes);
   }
 
-  /// See Processes::gather_bytes. Returns how many items each process gave. It is not counted.
+  /// See Processes::gather_bytes; not counted. Returns the number of items of each rank.
   std::vector<int> gather(std::span<const std::byte> own, std::size_t item, bool everywhere,
                           const Processes::Room& room) const;
 

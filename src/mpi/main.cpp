@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// nscdd-mpi: the verbs that several processes can share.
+// nscdd-mpi: the verbs that run on several ranks.
 #include "app/verbs.hpp"
 #include <nscdd/mpi/multifrontal.hpp>
 #include <nscdd/mpi/processes.hpp>
@@ -14,10 +14,10 @@
 namespace nscdd::mpi {
 namespace {
 
-constexpr double patience = 5;  // s, until a process that failed alone ends the others
+constexpr double patience = 5;  // s, until a rank that failed alone aborts the run
 
-// The rank that reports the error of a run: the first one that failed, or the number of processes if none did. Empty if
-// this process failed, and another one has not ended within `patience`.
+// The rank that reports the error of a run: the first one that failed, or the number of ranks if none did. Empty if
+// this rank failed and another one has not ended within `patience`.
 std::optional<int> speaker(const app::Outcome& outcome) {
   int rank = 0, size = 1, first = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
@@ -34,7 +34,7 @@ std::optional<int> speaker(const app::Outcome& outcome) {
   }
 }
 
-// Processes that share the memory of this one's computer, itself among them.
+// The number of ranks on this computer.
 Index processes_here() {
   MPI_Comm here = MPI_COMM_NULL;
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
@@ -52,7 +52,7 @@ void keep_silent() {
 
 int run(int argc, char** argv) {
   const int standard_error = dup(STDERR_FILENO);
-  // Destroyed after the last output, because all processes free it together.
+  // Destroyed after the last output: freeing the communicator is collective.
   const Processes processes = processes_of(MPI_COMM_WORLD);
   const app::Machine machine{.program = "nscdd-mpi",
                              .verbs = {"sweep", "optimum", "simulate", "inspect"},

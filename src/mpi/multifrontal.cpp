@@ -9,7 +9,7 @@
 namespace nscdd::mpi {
 namespace {
 
-// Numbers on their way from a set to the one above it, or back.
+// Messages between a set and its parent.
 class Messages {
  public:
   explicit Messages(const SharedPlan& plan) : plan_(plan) {}
@@ -53,7 +53,7 @@ class Messages {
   }
 
   const SharedPlan& plan_;
-  std::map<Index, Vector> here_;  // what this process hands to itself, by set
+  std::map<Index, Vector> here_;  // messages of this rank to itself, by set
 };
 
 Index packed_size(Index n) { return n * (n + 1) / 2; }
@@ -73,13 +73,13 @@ void add_packed(const Vector& numbers, const std::vector<Index>& place, Matrix& 
       lower(std::max(place[i], place[j]), std::min(place[i], place[j])) += *next++;
 }
 
-// An interior that the family keeps is not eliminated again.
+// The family does not eliminate an interior again that it keeps.
 void add_elimination(const SharedPlan& plan, const std::array<double, 2>& parameters) {
   const bool anew = !plan.own->keeps_interior(parameters);
   plan.add_work([=](const EliminationWork& one) { return one.flops(anew); });
 }
 
-// One factor, of which each process holds the part of its own rows and at most one front of several processes.
+// One factor. Each rank holds the part of its own rows and at most one front of several ranks.
 class SharedFactor {
  public:
   SharedFactor(std::shared_ptr<const SharedPlan> plan, const SparseMatrix& lower,
@@ -100,7 +100,7 @@ class SharedFactor {
   bool regular() const { return regular_; }
   Index negative_eigenvalues() const { return negative_eigenvalues_; }
 
-  // Solves with b on the own rows and, behind them, all border rows. The solution is right where `down` reaches.
+  // Solves for b on the own rows, then all border rows. The solution is valid on the fronts of `down`.
   Vector solve(const Vector& b, Fronts up, Fronts down) const {
     const SharedPlan& plan = *plan_;
     const Index own = plan.own_rows;
@@ -110,7 +110,7 @@ class SharedFactor {
     const auto border = b.tail(plan.border);
     x.head(own) = b.head(own);
     x.tail(count(plan.touched)) = border(plan.touched);
-    x(plan.kept).setZero();  // they count once, where they are eliminated
+    x(plan.kept).setZero();  // counted once, in the set that eliminates them
     x = own_.go_forward(x, up);
     messages.hand_up(plan.rank, x(plan.kept));
     Vector result = Vector::Zero(own + plan.border);

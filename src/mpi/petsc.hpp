@@ -8,23 +8,22 @@
 
 namespace nscdd::mpi {
 
-/// Throws Error unless PETSc returned 0. `what` was asked of it.
+/// Throws Error unless PETSc returned 0. `what`: the requested result.
 inline void check(PetscErrorCode code, std::string_view what) {
   if (code != 0) fail("SLEPc: expected {}, met status {}", what, static_cast<int>(code));
 }
 
-/// PETSc and SLEPc, begun for this process until the last copy of the result goes, unless the caller has begun them
-/// already. Other processes need not take part: the world of PETSc is this process alone, and what processes share
-/// names them.
+/// Returns the running session of PETSc and SLEPc, or starts one, which the last copy of the result ends (unless the
+/// caller has started it). Not collective: PETSC_COMM_WORLD is this rank, and shared objects have their communicator.
 inline std::shared_ptr<void> slepc_session() {
-  static std::weak_ptr<void> known;  // it belongs to the process
+  static std::weak_ptr<void> known;  // one per process
   if (std::shared_ptr<void> running = known.lock()) return running;
   PetscBool begun = PETSC_FALSE;
   SlepcInitialized(&begun);
   const bool begun_before = begun;
   if (!begun_before) {
     PetscInitialized(&begun);
-    if (!begun) PETSC_COMM_WORLD = MPI_COMM_SELF;  // otherwise all processes of the program would be waited for
+    if (!begun) PETSC_COMM_WORLD = MPI_COMM_SELF;  // otherwise the call is collective
     PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
     check(SlepcInitializeNoArguments(), "to begin");
   }
@@ -43,7 +42,7 @@ struct QuietPetsc {
   QuietPetsc& operator=(const QuietPetsc&) = delete;
 };
 
-/// An object of PETSc, destroyed with this one.
+/// Owns an object of PETSc.
 template <class Handle, PetscErrorCode (*destroy)(Handle*)>
 class Owned {
  public:

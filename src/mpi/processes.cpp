@@ -47,7 +47,7 @@ void combine(const Communicator& all, std::span<double> numbers, MPI_Op operatio
   }
 }
 
-// Persistent messages between neighbours: each sends its own parts of the entries that it shares with another one.
+// Persistent messages between neighbours, which send each other their parts of shared entries.
 class Neighbourhood {
  public:
   Neighbourhood(std::shared_ptr<const Communicator> all, const std::vector<SharedEntries>& shared)

@@ -10,14 +10,14 @@
 namespace nscdd::mpi {
 namespace {
 
-// Adds the sets of processes first ... last - 1, and returns the number of the whole.
-// Halves are those of METIS_PartGraphRecursive, which numbers the parts of the first half before the others.
+// Adds the sets of ranks first ... last - 1 and returns the number of the whole. Halves are those of
+// METIS_PartGraphRecursive, which numbers the parts of the first half before the others.
 Index add_sets(std::vector<ProcessSet>& sets, Index first, Index last) {
   if (last - first == 1) return first;
   const Index middle = first + (last - first) / 2;
   const Index left = add_sets(sets, first, middle), right = add_sets(sets, middle, last), whole = count(sets);
   sets[at(left)].parent = sets[at(right)].parent = whole;
-  // Its worker is the last process of the left half: no other set has the same one.
+  // The last rank of the left half is the worker: no other set has the same one.
   sets.push_back({.first = first, .last = last, .worker = middle - 1, .children = {left, right}});
   return whole;
 }
@@ -29,7 +29,7 @@ std::vector<ProcessSet> sets_of(Index processes) {
   return sets;
 }
 
-// The lists of all processes.
+// The lists of all ranks.
 std::vector<std::vector<Index>> gathered(const Communicator& all, const std::vector<Index>& own) {
   std::vector<Index> numbers;
   const std::vector<int> sizes = all.gather(std::as_bytes(std::span(own)), sizeof(Index), true, [&](std::size_t bytes) {
@@ -45,7 +45,7 @@ std::vector<std::vector<Index>> gathered(const Communicator& all, const std::vec
   return lists;
 }
 
-// Places of some numbers in a list that has them all.
+// Places of numbers in a list that contains them.
 std::vector<Index> places(const std::vector<Index>& numbers, const std::vector<Index>& list) {
   std::map<Index, Index> place;
   for (Index k = 0; k < count(list); ++k) place[list[at(k)]] = k;
@@ -96,8 +96,8 @@ std::vector<Index> first_of_group(const InertiaPattern& pattern) {
   return first;
 }
 
-// The tree of this process's own fronts. Border rows that others touch, too, are kept, and what they tie here is
-// eliminated before them.
+// The tree of fronts of this rank. Border rows that other ranks touch, too, are kept; the rows they tie are eliminated
+// first.
 SymmetricAnalysis own_analysis(const InertiaPattern& pattern, const std::vector<Index>& touched,
                                const std::vector<Index>& handed_on) {
   const Index own_rows = pattern.lower.rows() - pattern.border;
@@ -114,7 +114,7 @@ SymmetricAnalysis own_analysis(const InertiaPattern& pattern, const std::vector<
     return group;
   };
   for (const Index row : handed_on) number(kept[at(pattern.group[at(own_rows + row)])], true);
-  // Matrices may differ between a border row and the others of its group, so these count as border, too.
+  // Matrices may differ between a border row and the rest of its group, which therefore counts as border.
   std::vector<Index> border;
   for (Index i = 0; i < own_rows + count(touched); ++i) {
     const bool on_border = i >= own_rows;
@@ -127,7 +127,6 @@ SymmetricAnalysis own_analysis(const InertiaPattern& pattern, const std::vector<
   return {own.lower, own.group, flags, border};
 }
 
-// What each set of processes has to do; every process knows its own fronts.
 std::vector<EliminationWork> work_of_sets(const Communicator& all, const std::vector<ProcessSet>& sets,
                                           const EliminationWork& own) {
   std::vector<EliminationWork> work(at(all.size()));
@@ -141,7 +140,7 @@ std::vector<EliminationWork> work_of_sets(const Communicator& all, const std::ve
 
 std::vector<ProcessSet> elimination_tree(const std::vector<std::vector<Index>>& touched,
                                          const std::vector<Index>& group) {
-  struct Reach {  // the processes, from the first to the last, that touch rows of a group
+  struct Reach {  // the first and the last rank that touch rows of a group
     Index first = std::numeric_limits<Index>::max(), last = -1;
   };
   std::vector<Reach> reach(group.size());

@@ -9,13 +9,13 @@
 namespace nscdd::mpi {
 namespace {
 
-constexpr int most_shifts = 200;      // on the way to one end
-constexpr double between_shifts = 4;  // that are tried on the way to an end
+constexpr int most_shifts = 200;      // tried for one end
+constexpr double between_shifts = 4;  // ratio of successive shifts
 constexpr int most_restarts = 300;    // of Krylov-Schur
-// The last front is factorised like all others, for its inertia; null pivots are found; room for delayed ones.
+// A sequential root front (needed for the inertia), detection of null pivots, and workspace for delayed pivots.
 constexpr std::pair<PetscInt, PetscInt> mumps_controls[] = {{13, 1}, {24, 1}, {14, 100}};
 
-// Numbers of the rows: process by process, each with its velocities and an equal share of the interface behind them.
+// Row numbers: rank by rank, the velocities of its subdomains, then an equal share of the interface.
 struct PencilLayout {
   PencilLayout(const Communicator& all, Index own_rows, Index interface_rows)
       : own(own_rows), interface(interface_rows), rank(at(all.rank())) {
@@ -39,7 +39,7 @@ struct PencilLayout {
   std::vector<Index> share, first, velocities;
 };
 
-// Entries of a symmetric matrix that processes add to, both triangles.
+// The contributions of this rank to a symmetric matrix, in both triangles.
 struct Entries {
   std::vector<PetscInt> rows, columns;
   std::vector<double> values;
@@ -83,14 +83,13 @@ void for_networks(const Decomposition& parts, double flexibility, const Add& add
   }
 }
 
-// One eigenvalue of (S, P) with its interface impulses.
+// An eigenvalue of (S, P) with its interface impulses.
 struct PencilPair {
   double lambda = 0, residual = 0;
   Vector f;
 };
 
-// The pencil (K, N) of a contraction whose subdomains processes share, of eigenvalues tau = 1 / lambda and 0
-// (docs/machines.md), in matrices of PETSc, and what SLEPc and MUMPS find of it. Throws Error with PETSc's status.
+// The pencil (K, N) of mpi/slepc.hpp as matrices of PETSc. Throws Error with PETSc's status.
 class SlepcPencil {
  public:
   SlepcPencil(const Contraction& b, const Communicator& all, const SpectralOptions& options)
@@ -111,16 +110,16 @@ class SlepcPencil {
     for_networks(b.system.decomposition(), b.system.flexibility(), add, tie_behind(0));
     const auto add_of_p = [&](Index i, Index j, double value) {
       n.add(layout_.velocity(first_of_p_ + i), layout_.velocity(first_of_p_ + j), value);
-      add(first_of_p_ + i, first_of_p_ + j, 0);  // one pattern holds the other
+      add(first_of_p_ + i, first_of_p_ + j, 0);  // the pattern of K contains that of N
     };
     for_networks(b.preconditioner.decomposition(), b.preconditioner.flexibility(), add_of_p, tie_behind(first_of_p_));
-    if (all.rank() == 0)  // a place for every pivot
+    if (all.rank() == 0)  // the pattern has the whole diagonal
       for (Index row = 0; row < layout_.interface; ++row) k.add(layout_.impulse(row), layout_.impulse(row), 0);
     k.fill(k_, all, layout_);
     n.fill(n_, all, layout_);
   }
 
-  // How many lambda lie above 1 / tau, counted by inertia; none if the factorisation broke down.
+  // The number of lambda above 1 / tau, by inertia; none if the factorisation breaks down.
   std::optional<Index> above(double tau) {
     ++factorisations;
     OwnedMatrix shifted, factor;
@@ -140,7 +139,7 @@ class SlepcPencil {
     return static_cast<Index>(negative) - rows_of_p_;
   }
 
-  // The eigenvalue next to a shift; none if SLEPc does not find it or breaks down.
+  // The eigenvalue nearest to a shift; none if SLEPc does not find it or breaks down.
   std::optional<PencilPair> nearest(double shift) {
     ++factorisations;
     OwnedSolver owned;
@@ -191,7 +190,7 @@ class SlepcPencil {
     check(EPSSetFromOptions(solver), "its options");
   }
 
-  // The interface part of a vector, whole in every process.
+  // The whole interface part of a vector, on all ranks.
   Vector impulses(Vec x) const {
     Vector f = Vector::Zero(layout_.interface);
     const double* values = nullptr;
@@ -208,13 +207,12 @@ class SlepcPencil {
   Index first_of_p_;
   PencilLayout layout_;
   double tolerance_;
-  Index rows_of_p_;  // of all processes
+  Index rows_of_p_;  // of all ranks
   OwnedMatrix k_, n_;
 };
 
-// A shift beyond an end of the spectrum, where `wanted` eigenvalues lie above 1 / tau: none is further out, 1 / lambda
-// of the end is less than half as large or as small again, and nearer to the shift than 0 is. None if there is no such
-// shift on the way from `tau`, by steps outwards and then inwards.
+// A shift just beyond an end of the spectrum: `wanted` eigenvalues lie above 1 / shift, and 1 / lambda of the end is
+// within a factor 1.5 of the shift, nearer than the eigenvalue 0. Searched from `tau` by steps outwards, then inwards.
 std::optional<double> shift_next_to_end(SlepcPencil& pencil, double tau, bool low, Index wanted) {
   int shifts = 0;
   bool broken = false;
@@ -235,7 +233,7 @@ std::optional<double> shift_next_to_end(SlepcPencil& pencil, double tau, bool lo
   for (; beyond(last * inwards); last = tau)
     if (++shifts > most_shifts) return std::nullopt;
   if (broken) return std::nullopt;
-  return last * (low ? 1.1 : 0.9);  // not on an eigenvalue: 1 often is one
+  return last * (low ? 1.1 : 0.9);  // not on an eigenvalue, as 1 often is
 }
 
 SpectralRadius radius(const Contraction& b, const SpectralOptions& options, const Communicator& all) {
@@ -243,7 +241,7 @@ SpectralRadius radius(const Contraction& b, const SpectralOptions& options, cons
   const OneBlasThread serial_blas;
   const QuietPetsc quiet;
   SlepcPencil pencil(b, all, options);
-  const auto end = [&](double tau, bool low) {  // and the shift it was found from
+  const auto end = [&](double tau, bool low) {  // with its shift
     const std::optional<double> shift = shift_next_to_end(pencil, tau, low, low ? b.rows() : 0);
     return std::pair(shift ? pencil.nearest(*shift) : std::nullopt, shift.value_or(1));
   };
@@ -264,7 +262,7 @@ SpectralRadius radius(const Contraction& b, const SpectralOptions& options, cons
 
 SpectrumSolver slepc(MPI_Comm communicator) {
   const auto all = std::make_shared<const Communicator>(communicator);
-  const auto session = std::make_shared<std::shared_ptr<void>>();  // begins where it is asked for
+  const auto session = std::make_shared<std::shared_ptr<void>>();  // begins at the first call
   return [session, all](const Contraction& b, const SpectralOptions& options) {
     if (!*session) *session = slepc_session();
     return radius(b, options, *all);

@@ -7,12 +7,11 @@
 
 namespace nscdd::mpi {
 
-/// Our own factorisation of matrices that the processes of a communicator share (see InertiaFactor). Each process
-/// eliminates its own rows, and the border rows that no other process touches. What is left of its part is a small
-/// dense front. Pairs of processes merge their fronts and eliminate the rows that no third process touches; pairs of
-/// pairs go on, until nothing is left. Inertias add up. Neighbours in rank should share more than others do. The middle
-/// rank merges the fronts of two sets; no rank merges twice. All processes make the same calls in the same order.
-/// `work`: counts the work of this process.
+/// Distributed multifrontal factorisation (see InertiaFactor). Each rank eliminates its own rows and the border rows
+/// that no other rank touches; a small dense front is left. Pairs of ranks merge their fronts and eliminate the rows
+/// that no third rank touches, then pairs of pairs, until nothing is left. Inertias add up. The middle rank merges the
+/// fronts of two sets; no rank merges twice. Ranks that share many rows should have neighbouring numbers. All calls are
+/// collective. `work` counts the work of this rank.
 InertiaMethod multifrontal(MPI_Comm communicator, std::shared_ptr<WorkCount> work = std::make_shared<WorkCount>());
 
 }  // namespace nscdd::mpi

@@ -7,8 +7,8 @@
 
 namespace nscdd::mpi {
 
-/// The processes of a communicator, which is duplicated: messages of the caller are not disturbed. MPI must have been
-/// initialised. Sums are made by one process and sent to the others: all have the same bits.
+/// The ranks of a communicator, which is duplicated, so that messages of the caller do not interfere. MPI must be
+/// initialised. Rank 0 forms sums and sends them to the others, so that all have the same bits.
 Processes processes_of(MPI_Comm communicator);
 
 }  // namespace nscdd::mpi

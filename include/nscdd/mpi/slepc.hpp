@@ -12,15 +12,14 @@ namespace nscdd::mpi {
 ///     K = [ M + K/epsilon   0   A^T ]      N = [ 0                  ]
 ///         [ 0               0   A^T ]          [    M' + K'/eta     ]
 ///         [ A               A   0   ]          [                 0  ]
-/// whose eigenvalues are tau = 1 / lambda, and 0, often. With n rows of V' it has n + #{lambda > 1/tau} negative
-/// eigenvalues, by which a shift next to each end is found; PETSc holds the matrices, and MUMPS factorises them.
+/// whose eigenvalues are tau = 1 / lambda, and 0 with a high multiplicity. With n rows of V', K - tau N has
+/// n + #{lambda > 1/tau} negative eigenvalues, which gives a shift next to each end. MUMPS factorises.
 ///
-/// It shares no code with the search of `shift_invert` and proves nothing: the residual is the larger one of SLEPc's
-/// and of the difference between an eigenvalue and the Rayleigh quotient of its vector with S and P themselves.
-/// Further eigenvalues are not asked for: a Krylov space of one vector may miss copies. The lists are empty where SLEPc
-/// breaks down, as it does where S is next to P. Throws Error in the rigid limit. All processes of the communicator
-/// take part. PETSc begins where it is first asked for, unless the caller has begun it, and ends with the last copy of
-/// the result, which should go before MPI is finalised.
+/// It shares no code with the search of `shift_invert` and has no certificate: the residual is the larger of SLEPc's
+/// and of the difference between an eigenvalue and the Rayleigh quotient of its vector with S and P themselves. Only
+/// the ends are computed: a Krylov space of one vector may miss copies. The lists are empty if SLEPc breaks down, as it
+/// does if S is nearly P. Throws Error in the rigid limit. Collective. The first call starts PETSc, unless the caller
+/// has; the last copy of the result ends it and must be destroyed before MPI is finalised.
 SpectrumSolver slepc(MPI_Comm communicator);
 
 }  // namespace nscdd::mpi
