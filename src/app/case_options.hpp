@@ -9,10 +9,10 @@ namespace nscdd::app {
 /// Sets parameters of a case from texts KEY=VALUE.
 void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings);
 
-/// Cuts the case as --subdomains says, in place of its [partition].
+/// Replaces the [partition] of a case by that of --subdomains.
 void set_partition(CaseSpec& spec, const std::string& subdomains);
 
-/// CASE and the options that go with it, the same for every verb that takes a case.
+/// CASE and its options, the same for all verbs that take a case.
 struct CaseOptions {
   std::string name;
   std::string subdomains;
@@ -23,14 +23,14 @@ struct CaseOptions {
   void declare(Command& command, bool contact_problems = true);
   void declare_options(Command& command);  ///< all but CASE
 
-  /// The case with every option applied (one subdomain unless --subdomains says otherwise), see resolve_case.
+  /// The case with all options applied, see resolve_case.
   Case resolve(const std::vector<std::string>& outputs) const;
 };
 
 /// Names and versions of the libraries, one a line.
 std::string libraries();
 
-/// Versions, command line and the resolved cases, for a result file. Nothing in it changes from run to run.
+/// Versions, command line and resolved cases of a result file: equal for equal runs.
 Provenance provenance(const Context& context, const std::vector<Case>& cases);
 
 }  // namespace nscdd::app

@@ -50,7 +50,7 @@ Option& Command::named(std::string_view name) {
 }
 
 void parse(Command& command, std::span<const char* const> arguments) {
-  auto place = command.options.begin();  // of the next argument without a name
+  auto place = command.options.begin();  // of the next positional argument
   bool options_end = false;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string_view argument = arguments[i];

@@ -12,28 +12,27 @@
 
 namespace nscdd::app {
 
-/// An option of a verb, described once: the command line is read by it, and help, manual pages and the completion of
-/// the shell are made from it.
+/// An option of a verb. The parser, the help, the manual pages and the completion of the shell read this description.
 struct Option {
-  std::string names;  ///< "-o,--output", or "CASE" where it has no name
+  std::string names;  ///< "-o,--output", or "CASE" for an argument by its position
   std::string help;
-  std::string value = {};  ///< what stands for its value in the help, such as FILE
-  bool flag = false;       ///< without a value
-  bool list = false;       ///< may be given again
-  /// Sets the target from a text. Throws Error naming the option, for what cannot be read or is out of bounds.
+  std::string value = {};  ///< placeholder of its value in the help, such as FILE
+  bool flag = false;       ///< takes no value
+  bool list = false;       ///< may be repeated
+  /// Sets the target from a text. Throws Error naming the option for a text that is no value or is out of bounds.
   std::function<void(std::string_view text, std::string_view name)> set = {};
   bool required = false;
-  std::string initial = {};             ///< value if it is not given, as the help shows it; empty where it shows none
-  std::vector<std::string> words = {};  ///< the only values that are accepted, unless empty
-  const Option* needs = nullptr;        ///< refused without the other one
-  const Option* excludes = nullptr;     ///< refused with the other one
+  std::string initial = {};             ///< default that the help shows; may be empty
+  std::vector<std::string> words = {};  ///< the only accepted values, unless empty
+  const Option* needs = nullptr;        ///< refused without this option
+  const Option* excludes = nullptr;     ///< refused with this option
   bool given = false;                   ///< on the command line
 
   bool positional() const { return names.front() != '-'; }
   std::vector<std::string> spellings() const;  ///< "-o" and "--output"
 };
 
-/// Converts the text of an option and stores it in `value`. If an option is not given, its value is not changed.
+/// Converts the text of an option and stores it in `value`.
 template <class Value>
 void take(std::string_view text, Value& value, std::string_view name, const Field& field) {
   parse_value(text, value, name);
@@ -47,7 +46,7 @@ inline void take(std::string_view text, std::vector<std::string>& values, std::s
   values.emplace_back(text);
 }
 
-/// The words that a value is one of; none for values but choices.
+/// The accepted names of a choice; none for other values.
 template <class Value>
 std::vector<std::string> words_of(const Value&) {
   return {};
@@ -68,10 +67,10 @@ std::string shown(const Value& value) {
 
 /// The options of one verb, in the order of its help.
 struct Command {
-  std::deque<Option> options;  // addresses stay: options name each other
+  std::deque<Option> options;  // addresses stay valid: options point to each other
   std::string footer;          ///< remarks and examples below the options
 
-  /// `form`: names, and after a blank what stands for the value, "-o,--output FILE". A bool makes it a flag.
+  /// `form`: names and, after a blank, the placeholder of the value, "-o,--output FILE". A bool is a flag.
   template <class Value>
   Option& add(const std::string& form, Value& value, std::string help, const Field& bounds = {}) {
     constexpr bool integer = std::is_same_v<Value, Index> || std::is_same_v<Value, std::optional<Index>>;
@@ -98,7 +97,7 @@ struct Command {
     option.initial = shown(value);
     return option;
   }
-  /// An option --like-this for each parameter like_this of a struct (core/fields.hpp), but for those in `without`.
+  /// An option --like-this for each parameter like_this of a struct (core/fields.hpp), except those in `without`.
   template <class Parameters>
   void fields(Parameters& parameters, std::initializer_list<std::string_view> without = {}) {
     Parameters::fields(parameters, [&]<class Value>(std::string_view key, Value& value, const Field& field) {
@@ -110,11 +109,11 @@ struct Command {
     });
   }
 
-  Option& named(std::string_view name);    ///< "--output" or "-o"; throws Error with the nearest name for another
-  std::vector<std::string> names() const;  ///< "--help" and every name of every option that has one
+  Option& named(std::string_view name);    ///< "--output" or "-o"; throws Error with the nearest name if there is none
+  std::vector<std::string> names() const;  ///< "--help" and all names of options
 };
 
-/// Sets the targets of the options that are given. Throws Error for arguments that do not fit the description.
+/// Sets the targets of the options in `arguments`. Throws Error for arguments that do not fit the description.
 void parse(Command& command, std::span<const char* const> arguments);
 
 }  // namespace nscdd::app

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The kept steps that are asked for.
+// The kept steps to export.
 struct Chosen {
   std::string trajectory;
   TrajectoryHeader header;
@@ -22,7 +22,7 @@ struct Chosen {
   bool force = false;
 };
 
-// Hands over the steps one by one, until there are no more or the user interrupts. Returns how many it handed over.
+// Passes the steps to `take` one by one until the user interrupts. Returns their number.
 Index hand_over(const Chosen& chosen, const std::function<void(Index, const TrajectoryStep&)>& take) {
   Interruption interruption;
   const Monitor monitor = interruption.watch("export " + fs::path(chosen.trajectory).filename().string(), 0, "step");
@@ -34,14 +34,13 @@ Index hand_over(const Chosen& chosen, const std::function<void(Index, const Traj
   return done;
 }
 
-// Says what was written; returns the exit code.
 int finished(const Chosen& chosen, const std::string& name) {
   fmt::print("{}: {} steps ({}), {} {}s\n", name, chosen.steps.size(), step_ranges_text(chosen.steps),
              chosen.header.system.grains(), shape_of_grains(chosen.header.system.dimension));
   return 0;
 }
 
-// Pictures of the steps, and a collection that lists those that are there.
+// A .vtp file per step, and a .pvd collection of those written.
 int export_vtk(const Chosen& chosen, const fs::path& folder) {
   make_folder(folder.string(), chosen.force);
   std::vector<VtkFile> files;
@@ -57,7 +56,7 @@ int export_vtk(const Chosen& chosen, const fs::path& folder) {
   return finished(chosen, collection);
 }
 
-// The same pictures in one file, which is there once all of them are in it.
+// All steps in one file, which takes its name once it is complete.
 int export_vtkhdf(const Chosen& chosen, const std::string& path) {
   VtkhdfFile file(path, chosen.force);
   const Index done = hand_over(
@@ -75,7 +74,7 @@ bool spins(const GranularState& state) {
   });
 }
 
-// What LMGC90 begins with: the first of the steps. So does this program, where no grain spins in it.
+// The input of LMGC90 for a run from the first step; nscdd simulate reads it, too, if no grain spins.
 void write_datbox(const DatboxWriter& writer, const TrajectoryStep& first, const Write& write) {
   write("BODIES.DAT", writer.bodies());
   write("BULK_BEHAV.DAT", writer.bulk());
@@ -132,7 +131,7 @@ StepRange parse_step_range(const std::string& text) {
 std::string step_ranges_text(const std::vector<Index>& steps) {
   std::string text;
   for (std::size_t i = 0; i < steps.size();) {
-    // A range ends where the distance of neighbours changes. Two steps are no range.
+    // A range ends where the stride changes. Two steps are no range.
     std::size_t last = i;
     while (last + 1 < steps.size() && steps[last + 1] - steps[last] == steps[i + 1] - steps[i]) ++last;
     if (last < i + 2) last = i;

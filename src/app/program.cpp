@@ -13,7 +13,6 @@
 namespace nscdd::app {
 namespace {
 
-// Every verb of the program.
 std::vector<Verb> all_verbs() {
   return {
       {"sweep", "spectral radius of the contraction operator over epsilon, eta and more, as CSV", declare_sweep},
@@ -34,7 +33,7 @@ std::vector<Verb> all_verbs() {
   };
 }
 
-// Throws Error for a verb that does not exist, naming the nearest one, or that this program does not serve.
+// Throws Error for an unknown verb, with the nearest name, and for one that this program does not serve.
 Verb& verb_named(std::vector<Verb>& verbs, std::string_view name, const Machine& machine) {
   const auto verb = std::ranges::find(verbs, name, &Verb::name);
   if (verb == verbs.end()) {
@@ -50,11 +49,10 @@ Verb& verb_named(std::vector<Verb>& verbs, std::string_view name, const Machine&
 
 bool asks_for_help(std::string_view argument) { return argument == "--help" || argument == "-h"; }
 
-// What a command line asks for: a verb, the targets of whose options are set, or a text to print (help, version).
+// A verb whose options are set, or a text to print (help, version).
 using Request = std::variant<const Verb*, std::string>;
 
-// Throws Error for a line that does not fit the description, saying what was met and, where a verb or option is
-// unknown, the nearest name there is.
+// Throws Error for a line that does not fit the description, with the nearest name for an unknown verb or option.
 Request parse_command_line(std::vector<Verb>& verbs, std::span<const char* const> arguments, const Machine& machine) {
   if (arguments.empty() || asks_for_help(arguments.front())) return short_guide(verbs, machine);
   const std::string_view first = arguments.front();
@@ -71,7 +69,7 @@ Request parse_command_line(std::vector<Verb>& verbs, std::span<const char* const
   return &verb;
 }
 
-// The command line as a shell takes it.
+// The command line, quoted for a shell.
 std::string joined(int argc, char** argv, std::string line) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];

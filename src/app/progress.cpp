@@ -58,7 +58,7 @@ void request(int) { requested = 1; }
 }  // namespace
 
 void vnote(fmt::string_view format, fmt::format_args arguments) {
-  // Where even standard error cannot be written there is nobody left to tell: no exception.
+  // Not fmt::print, which throws if standard error cannot be written: nobody would see it.
   std::fputs(("nscdd: " + fmt::vformat(format, arguments) + "\n").c_str(), stderr);
 }
 
@@ -79,7 +79,7 @@ Interruption::Interruption(Processes processes) : processes_(std::move(processes
     struct sigaction action {
     }, before{};
     action.sa_handler = request;
-    action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);  // the second one has its usual effect
+    action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);  // the second signal has its usual effect
     sigemptyset(&action.sa_mask);
     sigaction(signal, nullptr, &before);
     if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);

@@ -6,7 +6,7 @@
 namespace nscdd::app {
 namespace {
 
-// Advice for steps that did not converge. If there may be no solution, no setting of a solver helps.
+// Advice for steps that did not converge. If no solution may exist, no setting of a solver helps.
 std::string advice(const RunTotals& totals, const Dynamics& dynamics) {
   if (totals.no_room > 0) return "check first that the boundaries leave room";
   const bool bounded = !dynamics.boundaries.empty();
@@ -49,8 +49,8 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
         "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this scheme does "
         "not iterate on them\n",
         totals.gluing, solver.gluing_tolerance);
-  // Every run pushes some overlaps apart; only a notable gain is worth a line. In a packing at rest all energies are
-  // what the tolerance leaves of r W r.
+  // Every run pushes some overlaps apart: only a notable gain is reported. At rest energies are of the order of
+  // tolerance x r W r.
   constexpr double notable_gain = 0.01;
   const double energies =
       totals.last.energy.kinetic + std::abs(totals.boundary_work) + std::max(0.0, totals.dissipation);

@@ -5,10 +5,10 @@
 
 namespace nscdd::app {
 
-/// Words about steps whose boundaries may leave no room, see no_room; empty if there is none.
+/// A warning about steps whose boundaries may leave no room (no_room); empty if there are none.
 std::string lack_of_room(const RunTotals& totals);
 
-/// The lines at the end of a run, among them warnings that a reader of the numbers must know.
+/// The report that ends a run, with its warnings.
 std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome);
 
 }  // namespace nscdd::app

@@ -25,7 +25,6 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-// The folder that a variable of the environment names.
 std::optional<fs::path> named_folder(const char* variable) {
   const char* value = std::getenv(variable);
   if (value == nullptr || *value == '\0') return std::nullopt;
@@ -45,7 +44,7 @@ std::vector<fs::path> data_folders() {
   return folders;
 }
 
-// The file of that name in a data folder; none for a name that is a path already.
+// The file of that name in a data folder; none if the name is a path.
 std::optional<fs::path> known_file(const std::string& name, const fs::path& file) {
   if (name.find('/') != std::string::npos) return std::nullopt;
   for (const fs::path& folder : data_folders())
@@ -64,8 +63,8 @@ std::optional<fs::path> cache_folder() {
   return std::nullopt;
 }
 
-// An entry of the cache is a packing file (CSV). Its first line is a remark with the fingerprint of all that
-// follows, by which damage is noticed. Further remarks tell which case was settled.
+// A cache entry is a packing file (CSV). Its first line holds the fingerprint of all that follows, which reveals
+// damage. Further remarks hold the case that was settled.
 constexpr std::string_view mark = "# content ";
 
 std::string entry_text(const Packing& packing, const std::string& resolved) {
@@ -76,7 +75,7 @@ std::string entry_text(const Packing& packing, const std::string& resolved) {
   return fmt::format("{}{}\n{}", mark, fingerprint(text), text);
 }
 
-// None if there is no such entry or it is damaged.
+// None if the entry is missing or damaged.
 std::optional<Packing> cached(const fs::path& entry) {
   if (!is_file(entry)) return std::nullopt;
   try {
@@ -90,7 +89,6 @@ std::optional<Packing> cached(const fs::path& entry) {
   }
 }
 
-// If the entry cannot be written, the packing is settled again next time, which only costs time.
 void remember(const fs::path& entry, const std::string& text) {
   std::error_code ignored;
   fs::create_directories(entry.parent_path(), ignored);
@@ -117,7 +115,6 @@ Packing simulate_to_the_end(const Case& one) {
   return free_grains(simulation.system, simulation.state, packing.size());
 }
 
-// The case file that a case is settled from.
 std::string settled_file(const CaseSpec& spec) {
   const std::string& name = std::get<SettledFrom>(spec.packing).name;
   const fs::path beside = fs::path(spec.source).parent_path() / name;
@@ -141,16 +138,15 @@ void add_files(const CaseSpec& spec, std::vector<fs::path>& files) {
   at_key(spec, "packing.settled", [&] {
     const std::string inner = settled_file(spec);
     std::error_code ignored;
-    for (const fs::path& file : files)  // a case that is settled from itself is refused when it is settled
+    for (const fs::path& file : files)  // resolve_nested refuses a case that is settled from itself
       if (fs::equivalent(file, inner, ignored)) return;
     add_files(read_case(inner), files);
   });
 }
 
-// `open`: the case files that are being resolved, from the one asked for inwards.
+// `open`: the case files being resolved, outermost first.
 Case resolve_nested(const CaseSpec& spec, std::vector<fs::path> open);
 
-// The case at rest: its packing, and what it was settled from.
 Case settle(const CaseSpec& spec, const std::vector<fs::path>& open) {
   const std::string path = settled_file(spec);
   const Case start = resolve_nested(read_case(path), open);

@@ -94,7 +94,7 @@ Model shared_model(const Case& one, const Machine& machine, ContactSet contacts)
     require_same(features(whole), one.spec.name, all);
     Model own = share_of(std::move(whole), all);
     if (!all.alone()) {
-      if (contacts == ContactSet::all && own.parts.interface_size() > 0)  // an empty interface is explained by H
+      if (contacts == ContactSet::all && own.parts.interface_size() > 0)  // why_empty reads H
         own.problem.h = SparseMatrix(own.problem.h.rows(), own.problem.h.cols());
       give_back_freed_memory();
     }

@@ -11,8 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Throws Error unless the steps in the table, which begins with any, end with the iterations that the steps
-// of the run ended with. `last`: the last iteration of each step in the table, 0 of steps that it lacks.
+// Throws Error unless the steps in the table, from its first one on, end with the last iterations of those of the run.
+// `last`: the last iteration of each step in the table; 0: none.
 void require_rows_of(const RunSoFar& run, const std::vector<Index>& last, const std::string& name) {
   const auto first = std::find_if(last.begin(), last.end(), [](Index n) { return n > 0; });
   for (auto step = first; step != last.end(); ++step) {
@@ -25,13 +25,13 @@ void require_rows_of(const RunSoFar& run, const std::vector<Index>& last, const 
   }
 }
 
-// The number in a cell of a line of a table that begins at `begin`, and where the next cell begins.
+// The number in the table cell at `begin`, and the beginning of the next cell.
 std::pair<Index, std::size_t> cell_at(const std::string& text, std::size_t begin, const std::string& name) {
   const std::size_t comma = text.find(',', begin);
   return {parse_integer(text.substr(begin, comma - begin), name), comma + 1};
 }
 
-// Bytes of a table up to the last row of the steps done.
+// Bytes of the table up to the last row of the completed steps.
 std::uintmax_t bytes_of_run(const std::string& text, const RunSoFar& run, const std::string& name) {
   const std::string header = csv_header(headings(iteration_columns())) + "\n";
   if (text.substr(0, header.size()) != header)
@@ -58,7 +58,7 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-// How many bytes are kept of the table of the earlier run, which goes on growing as a partial file.
+// Bytes to keep of the table of the earlier run, which becomes a partial file again.
 std::uintmax_t reopened(const std::string& path, const RunSoFar& run) {
   const fs::path growing = partial_path(path);
   if (is_stream(path)) return 0;
@@ -72,22 +72,21 @@ std::uintmax_t reopened(const std::string& path, const RunSoFar& run) {
   return text.empty() ? 0 : bytes_of_run(text, run, growing.string());
 }
 
-// Throws Error if the run cannot go on with the table at `path`. Changes nothing.
 void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
   if (path.empty() || is_stream(path)) return;
   if (const std::string name = partial_path(path).string(); is_there(name)) {
     const std::string text = read_text(name);
     const bool own = !text.empty() && bytes_of_run(text, run, name) > 0;
-    return require_writable(path, own, true);  // a table beside the run's own is one that it replaces
+    return require_writable(path, own, true);  // the run's own partial table replaces one under its name
   }
   if (!is_there(path)) return require_writable(path, false);
-  const std::string text = read_text(path);  // of a run that came to its end
+  const std::string text = read_text(path);  // of a completed run
   if (bytes_of_run(text, run, path) < text.size() && !run.broke_down)
     fail("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
          run.iterations.size());
 }
 
-// The lines of a case without those that say how many steps are asked for, and an end.
+// The lines of a case without the number of steps, and an end.
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> lines;
@@ -97,7 +96,6 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// Throws Error naming the first line in which the case of a trajectory differs from the one asked for.
 void require_same_case(const std::string& path, const TrajectoryHeader& found, const std::string& case_text) {
   const std::vector<std::string> had = lines_of(found.case_text), has = lines_of(case_text);
   if (const auto [before, now] = std::ranges::mismatch(had, has); before != had.end() && now != has.end())
@@ -170,7 +168,7 @@ void RunOutput::open(const TrajectoryHeader& header, const Simulation& simulatio
   first([&] {
     if (found) trajectory_.emplace(files_.output, headings(step_columns()));
     if (const std::string& table = files_.convergence; !table.empty()) {
-      std::optional<std::uintmax_t> kept;  // the rows of the steps that are done
+      std::optional<std::uintmax_t> kept;  // the rows of completed steps
       if (found) kept = reopened(table, *found);
       table_.emplace(table, files_.force || kept.value_or(0) > 0, headings(iteration_columns()), kept);
     }
@@ -188,14 +186,14 @@ IterationSink RunOutput::iterations() {
     if (!table_ || failure_) return;
     try {
       table_->write(row(iteration_columns(), each));
-    } catch (const Error& error) {  // the others are in the middle of a step: they hear of it at its end
+    } catch (const Error& error) {  // the other ranks are in the middle of a step: rethrown at its end
       failure_ = error;
     }
   };
   return {write, files_.convergence_every.value_or(0)};
 }
 
-// The first process gathers the contacts of the newest step, and passes it on to the trajectory.
+// Rank 0 gathers the contacts of the newest step and appends it to the trajectory.
 void RunOutput::hand_over(bool keep) {
   if (!newest_) return;
   std::vector<TrajectoryContact>& contacts = newest_->contacts;
@@ -207,18 +205,18 @@ void RunOutput::hand_over(bool keep) {
 }
 
 void RunOutput::add(const Simulation& after, const AnySolvedStep& solved, const StepReport& report) {
-  first([] {});  // a step whose rows the table could not take must not reach the trajectory
+  first([] {});  // throws `failure_`: a step without its rows in the table must not reach the trajectory
   const bool keep = report.step % files_.save_every == 0 || report.step == after.dynamics.time.steps;
   newest_.emplace();
   if (processes_.first()) newest_->state = after.state;
   newest_->contacts = std::visit([](const auto& step) { return trajectory_contacts(step); }, solved);
   rows_.push_back(row(step_columns(), report));
-  // Of several processes the first one asks the others for contacts only when it is about to write them.
+  // Several ranks exchange contacts only when rank 0 is about to write them.
   const bool due = processes_.any(trajectory_ && trajectory_->due());
   if (keep || due || processes_.alone()) hand_over(keep);
   first([&] {
     if (!due) return;
-    if (table_) table_->flush();  // first: a restart needs the rows of all the steps that the trajectory has
+    if (table_) table_->flush();  // first: a restart needs the rows of all steps in the trajectory
     trajectory_->commit();
   });
 }

@@ -23,7 +23,7 @@ const ResultColumns<NamedTrial>& columns() {
   return all;
 }
 
-// The files that count, sorted by name.
+// The files of contact problems, sorted by name.
 std::vector<fs::path> problem_files(const std::string& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return {path};
@@ -62,7 +62,7 @@ std::optional<LocalFrictionProblem> problem_of(const fs::path& path) {
   }
 }
 
-// How many problems each solver brought to each residual, and in what time.
+// How many problems each solver brought to each residual, and its time.
 void print_summary(const Table& table, const std::vector<FrictionAlgorithm>& solvers) {
   const auto met = [&](const Row& row, const std::string& column) {
     return !std::isnan(std::get<double>(row[table.column(column)]));

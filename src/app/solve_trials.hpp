@@ -8,22 +8,22 @@
 
 namespace nscdd::app {
 
-/// A table of solver trials: every contact problem of a folder, or one file, given to every solver of a list.
+/// A table of solver trials: each contact problem of a folder, or one file, by each solver of a list.
 struct TrialOptions {
-  std::string path;  ///< a folder, whose files *.hdf5 and *.h5 count, or one file
+  std::string path;  ///< a file, or a folder of files *.hdf5, *.h5 and *.dat
   std::vector<FrictionAlgorithm> solvers;
-  FrictionSolverOptions solver;  ///< but for the algorithm
+  FrictionSolverOptions solver;  ///< except the algorithm
   std::optional<double> time_limit;
   std::string csv;
   Reopening how;
 };
 
-/// Writes the table, one row per problem and solver, the solvers running fastest, and prints how many problems each
-/// solver brought to each of the compared residuals. A file that is no contact problem is named in a note, and
-/// its rows have the status "refused". Returns 0, or 1 if files were refused. Throws Error for a folder without files.
+/// Writes the table, a row per problem and solver (solvers vary fastest), and prints how many problems each solver
+/// brought to each compared residual. A file without a contact problem is noted, and its rows have the status
+/// "refused". Returns 1 if there are any, else 0. Throws Error for a folder without files.
 int solve_trials(const TrialOptions& options, const Machine& machine);
 
-/// The problem of a file in the unknowns of the contacts; `name` is that of the file, for errors.
+/// The problem of a file in the unknowns of the contacts; `name`: of the file, for errors.
 LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name);
 
 }  // namespace nscdd::app

@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What `nscdd export CASE --operators FOLDER` is asked for.
+// Options of `nscdd export CASE --operators FOLDER`.
 struct OperatorsOptions {
-  CaseOptions one;  // its name is the first argument of the verb, whatever is exported
+  CaseOptions one;  // its name is the CASE of every export
   std::string folder, epsilon, eta = "inf";
   Choice<ContactSet> contacts = ContactSet::all;
   double relaxation = 1;
@@ -35,8 +35,7 @@ struct Options {
   bool local = false, force = false;
 };
 
-// The step before the one asked for. If it is not kept, names the steps whose contact problems can be set up:
-// those that follow a kept state.
+// The step before the exported one. If it is not kept, throws Error with the steps that follow a kept state.
 TrajectoryStep state_before(const Options& options) {
   if (auto before = find_trajectory_step(options.trajectory, *options.step - 1)) return *std::move(before);
   const Index last = read_last_step(options.trajectory).state.step;
@@ -129,7 +128,7 @@ int export_fclib(const Options& options, const Context& context) {
   return 0;
 }
 
-// `scale`: of relative flexibilities, 1/kg
+// `scale`: of relative flexibilities, 1/kg.
 OperatorParameters parameters(const OperatorsOptions& options, double scale) {
   OperatorParameters result{.dense = !options.sparse_only};
   if (options.sparse_only) return result;
@@ -196,7 +195,7 @@ int run(const Options& options, const Context& context) {
   return export_steps(options.steps, options.trajectory, options.force);
 }
 
-// Declares --operators, which it returns, and what goes with it, but for the first argument.
+// Declares --operators, which it returns, and the options that need it.
 Option& declare_operators(Command& command, OperatorsOptions& options) {
   Option& operators = command.add("--operators FOLDER", options.folder,
                                   "write M, H, W, S, P, B and more there, as Matrix Market and HDF5");

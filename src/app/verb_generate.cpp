@@ -13,7 +13,7 @@ struct Options {
   bool force = false;
 };
 
-// What the name stands for: a generator at its defaults, or a case.
+// A generator at its defaults, or a case.
 CaseSpec spec_of(const std::string& name) {
   using Generators = Alternatives<Generator>;
   const auto found = std::find(Generators::names.begin(), Generators::names.end(), name);

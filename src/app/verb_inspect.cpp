@@ -52,7 +52,7 @@ void print_network(const Model& model, const Inspection& found, Index ranks_up_t
   print_degrees("whole", found.whole, found.ranks);
 }
 
-// Nothing where no contact depends on it.
+// Prints nothing if no contact depends on rounding.
 void print_rounding(const RoundingDoubt& doubt) {
   if (doubt.decided.size + doubt.open.size == 0) return;
   fmt::print("\ndigits               {} (gaps are known to {:.2g} of the smaller radius)\n", doubt.digits,
@@ -117,7 +117,7 @@ Action declare_inspect(Command& command) {
   nscdd inspect deposit --histogram sizes.csv
 A case that moves is inspected at its start, without its boundaries; overlaps are accepted up to those
 that its simulation accepts.)";
-  // The rank of the whole packing takes nearly all of the time, and is not shared: the first process does the work.
+  // The rank of the whole packing takes nearly all of the time and is not shared: MPI rank 0 does the work.
   return [options](const Context& context) {
     const Processes& all = context.machine.processes;
     return all.together([&] { return all.first() ? run(*options) : 0; });

@@ -21,7 +21,7 @@ std::string name_and_value(const Option& option) {
   return names + " " + (option.words.empty() ? option.value : "WORD");
 }
 
-// In brackets behind the help: the words it admits where the help does not name them, and the default.
+// In brackets after the help: the accepted words, if the help lacks any, and the default.
 std::string remarks(const Option& option) {
   const auto named = [&](const std::string& word) { return option.help.find(word) != std::string::npos; };
   std::string words;
@@ -31,7 +31,7 @@ std::string remarks(const Option& option) {
   return fmt::format(" [{}{}{}]", words, !words.empty() && !initial.empty() ? "; " : "", initial);
 }
 
-// Words set in lines of at most `width` characters, each line after the first behind `indent` blanks.
+// Words in lines of at most `width` characters, indented from the second line on.
 std::string wrapped(const std::string& text, std::size_t width, std::size_t indent) {
   std::istringstream words(text);
   std::string result;
@@ -62,7 +62,7 @@ std::string usage(const Verb& verb) {
   return line + " [OPTIONS]";
 }
 
-// Text as troff takes it: no line begins with a control character, hyphens and backslashes stand for themselves.
+// Escaped for troff: control characters at the beginning of lines, hyphens and backslashes.
 std::string troff(const std::string& text) {
   std::string result;
   bool line_start = true;
@@ -80,7 +80,7 @@ std::string page_head(const std::string& name, const std::string& summary) {
                      troff(name), troff(summary));
 }
 
-// The branch of one verb: what may follow an option with words, and what else there is.
+// The branch of one verb: the words of its options, its options, and known names.
 std::string completion_branch(const Verb& verb) {
   std::string values, names;
   for (const Option& option : verb.command.options) {
@@ -94,7 +94,7 @@ std::string completion_branch(const Verb& verb) {
                      fmt::join(verb.command.names(), " "), names);
 }
 
-// Manual pages in troff, section 1: of the program, and of one verb ("nscdd-VERB").
+// Manual pages in troff, section 1, of the program and of one verb ("nscdd-VERB").
 std::string manual_page(const std::vector<Verb>& verbs) {
   std::string page = page_head("nscdd", "convergence study of domain decomposition for nonsmooth contact dynamics");
   page += ".SH SYNOPSIS\n.B nscdd\n.I VERB\n[\\fIOPTIONS\\fR]\n.SH VERBS\n";
@@ -112,7 +112,7 @@ std::string manual_page(const Verb& verb) {
   return page + fmt::format(".SH EXIT STATUS\n{}\n.SH SEE ALSO\n.BR nscdd (1)\n", troff(exit_codes));
 }
 
-// A completion for bash: verbs, options, the words an option admits, known cases and studies, files.
+// Completes verbs, options and their words, known cases and studies, and files.
 std::string bash_completion(const std::vector<Verb>& verbs) {
   std::string names, branches;
   for (const Verb& verb : verbs) {

@@ -21,7 +21,7 @@ struct Options {
   Limits limits;
 };
 
-// `scale`: of relative flexibilities, 1/kg. A mode belongs to one operator.
+// `scale`: of relative flexibilities, 1/kg.
 ModeParameters parameters(const Options& options, const Machine& machine, double scale) {
   ModeParameters result;
   result.epsilon = one_value(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
@@ -113,7 +113,7 @@ int run(const Options& options, const Machine& machine) {
   require_geometry(model, "modes");
   const ResultColumns<ModeImpulse>& impulse_columns = mode_impulse_columns(model.problem.dimension);
   const ResultColumns<ModeVelocity>& velocity_columns = mode_velocity_columns(model.problem.dimension);
-  // Both files are opened before the spectrum and get their names after it: a run that fails leaves neither.
+  // Files are opened before the work and named after it: a run that fails leaves none.
   CsvWriter impulses(impulses_name, options.force, headings(impulse_columns));
   CsvWriter velocities(velocities_name, options.force, headings(velocity_columns));
   const ModeParameters wanted = parameters(options, machine, flexibility_scale(model));

@@ -15,7 +15,7 @@ struct Options {
   Limits limits;
 };
 
-// A contact problem has neither grains to place nor loads of its own to solve for.
+// A contact problem has no places of grains and no loads.
 int write_problem(const Options& options, const Model& model) {
   if (!options.grains.empty()) require_geometry(model, "--grains");
   CsvWriter csv(options.csv, options.force, headings(problem_contact_columns()));

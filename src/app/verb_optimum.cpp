@@ -18,7 +18,7 @@ struct Options {
   Limits limits;
 };
 
-// The result as text for a reader: one quantity per line.
+// One quantity per line.
 void print_report(const OptimumResult& result) {
   for (const auto& [heading, value] : optimum_columns(true)) {
     const std::string unit = heading.unit == "1" || heading.unit.empty() ? "" : " " + heading.unit;
@@ -43,7 +43,7 @@ int run(const Options& options, const Context& context) {
   const StudyTable work = in_turn(machine.processes, [&] { return table_of(options, machine); });
   if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
   if (nothing_to_resume(options.csv, "", options.how, machine)) return 0;
-  const ThreadLimit limit = options.limits.limit_threads(machine);  // packings are settled with all
+  const ThreadLimit limit = options.limits.limit_threads(machine);  // packings are settled with all threads
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): there is nothing to optimise", model.name, why_empty(model));

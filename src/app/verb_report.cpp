@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Index most_grains = 300'000;  // that a browser draws at once; the page takes some 80 bytes for each
-constexpr double bytes_of_steps = 8e6;  // that the steps of a run take on a page where --steps says nothing
+constexpr Index most_grains = 300'000;  // that a browser draws at once; some 80 bytes each on the page
+constexpr double bytes_of_steps = 8e6;  // default size of the steps of a run on a page
 
 constexpr const char* nothing_written = "{}: interrupted; nothing was written";
 
@@ -27,7 +27,7 @@ struct Options {
   Limits limits;
 };
 
-// The options for runs, and those for any CASE. All others are for packings.
+// Options of runs, and of runs and packings. All others are of packings.
 constexpr std::array<std::string_view, 2> of_runs{"--steps", "--convergence"};
 constexpr std::array<std::string_view, 3> of_both{"CASE", "-o,--output", "--force"};
 
@@ -36,7 +36,7 @@ void require_html_name(const std::string& path) {
     fail("{}: expected a name that ends in .html, met another", path);
 }
 
-// Sliders go up, and have no place twice.
+// The values of a slider, each once.
 FlexibilityValues ascending(FlexibilityValues values) {
   std::ranges::sort(values.first);
   values.first.erase(std::unique(values.first.begin(), values.first.end()), values.first.end());
@@ -61,7 +61,6 @@ void require_drawable(const std::string& name, Index disks, std::string_view wha
     fail("{}: expected at most {} {}, which a page can still show, met {}", name, most_grains, what, disks);
 }
 
-// Writes the page in one piece, says what it is, and how large.
 void write(const std::string& path, const std::string& page, bool force, const std::string& what) {
   write_file(path, page, force);
   fmt::print("{}: {}, {:.3g} MB\n", path, what, 1e-6 * static_cast<double>(page.size()));

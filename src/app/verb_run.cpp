@@ -17,7 +17,7 @@ struct Options {
   Limits limits;
 };
 
-// A study with the folder that it comes from and the one that takes its results.
+// A study with its own folder and that of its results.
 struct Work {
   Study study;
   fs::path source, output;
@@ -42,7 +42,7 @@ Work read_work(const Options& options) {
   return work;
 }
 
-// Resolves each case once, however many tables it is in. Returns every case once.
+// Resolves the cases of all tables; returns each case once.
 std::vector<Case> resolve_cases(Study& study) {
   std::vector<Case> all;
   for (StudyTable& table : study.tables)
@@ -54,7 +54,7 @@ std::vector<Case> resolve_cases(Study& study) {
   return all;
 }
 
-// Runs one table of the study; `result` also takes the rows found. Returns false if it was interrupted.
+// Runs a table; `result` takes its rows, old and new. Returns false if interrupted.
 bool run_one(const StudyTable& table, ResumableTable& csv, Interruption& interruption, LeadIn& lead_in, Table& result) {
   const auto collect = [&](const Row& row) { result.rows.push_back(row); };
   csv.replay(collect);
@@ -70,7 +70,7 @@ bool run_one(const StudyTable& table, ResumableTable& csv, Interruption& interru
   return true;
 }
 
-// Leaves out the tables that are run on demand only, which never come first.
+// Removes the tables that only --large runs; the first table is never one.
 void leave_out_large(Study& study) {
   std::vector<std::string> names;
   for (const StudyTable& table : study.tables)
@@ -79,14 +79,14 @@ void leave_out_large(Study& study) {
   if (!names.empty()) note("{}: without {}, which --large adds", study.name, fmt::join(names, ", "));
 }
 
-// The baseline of a table, if it has one. Large tables may do without.
+// The baseline of a table; optional for large ones.
 std::optional<CsvText> baseline_of(const Work& work, const StudyTable& table) {
   const std::string path = work.baseline(table);
   if (!table.baseline || (table.large && !fs::exists(path))) return std::nullopt;
   return parse_csv(read_text(path), path);
 }
 
-// Compares the tables as they are on disk with their baselines.
+// Compares the tables on disk with their baselines.
 int check_baselines(const Work& work) {
   int exit_code = 0, compared = 0;
   for (const StudyTable& table : work.study.tables) {
@@ -107,8 +107,8 @@ int check_baselines(const Work& work) {
   return exit_code;
 }
 
-// Throws Error where the finished table in the file `path` has other columns, another number of rows or other
-// parameters in a row than `work`, as far as these are known before it is computed.
+// Throws Error unless the finished table in the file `path` has the columns, the number of rows and the parameters of
+// `work` that are known before it is computed.
 void require_rows_of(const StudyTable& work, const std::string& path) {
   const Table layout{study_columns(work), {}};
   const std::string text = read_text(path), header = csv_header(layout.columns);
@@ -125,13 +125,13 @@ void require_rows_of(const StudyTable& work, const std::string& path) {
   if (number < *total || reader.next()) fail("{}: expected {} rows of this work, met another number", path, *total);
 }
 
-// Whether every table of the study is there, and no record of a run that was interrupted.
+// Whether all results exist, without a record of an interrupted run.
 bool is_complete(const Work& work) {
   const auto complete = [&](const StudyTable& table) { return nscdd::is_complete(work.csv(table)); };
   return nscdd::is_complete(work.hdf5()) && std::ranges::all_of(work.study.tables, complete);
 }
 
-// Results must not take the place of what they come from.
+// Throws Error if a result would replace an input.
 void check_outputs(const Work& work) {
   std::vector<fs::path> inputs{work.study_file()};
   std::vector<std::string> names{work.hdf5()};
@@ -145,7 +145,7 @@ void check_outputs(const Work& work) {
 }
 
 int compute(const Work& work, const std::vector<Case>& cases, const Options& options, const Context& context) {
-  // Refused before hours of work rather than after them.
+  // Throws Error before hours of work, not after them.
   for (const StudyTable& table : work.study.tables) kept_rows(work.csv(table), table_work(table), options.how);
   Interruption interruption;
   OutputFile hdf5(work.hdf5(), options.how.force, kept_of_whole(options.how));
@@ -174,7 +174,7 @@ int run(const Options& options, const Context& context) {
   Work work = read_work(options);
   check_outputs(work);
   if (!options.large) leave_out_large(work.study);
-  if (options.check)  // baselines are read before hours of work rather than after them
+  if (options.check)  // throws Error for a missing baseline before hours of work
     for (const StudyTable& table : work.study.tables) baseline_of(work, table);
   const std::vector<Case> cases = resolve_cases(work.study);
   std::error_code status;

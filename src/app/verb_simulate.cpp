@@ -35,12 +35,12 @@ struct Options {
   bool restart = false;
 };
 
-// A parameter that the command line gives, with the name of its option.
+// A parameter on the command line, and its option.
 struct Given {
   std::string key, option;
 };
 
-// Those of options of their own, then those of --set. Throws Error where one is given twice.
+// The parameters with an option of their own, then those of --set. Throws Error if one is given twice.
 std::vector<Given> given_parameters(const Options& options) {
   std::vector<Given> given;
   const auto add = [&](const std::string& key, const std::string& option) {
@@ -62,8 +62,8 @@ std::vector<Given> given_parameters(const Options& options) {
   return given;
 }
 
-// What is asked for on the command line must not be passed over in silence. A loop over numbers of subdomains
-// may begin with one, which has no interface: there a note says what has no effect.
+// Throws Error for a parameter without effect. On one subdomain, which has no interface, a note does: a loop over
+// numbers of subdomains may begin with 1.
 void require_effect(const Given& given, const CaseSpec& spec) {
   const Dynamics& dynamics = *spec.dynamics;
   if (given.key.starts_with("contacts."))
@@ -79,7 +79,7 @@ void require_effect(const Given& given, const CaseSpec& spec) {
     note("{}: without effect on one subdomain, which has no interface", given.option);
 }
 
-// What is wrong is said of the option.
+// Errors name the option.
 void set(CaseSpec& spec, const ParameterOption& parameter) try {
   override_case(spec, parameter.key, *parameter.value);
 } catch (const Error& error) {
@@ -103,7 +103,7 @@ void apply(const Options& options, CaseSpec& spec) {
   }
 }
 
-// Files of these names beside the trajectory are removed when the run ends.
+// The run removes files of these names when it ends.
 void require_not_beside(const std::string& output, const std::string& table) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -139,7 +139,7 @@ int close(const Options& options, const Simulation& simulation, const RunOutcome
   return 1;
 }
 
-// What several processes share is a step that is cut into subdomains.
+// Several ranks can only share a step that is divided into subdomains.
 void require_shared(const CaseSpec& spec, const Machine& machine) {
   if (machine.processes.alone()) return;
   const StepSolver& solver = spec.dynamics->solver;
@@ -151,7 +151,7 @@ void require_shared(const CaseSpec& spec, const Machine& machine) {
   require_subdomains(subdomains(spec.partition), machine.processes.size);
 }
 
-// What tells the start of one run from that of another, and what is asked of it.
+// A fingerprint of the start of the run and of its options, compared across ranks.
 std::vector<double> features(const Simulation& simulation, const std::string& case_text, const Options& options) {
   const auto& [system, state] = std::tie(simulation.system, simulation.state);
   std::vector<double> numbers;
@@ -200,7 +200,7 @@ int run(const Options& options, const Context& context) {
   RunOutput output(options.files, all);
   output.open({to_toml(spec), build_fingerprint(), provenance(context, {*one}), simulation.system}, simulation, found,
               context.command_line);
-  one.reset();  // a system has been made of its packing
+  one.reset();  // the simulation no longer needs its packing
   give_back_freed_memory();
   RunTotals totals;
   RunSinks sinks;

@@ -95,7 +95,7 @@ std::string first_of(const std::vector<Index>& contacts) {
   return fmt::format("{}{}", fmt::join(contacts.begin(), end, ", "), contacts.size() > most ? ", ..." : "");
 }
 
-// A residual may be small because impulses are large, as they grow where there is no solution.
+// A relative residual may be small because impulses grow without bound, as they do if there is no solution.
 void print_doubt(const FrictionSolution& solution) {
   if (solution.credible || solution.status != FrictionStatus::converged) return;
   note(
@@ -104,7 +104,7 @@ void print_doubt(const FrictionSolution& solution) {
       solution.state.driven_residual);
 }
 
-// Which contacts keep a run from converging, by their numbers in the file, from 0.
+// The contacts that keep a run from converging, by their numbers in the file, from 0.
 void print_trouble(const LocalFrictionProblem& problem, const FrictionSolution& solution) {
   if (solution.status == FrictionStatus::converged) return;
   constexpr double share = 0.9;
@@ -131,7 +131,7 @@ void require_moderate(const LocalFrictionProblem& problem, const std::string& na
   require(largest / problem.w.diagonal().maxCoeff(), "largest |q| over the largest of W_nn and W_tt");
 }
 
-// A result is a solution only where it is one; else it is a guess to go on from.
+// Impulses that did not converge are written as a guess.
 void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options,
                   const Context& context, OutputFile& output) {
   if (has_siconos_name(options.output)) {
@@ -161,7 +161,6 @@ void check_options(const Options& options) {
   if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);
 }
 
-// Every problem of a folder by every solver named.
 int run_trials(const Options& options, const Machine& machine) {
   const std::vector<FrictionAlgorithm> solvers = options.algorithms.empty()
                                                      ? std::vector{FrictionAlgorithm{options.solver.algorithm}}
@@ -179,7 +178,7 @@ int run(const Options& options, const Context& context) {
   const LocalFrictionProblem local = local_problem(file, options.file);
   require_moderate(local, options.file);
   const Vector guess = starting_impulses(file, options);
-  // Both are opened before the work, and named after it: a run that fails leaves neither.
+  // Outputs are opened before the work and named after it: a run that fails leaves none.
   const ResultColumns<FrictionSolution> columns = check_columns();
   std::optional<CsvWriter> csv;
   if (!options.convergence.empty()) csv.emplace(options.convergence, options.how.force, headings(columns));

@@ -20,7 +20,7 @@ struct Options {
   Limits limits;
 };
 
-// All but the flexibilities, which are a range where a curve is asked for.
+// All parameters except the flexibilities, which may be a range (--curve).
 SweepParameters parameters(const Options& options, const Machine& machine) {
   SweepParameters result;
   result.relaxation = parse_relaxation(options.relaxation);
@@ -37,8 +37,7 @@ SweepParameters parameters(const Options& options, const Machine& machine) {
   return result;
 }
 
-// The rows of the sweep, those found included; `sink` takes them all. Tells which rows stay without proof, unless it is
-// interrupted. Returns the exit code.
+// Passes all rows of the sweep, old and new, to `sink`. Notes rows without proof, unless interrupted.
 int work_through(const Model& model, const StudyTable& work, SharedTable& csv, Interruption& interruption,
                  const RowSink& sink) {
   const ResultColumns<SweepResult> columns = sweep_columns(work.sweep);
@@ -54,7 +53,7 @@ int work_through(const Model& model, const StudyTable& work, SharedTable& csv, I
     sink(cells);
   };
   csv->replay(take);
-  constexpr Index most_told = 3;  // of the rows without the requested result: the solvers tried, and why each failed
+  constexpr Index most_told = 3;  // rows without the requested result whose failure is noted
   const auto write = [&](const SweepResult& result) {
     const SpectralRadius& radius = result.radius;
     if ((!radius.converged || (certify && !radius.certified)) && told++ < most_told)
@@ -71,15 +70,15 @@ int work_through(const Model& model, const StudyTable& work, SharedTable& csv, I
   return 0;
 }
 
-// The table of curves: as that of a sweep, but the number of its rows is not known beforehand.
+// The table of curves: that of a sweep with an unknown number of rows.
 TableWork curve_work(const StudyTable& work, const CurveParameters& parameters) {
   TableWork table{work_identity(work), headings(curve_columns(parameters.sweep)), std::nullopt, {}};
   table.identity.options += fmt::format("curve {}\n", to_text(parameters.tolerance));
   return table;
 }
 
-// Traces the curves and writes their rows, which `sink` takes too. Tells the user of curves that are not proved to the
-// tolerance; the exit code is then 1.
+// Writes the rows of the curves and passes them to `sink`. Notes curves that are not proved to the tolerance; the exit
+// code is then 1.
 int trace(const Model& model, const CurveParameters& parameters, ResumableTable& csv, Interruption& interruption,
           const RowSink& sink) {
   const RowSink write = [&](const Row& row) {
@@ -104,7 +103,7 @@ int trace(const Model& model, const CurveParameters& parameters, ResumableTable&
   return wide + open > 0 ? 1 : 0;
 }
 
-// What is asked for: points, or curves whose points are placed.
+// The points of a sweep, or curves, which place their points.
 struct Asked {
   StudyTable work;
   std::optional<CurveParameters> curve;
@@ -136,12 +135,12 @@ int run(const Options& options, const Context& context) {
   if (std::ranges::any_of(work.sweep.gauss_seidel_sweeps, [](const auto& sweeps) { return sweeps.has_value(); }))
     require_one_process(machine, "--gauss-seidel-sweeps");
   if (nothing_to_resume(options.csv, options.hdf5, options.how, machine)) return 0;
-  const ThreadLimit limit = options.limits.limit_threads(machine);  // packings are settled with all
+  const ThreadLimit limit = options.limits.limit_threads(machine);  // packings are settled with all threads
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
-  Interruption interruption(machine.processes);  // from here on there is something to be left in good order
-  // Both are opened before the work and named after it: a run that fails leaves neither.
+  Interruption interruption(machine.processes);
+  // Outputs are opened before the work and named after it: a run that fails leaves none.
   SharedTable csv(machine, options.csv, curve ? curve_work(work, *curve) : table_work(work), options.how);
   CountsTable counts(options.counts, options.how.force, machine);
   std::optional<OutputFile> hdf5;
@@ -156,7 +155,7 @@ int run(const Options& options, const Context& context) {
   };
   const int code =
       curve ? trace(model, *curve, *csv, interruption, keep) : work_through(model, work, csv, interruption, keep);
-  if (interruption.stopped() && curve)  // the table removes its files when it goes
+  if (interruption.stopped() && curve)  // the destructor of the table removes its files
     return interrupted("{}: interrupted: a table of curves is not resumed{}", name_of_output(options.csv),
                        is_stream(options.csv) ? "" : ", and nothing is left of it");
   if (interruption.stopped()) return leave(*csv, options.csv);
