@@ -20,7 +20,7 @@ bool same_value(const Cell& cell, const std::string& expected, double tolerance,
   return std::isfinite(*a) && std::isfinite(*b) && std::abs(*a - *b) <= tolerance * scale;
 }
 
-// The values of one line. Unquoted text of quoted values is kept in `quoted`.
+// The values of one line. `quoted` owns the texts of quoted values.
 template <class Where>
 void split_values(std::string_view line, const Where& where, std::vector<std::string_view>& values,
                   std::deque<std::string>& quoted) {
@@ -98,7 +98,6 @@ void CsvWriter::finish() {
   file_.finish();
 }
 
-// The header is written with the first row, immediately.
 void CsvWriter::write(const Row& row) { file_.line(std::exchange(header_, {}) + csv_line(row)); }
 
 CsvReader::CsvReader(std::string_view text, std::string name) : lines_(text), name_(std::move(name)) {
@@ -119,7 +118,6 @@ bool CsvReader::next() {
   return true;
 }
 
-// Advances to the next line that is not skipped and splits it into values.
 bool CsvReader::next_line() {
   while (lines_.next()) {
     const std::string_view content = trimmed(lines_.line());

@@ -10,10 +10,10 @@
 
 namespace nscdd {
 
-/// Writes a table as CSV (RFC 4180 with line feeds): a line of column names, then one per row, as OutputFile does.
+/// Writes a table to an OutputFile as CSV (RFC 4180 with line feeds): a line of column names, then one per row.
 class CsvWriter {
  public:
-  /// With `kept_bytes` > 0, continues the partial file of an earlier run behind these bytes, which include the header.
+  /// With `kept_bytes` > 0, continues the partial file of an earlier run after these bytes, which include the header.
   CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns,
             std::optional<std::uintmax_t> kept_bytes = std::nullopt);
   void write(const Row& row);
@@ -35,10 +35,10 @@ std::string csv_header(const std::vector<Column>& columns);
 /// Values of one line of CSV, quoted as in RFC 4180. Throws Error "where: ..." for a quote that is not closed.
 std::vector<std::string> csv_values(std::string_view line, const std::string& where);
 
-/// Reads CSV text row by row, with quotes as in RFC 4180. The first line holds the names. Blank lines and
-/// lines that begin with '#' are skipped; for line ends and a byte order mark see TextLines. The text must outlive the
-/// reader. Throws Error "name:line: ..." for a row with too few or too many values, a quote that is not
-/// closed, an empty or repeated column name, text without a line of names, or UTF-16.
+/// Reads CSV text (RFC 4180) row by row. The first line holds the names. Blank lines and lines that begin with '#' are
+/// skipped; for line ends and a byte order mark see TextLines. The text must outlive the reader. Throws Error
+/// "name:line: ..." for a row with too few or too many values, a quote that is not closed, an empty or repeated column
+/// name, text without a line of names, or UTF-16.
 class CsvReader {
  public:
   CsvReader(std::string_view text, std::string name);
@@ -70,14 +70,13 @@ CsvText parse_csv(std::string_view text, const std::string& name);
 /// The whole content of a regular file. Throws Error if it cannot be read.
 std::string read_text(const std::string& path);
 
-/// The table without units. A value is a number if it reads as one, else a text.
+/// The table without units. A cell is a number if it reads as one, else a text.
 Table untyped_table(const CsvText& csv);
 
-/// The first difference between a table and the CSV text of another, or "" if they agree. They agree if they have the
-/// same columns and the same number of rows, equal texts, and numbers that differ by no more than `tolerance` x max(1,
-/// |number|). A column may have its own tolerance. With `relative` the tolerance is relative to |number| only, so that
-/// small numbers count as much as large ones. Columns of the effort of a solver (applications, iterations, spectra) or
-/// of its rounding (residual, difference) are not compared.
+/// The first difference between a table and the CSV text of another, or "" if they agree: equal columns, numbers of
+/// rows and texts, and numbers that differ by at most `tolerance` x max(1, |number|), or x |number| if `relative`. A
+/// column may have its own tolerance. Not compared: the effort of a solver (applications, iterations, spectra) and
+/// rounding (residual, difference).
 std::string compare(const Table& table, const CsvText& expected, double tolerance,
                     const std::map<std::string, double>& column_tolerance = {}, bool relative = false);
 

@@ -12,7 +12,7 @@ namespace {
 // A dataset or an attribute that is read.
 struct Source {
   Handle id, type, space;
-  std::string unlike;  ///< what the error says if it is not as expected
+  std::string unlike;  ///< error text for an unexpected one
 
   H5T_class_t kind() const { return H5Tget_class(type); }
   std::size_t size() const { return H5Tget_size(type); }

@@ -28,7 +28,7 @@ Handle memory_access() {
 hid_t open_bytes(std::string_view bytes) {
   if (bytes.empty()) return -1;
   const Handle access = memory_access();
-  std::string image(bytes);  // the library asks for bytes that may be written to
+  std::string image(bytes);  // the library wants mutable bytes
   require(H5Pset_file_image(access, image.data(), image.size()));
   return H5Fopen("memory", H5F_ACC_RDONLY, access);
 }
@@ -73,7 +73,7 @@ Handle new_array(const Group& group, const std::string& name, hid_t type, const 
   const Handle properties = without_times(H5P_DATASET_CREATE);
   if (form.chunk > 0) require(H5Pset_chunk(properties, dimensions, chunk.data()));
   if (form.compressed) {
-    constexpr unsigned level = 4;  // of 9: higher ones take much longer and gain little
+    constexpr unsigned level = 4;  // of 9: higher levels take much longer and gain little
     require(H5Pset_shuffle(properties));
     require(H5Pset_deflate(properties, level));
   }
@@ -157,7 +157,7 @@ void Group::put_array(const std::string& name, Types types, const void* data, st
   require(H5Dwrite(dataset, types.memory, source, target, H5P_DEFAULT, data), failure);
 }
 
-// Texts of equal length, filled up with zeros.
+// Texts are padded with zeros to equal lengths.
 void Group::put(const std::string& name, std::span<const std::string> texts, const ArrayForm& form) const {
   std::size_t length = std::max<std::size_t>(form.longest_text, 1);
   if (form.longest_text == 0)
@@ -183,7 +183,7 @@ void Group::put_columns(const Table& table, ArrayForm form) const {
   }
 }
 
-// A dataset holds a text of any length; an attribute holds 64 KiB at the most.
+// A dataset, because an attribute holds at most 64 KiB.
 void Group::put_text(const std::string& name, const std::string& text, bool terminated) const {
   const Handle type = text_type(text.size() + (terminated ? 1 : 0), terminated ? H5T_STR_NULLTERM : H5T_STR_NULLPAD);
   const Handle dataset(

@@ -9,7 +9,7 @@
 #include <type_traits>
 
 /// Wrapper of the C interface of HDF5: files on disk or in memory, groups, arrays of numbers, texts. Failures throw
-/// Error. Files carry no time stamps, so that equal content gives equal bytes.
+/// Error. Without time stamps, equal content gives equal bytes.
 namespace nscdd::hdf5 {
 
 using ErrorHandler = std::pair<H5E_auto2_t, void*>;  ///< with its data
@@ -77,12 +77,12 @@ class Group {
   const std::string& path() const { return path_; }
   std::string of(const std::string& member) const;  ///< name of a member in error messages
   bool has(const std::string& name) const;
-  std::vector<std::string> members() const;  ///< in the order of the alphabet
+  std::vector<std::string> members() const;  ///< sorted
 
-  /// Reading. Every function throws Error for a member that is missing, is something else or is damaged.
+  /// Reading. Throws Error for a member that is missing, of another kind or damaged.
   Group group(const std::string& name) const;
-  /// A one-dimensional array of numbers, or some rows of one of one or two dimensions. Numbers are whole if `Value`
-  /// is an integer type (std::int8_t, std::int32_t, std::int64_t), else floating-point or whole.
+  /// A one-dimensional array of numbers, or some rows of an array of one or two dimensions. An integer type `Value`
+  /// (std::int8_t, std::int32_t, std::int64_t) requires integers; double reads both kinds.
   template <class Value>
   std::vector<Value> numbers(const std::string& name, std::optional<Rows> rows = std::nullopt) const;
   Index rows(const std::string& name) const;  ///< of an array; 0 if there is none
@@ -149,6 +149,6 @@ std::string new_file_bytes(Fill&& fill) {
 
 /// Texts in the group `provenance`.
 void put_provenance(const Group& root, const Provenance& provenance);
-Provenance provenance_of(const Group& root);  ///< in the order of the alphabet
+Provenance provenance_of(const Group& root);  ///< sorted by name
 
 }  // namespace nscdd::hdf5

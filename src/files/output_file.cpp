@@ -34,12 +34,12 @@ void rename_file(const fs::path& from, const fs::path& to) {
   if (status) refuse(to.string(), "be renamed from " + from.string(), status.message());
 }
 
-// Whether another run has locked the file. If not, locks it if the system can.
+// Whether another run has locked the file. If not, locks it if the system supports locks.
 bool is_locked(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
 
 [[noreturn]] void refuse_locked(const std::string& path) { fail("{}: is being written by another run", path); }
 
-// Locks before truncating, so that two runs never write into each other's rows. Null if the system refuses.
+// Locks before truncating, so that two runs never mix their rows. Null if the system refuses.
 std::FILE* open_growing(const fs::path& path, std::uintmax_t kept_bytes) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) return nullptr;
@@ -65,7 +65,7 @@ fs::path followed(fs::path path) {
   return path;
 }
 
-// A reader that opened the file under its old name may still be reading it.
+// Whether a reader that opened the file under its old name is still reading it.
 bool is_read(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return false;
@@ -199,15 +199,14 @@ std::vector<std::string> AlternatingFile::names_beside(const std::string& path) 
   return {file + ".next", file + ".previous", file + ".lock"};
 }
 
-// A killed run leaves its lock. The other names are created after the lock and removed before it, so they belong to a
-// run only if the lock exists. A lock may be empty: its run was killed before marking it.
+// The other files are created after the lock and removed before it, so they belong to a killed run only if its lock
+// exists. A lock is empty if its run was killed before marking it.
 AlternatingFile::AlternatingFile(const std::string& path)
     : path_(followed(path).string()),
       spare_(path_ + ".next"),
       previous_(path_ + ".previous"),
       lock_(path_ + ".lock"),
       lock_stream_(std::fopen(lock_.c_str(), "a+e"), &std::fclose) {
-  // Content of a lock of this program. A file with other content is not ours.
   constexpr std::string_view mark = "lock of a trajectory that nscdd writes\n";
   std::FILE* stream = lock_stream_.get();
   if (stream == nullptr) refuse(path_, "be opened for writing");
@@ -238,7 +237,7 @@ void AlternatingFile::create(const Change& make) {
 }
 
 void AlternatingFile::change(Change change) {
-  const Change missing = std::exchange(missing_, {});  // after a change that fails the spare must be copied
+  const Change missing = std::exchange(missing_, {});  // if `change` fails, the next one must copy the file
   if (!missing || copying_is_faster() || is_read(spare_)) {
     remove_file(spare_);
     std::error_code status;
@@ -262,8 +261,8 @@ bool AlternatingFile::copying_is_faster() const {
          static_cast<double>(fs::file_size(path_, ignored)) < missing_seconds_ * bytes_per_second;
 }
 
-// One rename installs the new version. The old version becomes the spare copy if the file system has hard links and
-// there is no other link to it. Otherwise the next change begins with a copy.
+// One rename installs the new version. The old one becomes the spare copy if it has no other hard link (and the file
+// system has hard links). Otherwise the next change begins with a copy.
 void AlternatingFile::swap() {
   std::error_code status, linked;
   remove_file(previous_);

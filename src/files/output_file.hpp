@@ -22,12 +22,12 @@ void require_writable(const std::filesystem::path& path, bool force, bool partia
 /// Throws Error if two outputs are the same file, unless it is a device or a pipe.
 void require_distinct(const std::string& first, const std::string& second);
 
-/// Throws Error for a device or a pipe, and unless the name ends in one of these, by which readers tell its format.
+/// Throws Error for a device or a pipe, and unless the name has one of these endings, which tell readers the format.
 void require_ending(const std::string& path, const std::array<std::string_view, 2>& endings);
 inline constexpr std::array<std::string_view, 2> hdf5_endings{".h5", ".hdf5"};
 
-/// Creates a folder with its parents; returns whether it is new. Throws Error if `path` is a file, if the system fails,
-/// and for a folder with files unless `force`.
+/// Creates a folder with its parents; returns whether it is new. Throws Error if `path` is a file, if it is a folder
+/// with files (unless `force`), and if the system fails.
 bool make_folder(const std::string& path, bool force);
 
 /// Name of an output until it is complete.
@@ -36,19 +36,18 @@ std::filesystem::path partial_path(const std::filesystem::path& path);
 /// Whether `path` is a device, a pipe or "-" (standard output).
 bool is_stream(const std::filesystem::path& path);
 
-/// Atomic output file: it grows as `path.partial`, and `finish` renames it to `path`. A killed run leaves the readable
-/// partial file. A run that ends by an exception removes it, unless it holds bytes of an earlier run. "-" is standard
-/// output; devices and pipes are written to directly. Every function throws Error if the system fails (no space, no
-/// permission) or another run is writing the same partial file.
+/// Atomic output file: it grows as `path.partial`, and `finish` renames it to `path`. A killed run leaves the partial
+/// file, which is readable. An exception removes it, unless it holds bytes of an earlier run. "-" is standard output;
+/// devices and pipes are written to directly. Throws Error if the system fails (no space, no permission) or another run
+/// is writing the same partial file.
 class OutputFile {
  public:
-  /// With `kept_bytes`, continues the partial file of an earlier run, if any, behind so many bytes.
+  /// With `kept_bytes`, continues the partial file of an earlier run, if any, after so many bytes.
   OutputFile(const std::string& path, bool force, std::optional<std::uintmax_t> kept_bytes = std::nullopt);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
-  /// Writes text and a line feed. Lines are buffered for at most a tenth of a second and written whole, so a killed run
-  /// loses only the latest.
+  /// Writes text and a line feed. Lines are buffered for at most a tenth of a second and written whole.
   void line(std::string_view text);
   void bytes(std::string_view text);  ///< writes text unchanged, at once
   void flush();                       ///< writes the buffered lines
@@ -69,11 +68,11 @@ class OutputFile {
 void write_file(const std::string& path, std::string_view bytes, bool force);
 
 /// A file that changes repeatedly and is complete under its name at every moment, however the program ends. There are
-/// two copies: `path`, which is never modified under that name, and the spare copy `path.next`. A change takes three
-/// steps. 1. The spare copy receives the previous change, or a copy of `path` if that is faster. 2. It receives the new
-/// change. 3. A rename makes it `path`. So a reader of `path` always finds a complete version and does not disturb the
-/// writer. `path.lock` excludes a second writer. If `path` is a symbolic link, it stays one, and all this holds for its
-/// target. Every function throws Error naming the file if the system fails.
+/// two copies: `path`, which is never modified under that name, and the spare copy `path.next`. A change brings the
+/// spare copy up to date (by the previous change, or a copy of `path` if that is faster), then applies the new change
+/// to it, then renames it to `path`. So readers of `path` always find a complete version and do not disturb the writer.
+/// `path.lock` excludes a second writer. A symbolic link stays one: all this holds for its target. Throws Error naming
+/// the file if the system fails.
 class AlternatingFile {
  public:
   /// Changes the file of the given name; must close it.
@@ -82,7 +81,7 @@ class AlternatingFile {
   /// Names of the spare copy, the previous version, and the lock of `path`.
   static std::vector<std::string> names_beside(const std::string& path);
 
-  /// Takes the lock and removes the files of a killed run. Throws Error naming any other file with such a name.
+  /// Takes the lock and removes the files of a killed run. Throws Error for any other file with such a name.
   explicit AlternatingFile(const std::string& path);
   ~AlternatingFile();  ///< `path` keeps its last complete change
   AlternatingFile(const AlternatingFile&) = delete;

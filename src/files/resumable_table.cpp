@@ -21,7 +21,7 @@ constexpr WorkPart work_parts[] = {{"version", "code version", &WorkIdentity::ve
                                    {"options", "choice of options", &WorkIdentity::options},
                                    {"effort", "choice of solver options", &WorkIdentity::effort}};
 
-// A multi-line TOML string. Every text ends with a line feed, so that its quotes never touch the closing ones.
+// A multi-line TOML string. Every text ends with a line feed, so its quotes never touch the closing ones.
 std::string lines(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
@@ -51,7 +51,7 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-// Calls f(line, number from 1) for every complete line until it returns false; returns the bytes of those before.
+// Calls f(line, number from 1) for each complete line until it returns false; returns the bytes of the lines before.
 template <class Function>
 std::size_t for_each_line(std::string_view text, Function&& f) {
   std::size_t start = 0;
@@ -73,7 +73,7 @@ Row parse_row(std::string_view line, const std::vector<std::string>& types, cons
   return row;
 }
 
-// The rows of `text` to keep, without a truncated last line: no line feed, or too few values.
+// The rows of `text` without a truncated last line: no line feed, or too few values.
 KeptRows usable_rows(const std::string& text, const TableRecord& record, const TableWork& work,
                      const std::string& name) {
   KeptRows kept{"", record.types, 0, false};
@@ -98,7 +98,7 @@ KeptRows usable_rows(const std::string& text, const TableRecord& record, const T
   return kept;
 }
 
-// Throws unless the record is of the same work. A truncated record counts as missing.
+// Throws Error unless the record is of the same work.
 TableRecord matching_record(const std::string& path, const std::string& rows, const TableWork& work) {
   const std::string name = record_path(path).string();
   const TableRecord record = [&] {
@@ -125,7 +125,7 @@ KeptRows partial_rows(const std::string& path, const TableWork& work) {
   return usable_rows(text, record, work, name);
 }
 
-// A finished table with a record is part of work that was interrupted later.
+// A finished table with a record belongs to work that was interrupted later.
 KeptRows finished_rows(const std::string& path, const TableWork& work, bool force) {
   if (is_there(record_path(path))) {
     const TableRecord record = matching_record(path, path, work);

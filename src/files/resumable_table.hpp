@@ -7,8 +7,7 @@
 
 namespace nscdd {
 
-/// Everything that determines the rows of a table, as texts: equal texts give equal rows on one machine. On another
-/// processor the BLAS may round differently.
+/// Everything that determines the rows of a table, as texts: equal texts give equal rows on one machine.
 struct WorkIdentity {
   std::string version;  ///< of the program, its build and the libraries
   std::string cases;    ///< resolved, with the content of packing files, not their paths
@@ -19,7 +18,7 @@ struct WorkIdentity {
 /// First difference as "the options differ: expected ..., met ...", or "".
 std::string difference(const WorkIdentity& expected, const WorkIdentity& met);
 
-/// Record of a growing table, FILE.record in TOML: the work that its rows come from.
+/// Record of a growing table, FILE.record in TOML: the origin of its rows.
 struct TableRecord {
   WorkIdentity work;
   std::vector<std::string> types;  ///< of the columns: "integer", "number", "boolean" or "text"
@@ -33,14 +32,14 @@ std::string to_toml(const TableRecord& record);
 /// Reads what `to_toml` wrote; throws Error "file:line: ..." for anything else.
 TableRecord parse_record(std::string_view text, const std::string& file);
 
-/// The type name of each cell, and the cell of a type parsed from text, exact to the last bit.
 std::vector<std::string> cell_types(const Row& row);
+/// The cell of a type from its text, exact to the last bit.
 Cell parse_cell(const std::string& text, const std::string& type, const std::string& where);
 
 /// How to treat existing files.
 struct Reopening {
   bool resume = false;  ///< continue the rows of an interrupted run
-  bool force = false;   ///< replace a finished table, and without `resume` a partial one, too
+  bool force = false;   ///< replace a finished table and, without `resume`, a partial one
 };
 
 /// A table before its rows are computed.
@@ -60,10 +59,9 @@ struct KeptRows {
   bool finished = false;  ///< the whole table, under its own name
 };
 
-/// Finds the rows of an earlier run of `work` under `path`. Rows are kept only if their record equals that of `work`
-/// and every cell known beforehand matches. An incomplete last line is dropped. Tables with an unknown number of rows
-/// (links, grains) start again unless they are finished. Throws Error and changes nothing if `existing` forbids it or
-/// the files come from other work.
+/// The rows of an earlier run of `work` under `path`, without an incomplete last line. Unfinished tables with an
+/// unknown number of rows start again. Throws Error if `how` forbids it, if the record differs from that of `work`, or
+/// if a row differs in a cell that is known beforehand. Changes nothing.
 KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how);
 
 /// Whether the table exists and is finished, without a partial file or a record.
@@ -72,10 +70,9 @@ bool is_complete(const std::string& path);
 /// Removes the record of a finished table.
 void remove_record(const std::string& path);
 
-/// Resumable CSV table. FILE.partial grows row by row, with FILE.record. Both stay if the run is killed or stopped.
-/// When the table is complete, FILE.partial becomes FILE, and FILE.record proves its origin until `remove_record`. A
-/// run that fails by an exception removes what it wrote, unless earlier rows exist. Streams ("-", devices, pipes) have
-/// neither file and cannot be resumed.
+/// Resumable CSV table. FILE.partial grows row by row, with FILE.record. Both stay if the run is killed or stopped. A
+/// complete FILE.partial becomes FILE, and FILE.record proves its origin until `remove_record`. An exception removes
+/// both, unless earlier rows exist. Streams ("-", devices, pipes) have neither file and cannot be resumed.
 class ResumableTable {
  public:
   ResumableTable(std::string path, TableWork work, Reopening how);
@@ -102,7 +99,7 @@ class ResumableTable {
   KeptRows found_;
   Index written_ = 0;
   std::optional<CsvWriter> csv_;  ///< absent for a finished table
-  bool record_is_ours_ = false;   ///< written for rows of this run only, removed with them
+  bool record_is_ours_ = false;   ///< has rows of this run only, and is removed with them
 };
 
 }  // namespace nscdd

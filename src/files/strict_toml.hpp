@@ -13,7 +13,7 @@
 namespace nscdd {
 
 /// Strict reader of a TOML table: every key must be read before `finish`, and every value must have the requested type
-/// and bounds. Otherwise it throws Error "file:line: key: expected ..., met ...".
+/// and bounds. Otherwise throws Error "file:line: key: expected ..., met ...".
 class StrictTable {
  public:
   StrictTable(const toml::table& table, std::string file, std::string path)
@@ -82,7 +82,7 @@ class StrictTable {
       if (!has(key)) fail(key, "a value", "none");
   }
 
-  /// Runs work whose errors do not know the line of `key`; `what` prefixes their messages.
+  /// Runs `action` and prefixes its errors with the line of `key` and `what`.
   template <class Action>
   auto located(std::string_view key, Action&& action, std::string_view what = "") const {
     try {
@@ -203,7 +203,7 @@ class StrictTable {
   std::set<std::string> known_;
 };
 
-/// Parses TOML text, in which lines may also end as TextLines has it; a syntax error becomes Error "file:line: ...".
+/// Parses TOML text, with line ends as in TextLines; a syntax error becomes Error "file:line: ...".
 inline toml::table parse_toml(std::string_view text, const std::string& file) {
   require_utf8(text, file);
   std::string content(text);
