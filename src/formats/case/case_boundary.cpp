@@ -8,7 +8,7 @@ constexpr Field finite{.description = ""};
 constexpr Field not_negative{.description = "", .minimum = 0};
 constexpr Field positive{.description = "", .minimum = 0, .minimum_excluded = true};
 
-// The numbers of a boundary have two components in the plane and three in space, all of them alike.
+// Reads the numbers of a boundary, which must all be for the plane or all for space.
 class BoundaryNumbers {
  public:
   explicit BoundaryNumbers(StrictTable& section) : section_(section) {}
@@ -20,7 +20,7 @@ class BoundaryNumbers {
     take(section_.node(key), key, static_cast<Index>(numbers.size()));
     value = {numbers[0], numbers[1], numbers[2]};
   }
-  /// A spin is one number in the plane, and three in space.
+  // A spin is one number in the plane, and three in space.
   void read_spin(std::array<double, 3>& spin) {
     const toml::node* found = section_.node("spin");
     if (found == nullptr) return;
@@ -32,7 +32,7 @@ class BoundaryNumbers {
     read("spin", spin);
     if (dimension_ == 2) section_.fail("spin", "one number in the plane, or three in space", "an array of 2");
   }
-  /// Notes that an entry has this dimension, and throws Error where others have another one.
+  // Notes the dimension of an entry. Throws Error if other entries have another one.
   void take(const toml::node* node, const char* key, Index dimension) {
     if (dimension_ == 0) {
       dimension_ = dimension;
@@ -51,7 +51,6 @@ class BoundaryNumbers {
   std::string first_;
 };
 
-// One entry of a motion: four numbers in the plane, [t, vx, vy, spin], or seven in space.
 std::vector<double> motion_entry(const StrictTable& section, const toml::node& node) {
   const char* expected =
       "entries of four finite numbers [t, vx, vy, spin], or in space seven [t, vx, vy, vz, spin_x, spin_y, spin_z]";

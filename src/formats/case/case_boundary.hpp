@@ -6,8 +6,8 @@
 
 namespace nscdd {
 
-/// One [[boundary]] of a case file. Throws Error "file:line: key: expected ..., met ..." for anything that is not a
-/// boundary, for numbers of which some are for the plane and others for space, and as check(BoundarySpec).
+/// A [[boundary]] of a case file. Throws Error "file:line: key: expected ..., met ..." for anything else, for numbers
+/// some of which are for the plane and others for space, and as check(BoundarySpec).
 BoundarySpec read_boundary(StrictTable section);
 
 }  // namespace nscdd

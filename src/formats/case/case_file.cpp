@@ -84,9 +84,8 @@ void read_prescribed(StrictTable section, CaseSpec& spec) {
   spec.prescribed.push_back(velocity);
 }
 
-// A key that is given with another value than its default must have an effect. (A case that the program wrote has
-// every key, those without effect at their defaults.) Where no algorithm is stated all keys of [solver] must: they may
-// have been written for another algorithm than the default.
+// A key with another value than its default must have an effect. (A case that the program wrote has all keys.) Without
+// `algorithm` all keys of [solver] must: they may have been written for another algorithm than the default.
 template <class Parameters>
 void require_effects(const StrictTable& section, const Dynamics& dynamics, const Parameters& parameters) {
   const std::vector<FieldDescription> now = describe_fields(parameters), by_default = describe_fields(Parameters{});
@@ -96,13 +95,13 @@ void require_effects(const StrictTable& section, const Dynamics& dynamics, const
       require_effect(dynamics, section.key_path(now[k].key), section.where(now[k].key), stated);
 }
 
-// The sections [dynamics], [interaction], [solver] and [[boundary]]. The last three need the first.
+// The sections [dynamics] and, only with it, [interaction], [solver] and [[boundary]].
 std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
   const bool moves = root.has("dynamics");
   for (const char* key : {"dynamics", "interaction", "solver", "boundary"}) root.node(key);
   for (const char* key : {"interaction", "solver", "boundary"})
     if (!moves && root.has(key)) {
-      root.finish();  // [dynamics] may be spelt otherwise
+      root.finish();  // names a misspelt [dynamics]
       root.fail(key, "a section [dynamics] with it", "none");
     }
   if (!moves) return std::nullopt;
@@ -124,7 +123,7 @@ std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
   return dynamics;
 }
 
-// The lines of everything below a node, by its path.
+// Stores the line of each node below `node`, by its path.
 void note_lines(const toml::node& node, const std::string& path, CaseSpec& spec) {
   if (const auto line = node.source().begin.line; line > 0) spec.lines[path] = line;
   if (const toml::table* table = node.as_table())
@@ -134,7 +133,7 @@ void note_lines(const toml::node& node, const std::string& path, CaseSpec& spec)
     for (std::size_t i = 0; i < array->size(); ++i) note_lines((*array)[i], fmt::format("{}[{}]", path, i), spec);
 }
 
-// A contact problem has none of the sections of a packing: they are unknown keys, and named as such.
+// Sections of a packing are unknown keys of a contact problem.
 void read_sections(StrictTable& root, CaseSpec& spec, bool effects_wanted) {
   root.read("title", spec.title);
   if (root.has("problem")) {
@@ -180,7 +179,6 @@ CaseSpec spec_of_file(const std::string& path, bool moving) {
   const auto format = packing_format(path);
   bool problem = format == PackingFormat::hdf5 && holds_fclib(read_text(path), path);
   if (!format) {
-    // What other programs write as text: a packing, whatever its ending, or a contact problem.
     const bool siconos = has_siconos_name(path);
     const std::string text = siconos || extension == ".txt" ? read_text(path) : "";
     require_utf8(text, path);

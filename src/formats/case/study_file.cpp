@@ -17,7 +17,7 @@ std::string plain(const toml::node& node, const StrictTable& section, std::strin
   section.fail(&node, key, "a number or a text", StrictTable::describe(node));
 }
 
-// A list written as one SPEC text, one number, or an array of either.
+// One SPEC text, one number, or an array of either.
 std::vector<std::string> list(StrictTable& section, std::string_view key) {
   const toml::node* found = section.node(key);
   std::vector<std::string> items;
@@ -31,7 +31,7 @@ std::vector<std::string> list(StrictTable& section, std::string_view key) {
   return items;
 }
 
-// Hands on the SPEC of a sweep parameter; errors name file and line.
+// Passes the SPEC of a sweep parameter to `use`; errors name file and line.
 template <class Use>
 void read_spec(StrictTable& section, std::string_view key, Use&& use) {
   const std::vector<std::string> items = list(section, key);
@@ -51,7 +51,7 @@ const Observable* read_observable(StrictTable& section) {
                "\"" + name + "\"" + suggestion(name, known));
 }
 
-// The parameters in the table `name`. Each value is tried on every case, so that it is refused here.
+// The parameters in the table `name`. Each value is tried on every case, for errors with file and line.
 std::vector<Variation> read_variations(StrictTable& table, std::string_view name, const std::vector<Case>& cases) {
   StrictTable section = table.section(name, false);
   const toml::node* node = table.node(name);
@@ -96,7 +96,6 @@ void read_tolerances(StrictTable& table, StudyTable& result) {
   }
 }
 
-// Steps of cases that move: done, or examined, which counts from 1.
 void read_steps(StrictTable& section, StudyTable& table) {
   const std::vector<std::string> items = list(section, "steps");
   if (items.empty()) return;
@@ -109,7 +108,7 @@ void read_steps(StrictTable& section, StudyTable& table) {
   }
 }
 
-// A key that the observable does not use must not be ignored in silence.
+// Throws Error for a key that the observable does not use.
 void require_uses(const StrictTable& section, const Observable& observable) {
   for (const Observable* other : observables::all)
     for (const std::string_view key : other->keys)
@@ -122,7 +121,7 @@ void require_uses(const StrictTable& section, const Observable& observable) {
       }
 }
 
-// What is varied must have an effect in one of the combinations.
+// Throws Error for a varied parameter without effect in all combinations.
 void require_effects(const StrictTable& section, const std::string& key, const std::vector<Variation>& variations,
                      const StudyTable& table) {
   for (const Variation& variation : variations) {
@@ -136,7 +135,7 @@ void require_effects(const StrictTable& section, const std::string& key, const s
   }
 }
 
-// Refuses what can be refused of cases that move before they are settled and run.
+// Checks cases that move before they are settled and run.
 void check_moving(StrictTable& section, const StudyTable& table) {
   if (!table.observable->moving) return;
   for (Index number = 0; number < varied_case_count(table); ++number) {

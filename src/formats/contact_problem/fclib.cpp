@@ -29,7 +29,7 @@ Vector numbers_of(const Group& group, const std::string& name, Index expected) {
   return values;
 }
 
-// The position of the first index outside 0 ... bound - 1, or their number if there is none.
+// The position of the first index outside 0 ... bound - 1, or the size of `indices` if there is none.
 Index first_outside(const std::vector<std::int64_t>& indices, std::int64_t bound) {
   return std::ranges::find_if(indices, [=](std::int64_t i) { return i < 0 || i >= bound; }) - indices.begin();
 }
@@ -53,7 +53,7 @@ Triplets triplet_entries(const Group& group, std::int64_t rows, std::int64_t col
   const Vector x = vector_of(group, "x");
   require_length(group, "p", count(p), entries);
   require_length(group, "i", count(i), entries);
-  if (x.size() < entries) require_length(group, "x", x.size(), entries);  // longer where nzmax is
+  if (x.size() < entries) require_length(group, "x", x.size(), entries);  // may be longer, of length nzmax
   const bool documented = all_inside(p, rows) && all_inside(i, columns);
   if (!documented && all_inside(p, columns) && all_inside(i, rows)) std::swap(p, i);
   require_inside(group, "p", p, rows);
@@ -107,14 +107,14 @@ SparseMatrix read_matrix(const Group& parent, const std::string& name) {
          nzmax, nz);
   }
   SparseMatrix matrix(rows, columns);
-  matrix.setFromTriplets(entries.begin(), entries.end());  // entries met twice add up, as in CSparse
+  matrix.setFromTriplets(entries.begin(), entries.end());  // sums duplicate entries, as CSparse does
   return matrix;
 }
 
-// What kind of problem it is. Refuses everything but contacts alone.
 struct Kind {
   Index dimension, contacts;
 };
+// Throws Error for problems with members other than contacts.
 Kind kind_of(const Group& group, const std::string& kind, const std::string& matrix,
              std::initializer_list<std::pair<const char*, const char*>> refused) {
   const std::int64_t dimension = group.integer("spacedim");
@@ -137,7 +137,7 @@ LocalFrictionProblem read_local(const Group& group) {
   const Group vectors = group.group("vectors");
   LocalFrictionProblem problem;
   problem.dimension = dimension;
-  problem.q = numbers_of(vectors, "q", dimension * contacts);  // first: they bound the sizes of the matrix
+  problem.q = numbers_of(vectors, "q", dimension * contacts);  // before the matrix, whose size it bounds
   problem.friction = numbers_of(vectors, "mu", contacts);
   problem.w = read_matrix(group, "W");
   check(problem, group.path());

@@ -17,7 +17,6 @@ constexpr Index largest_index = std::numeric_limits<int>::max() - 1;
 
 bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v'; }
 
-// A text word by word.
 class Words {
  public:
   Words(std::string_view text, std::string name)
@@ -25,7 +24,7 @@ class Words {
     require_utf8(text, name_);
   }
 
-  // `what` the word should be, for errors.
+  // `what`: the expected word, for errors.
   std::string_view word(std::string_view what) {
     skip();
     if (rest_.empty()) fail("{}: expected {}, met the end of the file", where(), what);
@@ -34,7 +33,7 @@ class Words {
     rest_.remove_prefix(found.size());
     return found;
   }
-  // The place of a number is formatted only for errors, because most numbers are right.
+  // Formats the place of a number only for errors, because most numbers are valid.
   double number(std::string_view what) {
     const std::string_view text = word(what);
     const std::optional<double> value = number_of(text);
@@ -93,7 +92,7 @@ struct Shape {
   Index rows = 0, columns = 0;
 };
 
-// The entries of a dense block, column by column, of rows and columns up to those behind its last ones.
+// The entries of a dense block, column by column. `rows`, `columns`: the first and the one after the last.
 void read_block(Words& words, const std::string& name, SparseEntries& entries, std::pair<Index, Index> rows,
                 std::pair<Index, Index> columns) {
   const std::string entry = "an entry of " + name;
@@ -110,7 +109,7 @@ SparseMatrix read_dense(Words& words, const std::string& name, Shape shape) {
   return entries.matrix(shape.rows, shape.columns);
 }
 
-// Where the block rows (or columns) of a matrix end, behind a 0.
+// A 0, then the ends of the block rows (or columns) of a matrix.
 std::vector<Index> block_ends(Words& words, const std::string& what, Index blocks, Index size) {
   std::vector<Index> ends{0};
   for (Index k = 0; k < blocks; ++k) ends.push_back(words.integer(what, ends.back(), size));

@@ -13,7 +13,7 @@
 namespace nscdd {
 namespace {
 
-// The step as it was prepared in the run, without impulses to start from.
+// The step as the run prepared it, without impulses for a warm start.
 template <int D>
 StepProblem<D> next_problem(const Simulation& before) {
   const Interaction& interaction = before.dynamics.interaction;
@@ -48,7 +48,7 @@ Vector velocities_of_free(const GranularSystem& system, const GranularState& sta
   for (Index i = 0; i < system.grains(); ++i) {
     if (!system.free(i)) continue;
     const GrainUnknowns<D> own =
-        unknowns(with_motion<D>(motion_of(state, at(i), 1), 0));  // spins, as of a radius of 1 m
+        unknowns(with_motion<D>(motion_of(state, at(i), 1), 0));  // a radius of 1 m: spins, not rim velocities
     v.insert(v.end(), own.begin(), own.end());
   }
   return Vector::Map(v.data(), count(v));
@@ -67,7 +67,7 @@ Partition partition_of(const TrajectoryStep& step) {
   return partition;
 }
 
-// Bodies in the order of their numbers, which readers expect, instead of the order of a sweep.
+// Bodies ascend by their numbers, not in the order of a sweep.
 template <int D>
 GranularSubdomain<D> with_ascending_bodies(const GranularSubdomain<D>& part) {
   std::vector<std::size_t> order(part.bodies.size());

@@ -7,39 +7,38 @@
 #include <optional>
 
 /// Input files of LMGC90 for rigid bodies in the plane or in space, a folder DATBOX: BODIES.DAT, BULK_BEHAV.DAT,
-/// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI. Numbers stand in fixed columns with seven or eight digits. Errors name file
-/// and line.
+/// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI. Numbers have fixed columns and seven or eight digits. Errors name file and
+/// line.
 namespace nscdd {
 
-/// A place in one of the files, for errors.
 struct DatboxPlace {
   std::string file;
   Index line = 0;
 };
 
-/// Throws Error that begins with file and line.
+/// Throws Error with file and line.
 template <class... Arguments>
 [[noreturn]] void refuse(const DatboxPlace& place, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
   fail("{}:{}: {}", place.file, place.line, fmt::format(format, std::forward<Arguments>(arguments)...));
 }
 
-/// What a body touches others with.
+/// A shape of a body.
 struct DatboxContactor {
-  /// JONCx, a plank with round ends, or PLANx in space; else a disk: DISKx, or DISKb of a cluster, or a sphere SPHER.
+  /// JONCx, a plank with round ends, or PLANx in space; else a disk DISKx (DISKb in a cluster) or a sphere SPHER.
   bool plank = false;
   double radius = 0;                 ///< m, of a disk or sphere
   double length = 0, thickness = 0;  ///< m, of a plank: half its length without the ends, half its thickness
-  double width = 0;                  ///< m, of a plank in space, half of it
-  Eigen::Vector2d shift{0, 0};       ///< m, from the centre of the body, in its own axes; none in space
+  double width = 0;                  ///< m, of a plank in space: half its width
+  Eigen::Vector2d shift{0, 0};       ///< m, from the centre of the body, in its axes; in the plane only
   std::string colour;
   DatboxPlace place;
 };
 
 /// Prescribed velocity of a degree of freedom: [constant + amplitude cos(omega t + phase)] min(1, initial + rate t), or
-/// by a table of times and velocities (evolution), linear in between and on beyond its ends.
+/// a table of times and velocities (evolution), linear between its rows and beyond its ends.
 struct DatboxDrive {
   double constant = 0, amplitude = 0, omega = 0, phase = 0, initial = 0, rate = 0;
-  std::vector<std::array<double, 2>> table;  ///< at least two rows, times ascending; empty: by the formula
+  std::vector<std::array<double, 2>> table;  ///< at least two rows, times ascending; empty: the formula
   DatboxPlace place;
 };
 
@@ -48,16 +47,16 @@ struct DatboxBody {
   Eigen::Vector3d velocity{0, 0, 0};  ///< m/s, and in the plane rad/s
   /// m; the mass is density x pi x average_radius^2, in space density x 4/3 pi x average_radius^3.
   double average_radius = 0, gyration_radius = 0;
-  Eigen::Vector3d inertia{0, 0, 0};  ///< in space, times the density, m^5
-  /// In space: the axes of the body at the beginning, as columns, and its spin along them, rad/s. A plank is normal to
-  /// the third one.
+  Eigen::Vector3d inertia{0, 0, 0};  ///< in space, over the density, m^5
+  /// In space: the axes of the body at the beginning, as columns (the third one is normal to a plank), and its spin
+  /// along them, rad/s.
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
   Eigen::Vector3d spin{0, 0, 0};
-  double written_digit = 0;                          ///< m, half of the last digit in which its place is written
+  double written_digit = 0;                          ///< m, half of the last digit of its written place
   std::string bulk;                                  ///< name of its bulk law
   std::vector<DatboxContactor> contactors;           ///< at least one
   std::array<std::optional<DatboxDrive>, 6> drives;  ///< three in the plane
-  std::optional<DatboxPlace> force;                  ///< where a prescribed force stands, if there is one
+  std::optional<DatboxPlace> force;                  ///< place of a prescribed force, if any
   DatboxPlace place, velocity_place;
 
   bool driven() const {
@@ -66,16 +65,16 @@ struct DatboxBody {
   bool plank() const { return contactors[0].plank; }
 };
 
-/// A contact law by its name: IQS_CLB or RST_CLB, or another one, which nobody may use.
+/// A contact law: IQS_CLB, RST_CLB, or another one, which contacts must not use.
 struct DatboxLaw {
   std::string kind;
   double friction = 0, restitution = 0, tangential_restitution = 0;
   DatboxPlace place;
 };
 
-/// Which contactors see each other, and by which law.
+/// Contactors that see each other, and their law.
 struct DatboxSight {
-  /// DISKx or JONCx, in space SPHER or PLANx, of the candidate and of the antagonist.
+  /// Of candidate and antagonist; contactors are DISKx or JONCx, in space SPHER or PLANx.
   std::array<std::string, 2> contactors, colours;
   std::string law;
   double alert = 0;  ///< m
@@ -90,57 +89,55 @@ struct Datbox {
   std::optional<std::array<double, 3>> gravity;  ///< m/s^2
   std::map<std::string, DatboxLaw> laws;
   std::vector<DatboxSight> sights;
-  double start = 0;  ///< s, time of DOF.INI, which drives count from
+  double start = 0;  ///< s, time of DOF.INI and origin of the time of drives
 };
 
-/// The text of each file; empty for one that is not there.
+/// The text of each file; empty if it does not exist.
 struct DatboxTexts {
   std::string bodies, bulk, tact, driven, initial;
   std::function<std::string(const std::string& name)> table{};  ///< the text of a table that DRV_DOF.DAT names
 };
 
-/// Reads the files as LMGC90 does, by columns. `folder` stands before the names of files in errors. Throws Error for
-/// other bodies than RBDY2 or RBDY3, bodies of both, other contactors than disks, spheres and planks, several
-/// contactors in a body in space, several nodes or bulk elements in a body, and whatever LMGC90 could not read or would
-/// cut off.
+/// Reads the files by columns, as LMGC90 does. `folder` precedes the names of files in errors. Throws Error for bodies
+/// other than RBDY2 or RBDY3, bodies of both, contactors other than disks, spheres and planks, several contactors in a
+/// body in space, several nodes or bulk elements in a body, and for all that LMGC90 could not read or would cut off.
 Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder);
 
 /// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX.
 bool holds_datbox(const std::string& path);
 
-/// The files of such a folder that are there.
+/// The existing files of such a folder.
 std::vector<std::string> datbox_files(const std::string& path);
 
 /// Reads such a folder. Throws Error as parse_datbox, and for files that cannot be read.
 Datbox read_datbox(const std::string& path);
 
 enum class DatboxGrains {
-  all,   ///< of a case that moves: what is driven is a boundary of grains
-  free,  ///< those that the linear study is about
+  all,   ///< of a case that moves: driven grains form boundaries
+  free,  ///< of the linear study
 };
 
-/// The disks or spheres in the order of the files, with masses and with half of the last digit of their places. Planks
-/// are no grains. Throws Error for a free body of several disks, one whose inertia is not that of a full disk or
-/// sphere, and a packing without grains.
+/// The disks or spheres in the order of the files, with masses and half of the last digit of their places. Throws Error
+/// for a free body of several disks or with an inertia other than that of a full disk or sphere, and for a packing
+/// without grains.
 Packing datbox_packing(const Datbox& datbox, DatboxGrains which);
 
-/// The packing of a folder as a case: the velocities at the beginning are prescribed. With `moving`, also laws, gravity
-/// and boundaries: planks as straight walls, driven disks as grains of a boundary. The steps are those of TimeStepping,
-/// as the files know none. Throws Error as datbox_packing, and with `moving` for a free disk that spins at the
-/// beginning and for all else that is not modelled: see docs/formats.md.
+/// The packing of a folder as a case with prescribed initial velocities. `moving`: also laws, gravity and boundaries
+/// (planks as straight walls, driven disks as grains of a boundary), with the steps of TimeStepping. Throws Error as
+/// datbox_packing and, if `moving`, for free disks that spin initially and all else that is not modelled
+/// (docs/formats.md).
 CaseSpec case_of_datbox(const std::string& path, bool moving);
 
-/// The moving part of it.
+/// Its laws, gravity and boundaries.
 Dynamics datbox_dynamics(const Datbox& datbox);
 
-/// By what law bodies touch, and from how far they see each other.
 struct DatboxContactLaw {
   Interaction interaction;
-  double alert = 0;  ///< m, the largest one
+  double alert = 0;  ///< m, the largest distance at which bodies see each other
 };
 
-/// Throws Error where the laws differ in more than the friction at what is driven, are none of IQS_CLB and RST_CLB, or
-/// not all free disks see each other and whatever is driven.
+/// Throws Error if laws differ in more than the friction at driven bodies, if one is neither IQS_CLB nor RST_CLB, or if
+/// not all free disks see each other and all driven bodies.
 DatboxContactLaw contact_law_of(const Datbox& datbox);
 
 }  // namespace nscdd

@@ -21,7 +21,7 @@ void read_node(FixedColumns& lines, DatboxBody& body, Index dimension) {
   body.written_digit = half_digit(body.position, dimension);
 }
 
-// "localframe" behind a PLANx: its axes, and how far its centre is from the node.
+// "localframe" after a PLANx: its axes, and the shift of its centre from the node.
 void read_frame(FixedColumns& lines, DatboxBody& body) {
   const DatboxPlace place = lines.place();
   Index k = 0;
@@ -60,8 +60,8 @@ DatboxContactor read_contactor(FixedColumns& lines, bool space) {
   return contactor;
 }
 
-// LMGC90 works out what BODIES.DAT leaves at 0: the centre of a body of several contactors, weighted by their areas,
-// and its radii. A plank is never free here, so that its own radii have no effect.
+// Computes, as LMGC90 does, values that are 0 in BODIES.DAT: the centre of a body of several contactors, weighted by
+// their areas, and its radii. (Those of a plank, which is never free here, have no effect.)
 void complete(DatboxBody& body, Index dimension) {
   if (dimension == 3) {
     const double radius = body.contactors[0].radius, volume = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
@@ -86,7 +86,7 @@ void complete(DatboxBody& body, Index dimension) {
   }
 }
 
-// What stands on one line, but for the inertia of a body in space, the rest of its node and the frame of a plank.
+// Reads a line of a section, or the lines of a frame. `met`: the number of lines of each section so far.
 void read_line(FixedColumns& lines, const std::string& section, Index dimension, std::map<std::string, int>& met,
                DatboxBody& body) {
   const bool space = dimension == 3, again = ++met[section] > 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a DATBOX describes, in the terms of this program.
+// Packing and case of a DATBOX.
 #include "formats/lmgc90/datbox.hpp"
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
-// A full disk has the radius of gyration R / sqrt(2). Some files have it to three digits.
+// The radius of gyration of a full disk is R / sqrt(2). Some files have three digits of it.
 void require_full_disk(const DatboxBody& body) {
   constexpr double tolerance = 1e-3;
   const double radius = body.contactors[0].radius, expected = radius / std::numbers::sqrt2;
@@ -24,7 +24,7 @@ void require_full_disk(const DatboxBody& body) {
            body.gyration_radius);
 }
 
-// One of a full sphere is 2/5 m R^2.
+// The moments of inertia of a full sphere are 2/5 m R^2.
 void require_full_sphere(const DatboxBody& body) {
   constexpr double tolerance = 1e-3;
   const double radius = body.contactors[0].radius, average = body.average_radius;
@@ -57,8 +57,7 @@ void for_each_grain(const Datbox& datbox, DatboxGrains which, Visit visit) {
       if (!contactor.plank && (which == DatboxGrains::all || !body.driven())) visit(body, contactor, number++);
 }
 
-// The velocity of a degree of freedom in the time of the run (s, and m/s or rad/s), linear between its points and
-// constant beyond them.
+// The velocity (m/s or rad/s) of a degree of freedom over time (s): linear between points, constant beyond.
 using Course = std::vector<std::array<double, 2>>;
 
 double value_at(const Course& course, double t) {
@@ -82,7 +81,7 @@ Course formula_of(const DatboxDrive& drive, double start) {
   return course;
 }
 
-// A table goes on in a straight line before its first row and behind its last one, which is far enough here.
+// A table is extrapolated linearly beyond its ends: by points so far away that no run reaches them.
 Course table_of(const DatboxDrive& drive, double start) {
   constexpr double far = 1e6;  // times the span of the table
   const auto& rows = drive.table;
@@ -98,7 +97,7 @@ Course table_of(const DatboxDrive& drive, double start) {
   return course;
 }
 
-// Spins in space are along the axes of the body, which keep the axis that it turns about if that is one and the same.
+// Spins in space are along axes of the body, which are those of the beginning only if it turns about one `axis`.
 RigidVelocity velocity_in_space(const DatboxBody& body, const std::array<double, 6>& v, Vector3& axis) {
   const Vector3 own(v[3], v[4], v[5]), spin = body.frame * own;
   if (axis.isZero(0)) axis = own;
@@ -138,8 +137,8 @@ Matrix3 axes_of(const DatboxBody& plank, bool space) {
   return Matrix3{{c, 0, -s}, {s, 0, c}, {0, 1, 0}};
 }
 
-// Throws Error unless all free grains are in front of one face, between its edges. Returns 1 where that is the face
-// that the normal points out of, else -1.
+// The face of a plank that all free grains are in front of: 1 for that of the normal, else -1. Throws Error if there is
+// none, or if a grain lies beyond the edges.
 double side_of_grains(const Datbox& datbox, const DatboxBody& body, const Matrix3& axes) {
   const DatboxContactor& plank = body.contactors[0];
   const bool space = datbox.dimension == 3;
@@ -167,7 +166,7 @@ double side_of_grains(const Datbox& datbox, const DatboxBody& body, const Matrix
   return below > 0 ? -1 : 1;
 }
 
-// The line or plane along that face of a plank which all free grains are in front of.
+// The line or plane of that face.
 void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) {
   const bool space = datbox.dimension == 3;
   const DatboxContactor& plank = body.contactors[0];
@@ -214,7 +213,7 @@ std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
   return boundaries;
 }
 
-// What moves at the beginning, in the numbers of the packing. The linear study has no spins.
+// The initial velocities of grains, by their numbers in the packing.
 std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxGrains which) {
   std::vector<PrescribedVelocity> moving;
   for_each_grain(datbox, which, [&](const DatboxBody& body, const DatboxContactor&, Index number) {
@@ -231,7 +230,7 @@ std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxGrains
   return moving;
 }
 
-// Without the slash that a shell adds.
+// Without trailing slashes.
 std::string trimmed(std::string path) {
   while (path.size() > 1 && path.back() == '/') path.pop_back();
   return path;
@@ -277,7 +276,7 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
   const auto [x, y, z] = *datbox.gravity;
   dynamics.time.gravity = datbox.dimension == 3 ? Components<double>{x, y, z} : Components<double>{x, y};
   dynamics.time.alert = std::min(10.0, contact.alert / *std::ranges::min_element(packing.radius));
-  if (dynamics.interaction.restitution == 0) dynamics.time.penetration_correction = 0;  // as IQS_CLB has it
+  if (dynamics.interaction.restitution == 0) dynamics.time.penetration_correction = 0;  // as in IQS_CLB
   return dynamics;
 }
 

@@ -17,8 +17,8 @@ const char* status_name(LocalVector<2> impulse, ContactStatus status) {
 
 std::string gap_line(const char* name, double gap) { return fmt::format("{:27}{}\n", "", datbox_named({{name, gap}})); }
 
-// The tangent that LMGC90 takes for two spheres, which its impulses t and s go with. (Where exactly one component of
-// the normal is 0 its formula is not orthogonal to the normal: another one stands here.)
+// The tangent of LMGC90 for two spheres. (If exactly one component of the normal is 0, its formula is not orthogonal to
+// the normal; ours replaces it.)
 Vector3 tangent_of(const Vector3& n) {
   const Index zeros = (n.array() == 0).count();
   if (zeros == 2) return {n[2], n[0], n[1]};
@@ -42,7 +42,7 @@ std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const Traject
     return {v[0], v[1], 0};
   };
   const LocalVector<2> v = relative_velocity(Direction<2>{g.normal[0], g.normal[1]}, velocity(g.a), velocity(g.b));
-  // The point on the candidate a: from the foot on a wall, or from the middle of two centres.
+  // To the point on the candidate a, from the foot on a wall or the middle of two centres.
   const double distance = wall ? g.gap : (g.gap + system.radius[at(g.b)] - system.radius[at(g.a)]) / 2;
   const double h = first_.dynamics.time.step;
   const Place &a = places_[at(g.a)], &b = places_[at(g.b)];
@@ -73,7 +73,6 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
     t = (along - along.dot(n) * n).normalized();
   }
   const Vector3 s = t.cross(n);
-  // Where the velocity of a body counts: its point at the contact.
   const std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
   const auto velocity = [&](Index body, double lever) -> Vector3 {
     if (body >= system.grains() || !system.free(body)) {
@@ -91,7 +90,7 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   const double radius_a = system.radius[at(g.a)], radius_b = wall ? 0 : system.radius[at(g.b)];
   const Vector3 v = velocity(g.a, radius_a) - velocity(g.b, -radius_b);
   const Vector3 r = -datbox_vector(along_axes(g.normal, c.local<3>())) / first_.dynamics.time.step;  // on a
-  // The middle between the two faces: from the foot on a wall, or from the middle of two centres.
+  // The middle between the two surfaces, from the foot on a wall or the middle of two centres.
   const Vector3 point = datbox_vector(g.point) + n * (wall ? 0.5 * g.gap : 0.5 * (radius_b - radius_a));
   const bool of_boundary = wall || !system.free(g.a) || !system.free(g.b);
   const Index body_a = places_[at(g.a)].body, body_b = places_[at(g.b)].body;
@@ -117,8 +116,7 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
 std::string DatboxWriter::vloc_rloc(const TrajectoryStep& step) const {
   std::string text = datbox_head("Vloc_Rloc", step.state.step, step.state.time);
   const auto at_wall = [&](const TrajectoryContact& c) { return c.geometry.b >= first_.system.grains(); };
-  // Beyond so many contacts LMGC90 has wider columns for those of two spheres.
-  constexpr Index most = 99'999;
+  constexpr Index most = 99'999;  // contacts of two spheres for which LMGC90 has narrow columns
   const bool wide = count(step.contacts) - std::ranges::count_if(step.contacts, at_wall) > most;
   for (const bool wall : {false, true}) {
     Index number = 0;

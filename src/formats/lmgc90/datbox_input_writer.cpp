@@ -20,7 +20,7 @@ std::string law_text(const char* name, const Interaction& interaction, double fr
   return fmt::format("$behav  lawty\n {}  {:30}{}\n\n", name, "IQS_CLB", datbox_named({{"fric=", friction}}));
 }
 
-// Why LMGC90 has no law like these; empty where it has one.
+// Why LMGC90 has no such law; empty if it has one.
 std::string without_law(const Interaction& interaction) {
   if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
     return fmt::format("interaction.law: expected coulomb or frictionless, met {}", law);
@@ -35,7 +35,7 @@ std::string law_texts(const Interaction& interaction) {
          law_text(datbox_law_of_boundaries, interaction, frictionless ? 0 : interaction.friction_at_boundaries());
 }
 
-// That grains, contactors of the kind `grain`, see contactors of another kind.
+// Contactors `grain` of free grains see those of another kind and colour.
 std::string sight_text(const char* body, const char* grain, const char* law, const char* contactor, const char* colour,
                        double alert) {
   return fmt::format(
@@ -80,7 +80,7 @@ std::string DatboxWriter::without_datbox() const {
       expected = "spheres of boundaries that do not turn";
     else if (body.wall < 0 && boundary.orientation == Orientation::fixed)
       expected = "disks that turn with their boundary, as a rigid body does";
-    else if (space_ && !turns_about_one_axis(boundary.motion))  // spins are along axes of the plank that turn with it
+    else if (space_ && !turns_about_one_axis(boundary.motion))  // spins are along axes that turn with the plank
       expected = "a wall that turns about one axis";
     if (expected != nullptr) return fmt::format("boundary '{}': expected {}", boundary.name, expected);
   }

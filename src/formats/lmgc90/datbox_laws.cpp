@@ -6,10 +6,9 @@
 namespace nscdd {
 namespace {
 
-// Who may touch whom: the colours of free disks, and the contactors and colours of what is driven.
 using Colour = std::pair<std::string, std::string>;  // DISKx, JONCx, SPHER or PLANx, and its colour
 struct Colours {
-  std::map<Colour, Index> free;  // with the number of disks
+  std::map<Colour, Index> free;  // and their numbers of grains
   std::set<Colour> driven;
 };
 
@@ -52,7 +51,6 @@ const DatboxLaw& law_of(const Datbox& datbox, const DatboxSight& sight) {
 
 }  // namespace
 
-// All contacts of one kind have one law here, and all contacts one restitution.
 DatboxContactLaw contact_law_of(const Datbox& datbox) {
   const DatboxLaw *of_free = nullptr, *of_driven = nullptr, none;
   DatboxContactLaw result;

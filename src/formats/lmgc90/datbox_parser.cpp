@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The body of a record of DRV_DOF.DAT or DOF.INI, by its number from 1. `met`: the numbers of the file so far.
+// The body of a record of DRV_DOF.DAT or DOF.INI, by its number from 1. `met`: the numbers so far.
 DatboxBody& numbered_body(FixedColumns& lines, Datbox& datbox, std::set<Index>& met) {
   std::vector<DatboxBody>& bodies = datbox.bodies;
   const char* kind = datbox_body_kind(datbox.dimension);
@@ -23,7 +23,7 @@ DatboxBody& numbered_body(FixedColumns& lines, Datbox& datbox, std::set<Index>& 
   return bodies[at(number - 1)];
 }
 
-// "evolution NAME": a file beside DRV_DOF.DAT, of a time and a velocity in each line, in words.
+// "evolution NAME": a file beside DRV_DOF.DAT with a time and a velocity in each line, not in fixed columns.
 void read_table(const FixedColumns& lines, const DatboxTexts& texts, const std::string& folder, DatboxDrive& drive) {
   const std::string name(lines.text(25, 64));
   if (name.empty() || fs::path(name).filename() != name || name == "." || name == "..")
@@ -95,7 +95,7 @@ void read_initial(FixedColumns lines, Datbox& datbox) {
     const Eigen::Vector3d moved = lines.three_numbers("X({})");
     body.position += moved;
     body.written_digit += half_digit(moved, datbox.dimension);
-    if (space) lines.require_next("displacements X(4) to X(6)");  // which LMGC90 has at 0
+    if (space) lines.require_next("displacements X(4) to X(6)");  // always 0 in LMGC90
     lines.require_next("velocities V");
     body.velocity = lines.three_numbers("V({})");
     body.velocity_place = lines.place();

@@ -60,7 +60,7 @@ DatboxWriter::DatboxWriter(const Simulation& first)
 
 void DatboxWriter::number_bodies() {
   const GranularSystem& system = first_.system;
-  std::vector<Body> driven(space_ ? 0 : system.boundaries.size());  // in the plane one for each boundary
+  std::vector<Body> driven(space_ ? 0 : system.boundaries.size());  // in the plane one per boundary
   for (std::size_t b = 0; b < driven.size(); ++b) driven[b].boundary = static_cast<Index>(b);
   for (std::size_t i = 0; i < system.radius.size(); ++i) {
     const Index boundary = system.driven_by[i];
@@ -91,8 +91,8 @@ void DatboxWriter::number_bodies() {
   }
 }
 
-// Walls have no ends: a plank reaches beyond all grains of the first step by the size of the packing. Where it does not
-// turn its middle lies before that of the grains, wherever the point is that the wall is described by.
+// Walls have no ends: a plank extends beyond all grains of the first step by the size of the packing. The middle of a
+// plank that does not turn faces that of the grains.
 void DatboxWriter::lay_plank(std::size_t wall, double beyond) {
   const Wall& one = first_.system.walls[wall];
   const Motion& motion = first_.system.boundaries[at(one.boundary)].motion;
@@ -104,7 +104,7 @@ void DatboxWriter::lay_plank(std::size_t wall, double beyond) {
   }
   plank.thickness = margin_;
   if (turns(motion)) {
-    // A wall that turns about a point on it is a plank so thin that its seven digits tell no difference.
+    // A wall that turns about a point on it is a plank whose thickness is lost in seven digits.
     const double thin = 1e-7 * margin_, depth = (datbox_vector(one.point) - datbox_vector(motion.centre)).dot(normal);
     plank.thickness = depth > -thin ? std::max(depth, thin) : 0;
   }
@@ -131,8 +131,8 @@ Vector3 DatboxWriter::velocity_at(const Vector3& point, const RigidVelocity& vel
   return datbox_vector(velocity_of_point(velocity, pose, {point[0], point[1], point[2]}));
 }
 
-// A plank lies behind the face that is the wall. Its node is the point that it turns about: a plank that turns is so
-// thick that its middle lies there. The others are shifted along the wall, see lay_plank.
+// The wall is the front face of the plank. A plank that turns has its middle, and its node, at the point that it turns
+// about. The others are shifted along the wall, see lay_plank.
 DatboxWriter::Node DatboxWriter::plank_node(std::size_t wall, const Pose& pose) const {
   const Plank& plank = planks_[wall];
   const Motion& motion = first_.system.boundaries[at(first_.system.walls[wall].boundary)].motion;
@@ -149,7 +149,7 @@ DatboxWriter::Node DatboxWriter::plank_node(std::size_t wall, const Pose& pose) 
   return node;
 }
 
-// The angle of a node of several disks must not be 0: LMGC90 would work out another node.
+// A node of several disks at 0 would make LMGC90 compute another node: its angle is not exactly 0.
 DatboxWriter::Node DatboxWriter::node_of(const Body& body, const GranularState& state) const {
   if (body.wall >= 0) return plank_node(at(body.wall), state.poses[at(body.boundary)]);
   if (space_) {
@@ -171,7 +171,7 @@ std::string DatboxWriter::bodies() const {
   for (Index number = 1; number <= count(bodies_); ++number) {
     const Body& body = bodies_[at(number - 1)];
     const Node node = node_of(body, first_.state);
-    const bool grain = space_ ? body.wall < 0 : body.boundary < 0;  // else its own radii have no effect
+    const bool grain = space_ ? body.wall < 0 : body.boundary < 0;  // radii of other bodies have no effect
     const double radius = grain ? system.radius[body.grains[0]] : margin_;
     const double size = body.boundary < 0 ? system.mass[body.grains[0]] / density_ : volume_of(radius);
     text += fmt::format("$bdyty\n {}{:{}}\n$blmty\n PLAIN      1  behav  {}", kind(), number, space_ ? 9 : 7,
@@ -190,8 +190,7 @@ std::string DatboxWriter::bodies() const {
   return text;
 }
 
-// Of a place and an angle in the plane, else of a place and three angles that are 0. The first three numbers stand
-// beside the name of the node.
+// A place and an angle; in space a place and three angles 0. The first three numbers are on the line of the node.
 std::string DatboxWriter::node_text(const char* names, const Vector3& place, double angle) const {
   const Vector3 first(place[0], place[1], space_ ? place[2] : angle);
   return fmt::format("$nodty\n {}      1", space_ ? "NO6xx" : "NO3xx") + datbox_three(names, first).substr(13) +

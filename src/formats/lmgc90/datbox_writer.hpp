@@ -6,36 +6,34 @@
 
 namespace nscdd {
 
-/// Steps of a run as LMGC90 has them: its output folder OUTBOX, and the DATBOX that starts from the first step. For
-/// bodies and contacts, their order and their axes see docs/formats.md.
+/// Steps of a run in the formats of LMGC90: its output folder OUTBOX, and the DATBOX that starts from the first step.
+/// docs/formats.md describes bodies, contacts and axes.
 class DatboxWriter {
  public:
-  /// `first`: the simulation in its first state, which displacements count from. Throws Error for too many bodies and
-  /// for walls that are cylinders.
+  /// `first`: the simulation in its first state, the origin of displacements. Throws Error for too many bodies and for
+  /// walls that are cylinders.
   explicit DatboxWriter(const Simulation& first);
 
   std::string bodies() const;  ///< BODIES.OUT
-  std::string bulk() const;    ///< BULK_BEHAV.OUT: the density that goes with the radii of BODIES.OUT, and gravity
-  /// DOF.OUT.k: displacements and velocities at the end of the step. A boundary has its velocity at that time.
+  std::string bulk() const;    ///< BULK_BEHAV.OUT: the density for the radii of BODIES.OUT, and gravity
+  /// DOF.OUT.k: displacements and velocities at the end of the step.
   std::string dof(const TrajectoryStep& step) const;
-  /// Vloc_Rloc.OUT.k: the contacts that led to the end of the step, those of two grains, then those with a wall.
+  /// Vloc_Rloc.OUT.k: the contacts of the step, first those of two grains, then those with walls.
   std::string vloc_rloc(const TrajectoryStep& step) const;
 
-  /// Why no DATBOX can describe this case; empty if one can. Reasons: a law without a name in LMGC90 that is read here,
-  /// disks that do not turn with their boundary, spheres of a turning boundary, and a wall that turns about a point in
-  /// front of it or, in space, about an axis that turns.
+  /// Why no DATBOX can describe this case; empty if one can. Reasons: a law that LMGC90 lacks, disks that do not turn
+  /// with their boundary, spheres of a turning boundary, and a wall that turns about a point in front of it or, in
+  /// space, about several axes.
   std::string without_datbox() const;
-  std::string tact() const;  ///< TACT_BEHAV.DAT: one law between grains, one at boundaries, and who sees whom
-  /// DRV_DOF.DAT: velocities of the driven bodies by formula where they are constant, else by a table (evolution).
-  std::string driven() const;
-  /// These tables, by the names of their files. Behind its last row LMGC90 goes on in a straight line, so that the last
-  /// two rows have one velocity.
+  std::string tact() const;    ///< TACT_BEHAV.DAT: a law between grains, one at boundaries, and who sees whom
+  std::string driven() const;  ///< DRV_DOF.DAT: velocities of the driven bodies, constant or by a table (evolution)
+  /// Names and texts of these tables. LMGC90 extrapolates them linearly, so their ends have two rows of one velocity.
   std::vector<std::pair<std::string, std::string>> tables() const;
 
  private:
   struct Body {
     Index boundary = -1;                // that drives it; -1: free
-    Index wall = -1;                    // which it is; -1: none
+    Index wall = -1;                    // that it is; -1: none
     std::vector<std::size_t> grains{};  // its contactors
   };
   // The number of a body and of a contactor in it, both from 1.
@@ -45,16 +43,15 @@ class DatboxWriter {
   // A wall as a body, m.
   struct Plank {
     Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  // at time 0, in space
-    double thickness = 0, length = 0, width = 0;          // halves; thickness 0: none is possible
+    double thickness = 0, length = 0, width = 0;          // halves; thickness 0: no plank is possible
     double shift_along = 0, shift_across = 0;             // of its middle, from the point of the wall
   };
-  // Where the node of a body is. `angle`: of its axes, rad, in the plane.
   struct Node {
     Eigen::Vector3d place;
     Eigen::Matrix3d frame;
-    double angle = 0;
+    double angle = 0;  // of the axes, rad, in the plane
   };
-  // A driven body, and the velocities of its degrees of freedom at the times of its motion, s; at rest no time.
+  // A driven body with the times (s) and velocities of its degrees of freedom; without times at rest.
   struct Driven {
     Index body = 0;
     std::vector<double> time;
@@ -83,31 +80,30 @@ class DatboxWriter {
   double margin_ = 0;          // m, the largest radius
 };
 
-/// Numbers and headings as LMGC90 writes them. This one is D14.7 of Fortran: 0.1234567D+01, with its sign or a blank
-/// before it.
+/// A number as D14.7 of Fortran: 0.1234567D+01, after its sign or a blank.
 std::string datbox_number(double value);
 
-/// Numbers with their names of five letters, such as "byrd=", each behind two blanks.
+/// Numbers with names of five letters, such as "byrd=", each after two blanks.
 std::string datbox_named(std::initializer_list<std::pair<std::string_view, double>> values);
 
 inline Eigen::Vector3d datbox_vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
 
-/// A line of three numbers behind 27 columns, with their names, or with numbered ones such as "coo{}=".
+/// A line of three numbers after 27 columns, with their names, or with numbered names such as "coo{}=".
 std::string datbox_three(const std::array<std::string, 3>& names, const Eigen::Vector3d& values);
 std::string datbox_three(const char* names, const Eigen::Vector3d& values, int first = 1);
 
-/// The head of a file about the end of a step, and the line that closes a head or a list.
+/// The head of a file of a step, and the line that ends a head or a list.
 std::string datbox_head(const char* title, Index step, double time);
 inline constexpr const char* datbox_ruler =
     "!-----------------------------------------------------------------------\n";
 
-/// Colours and laws of what is written: those of free grains and of boundaries.
+/// Colours and laws of free grains and of boundaries.
 inline constexpr const char *datbox_grains = "GRAIN", *datbox_boundaries = "BOUND";
 inline constexpr const char *datbox_law_of_grains = "CLB_G", *datbox_law_of_boundaries = "CLB_B";
 
 inline Eigen::Vector3d spin_vector(const RigidVelocity& v) { return {v.spin_x, v.spin_y, v.spin}; }
 
-/// Whether something driven by the motion turns at any time.
+/// Whether the motion ever has a spin.
 bool turns(const Motion& motion);
 
 }  // namespace nscdd

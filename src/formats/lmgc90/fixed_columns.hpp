@@ -9,15 +9,15 @@
 
 namespace nscdd {
 
-/// The lines of a text whose words and numbers stand in fixed columns, counted from 1, as Fortran writes them. Lines
-/// that are empty or begin with ! or # are remarks. Errors name file and line.
+/// The lines of a text with words and numbers in fixed columns, counted from 1, as Fortran writes them. Skips empty
+/// lines and those that begin with ! or #. Errors name file and line.
 class FixedColumns {
  public:
   FixedColumns(std::string_view text, std::string name) : lines_(text), name_(std::move(name)) {
     require_utf8(text, name_);
   }
 
-  /// Goes to the next line; false at the end, where the line is empty.
+  /// Advances to the next line; at the end, false and an empty line.
   bool next() {
     while (lines_.next()) {
       line_ = lines_.line();
@@ -27,7 +27,7 @@ class FixedColumns {
     line_ = {};
     return false;
   }
-  /// Goes on to the line behind one with that keyword, such as "$bdyty"; false if there is none.
+  /// Advances to the next line with that keyword, such as "$bdyty"; false if there is none.
   bool find(std::string_view keyword) {
     while (next())
       if (key() == keyword) return true;
@@ -45,7 +45,7 @@ class FixedColumns {
   std::string_view key() const { return text(1, 6); }
   bool section() const { return line_.empty() || line_[0] == '$'; }
 
-  /// In 14 columns from `first` on; with D or E for the exponent. Blanks are 0 only if `blank`.
+  /// A number in the 14 columns from `first` on, with D or E for the exponent. `blank`: blanks are 0.
   double number(std::size_t first, std::string_view what, bool blank = false) const {
     const std::string_view field = text(first, first + 13);
     if (field.empty() && blank) return 0;
@@ -62,12 +62,12 @@ class FixedColumns {
     if (!(value > 0)) refuse(fmt::format("{}: expected a number above 0", what), fmt::format("{}", value));
     return value;
   }
-  /// Three numbers, called such as "coo{}", with 1 to 3.
+  /// Three numbers with names such as "coo{}".
   Eigen::Vector3d three_numbers(const char* name) const {
     const auto one = [&](std::size_t first, int k) { return number(first, fmt::format(fmt::runtime(name), k)); };
     return {one(35, 1), one(56, 2), one(77, 3)};
   }
-  /// A word that is a number, wherever it stands.
+  /// The number that a word of any column is.
   double number_in(std::string_view word, std::string_view what) const {
     const std::optional<double> value = fortran_number(word);
     if (!value) refuse(fmt::format("expected {}", what), fmt::format("'{}'", word));
@@ -89,8 +89,8 @@ class FixedColumns {
   }
 
  private:
-  // With D or E before the exponent, or nothing where that has three digits. None for a text that is no number, and for
-  // numbers beyond all measure.
+  // A number with D or E before the exponent, or neither for an exponent of three digits. None for another text and for
+  // numbers above 1e100.
   static std::optional<double> fortran_number(std::string_view field) {
     std::string copy(field);
     for (char& c : copy)
@@ -103,7 +103,7 @@ class FixedColumns {
     const auto [end, status] = std::from_chars(begin, copy.data() + copy.size(), value);
     constexpr double largest = 1e100;
     if (copy.empty() || end != copy.data() + copy.size()) return std::nullopt;
-    if (status == std::errc::result_out_of_range && copy.find("E-") != std::string::npos) return 0;  // next to nothing
+    if (status == std::errc::result_out_of_range && copy.find("E-") != std::string::npos) return 0;  // underflow
     if (status != std::errc() || !(std::abs(value) <= largest)) return std::nullopt;
     return value;
   }

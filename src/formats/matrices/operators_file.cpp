@@ -41,7 +41,7 @@ void put(const Group& root, const CaseOperator& one, const Matrix& matrix) {
     root.put<double>(one.name, {rows.data(), at(rows.size())},
                      {.attributes = attributes_of(one), .rows = at(matrix.rows())});
   };
-  // HDF5 has the rows one after another, Eigen the columns.
+  // HDF5 is row-major, Eigen column-major.
   one.symmetric ? put_rows(matrix) : put_rows(matrix.transpose());
 }
 
@@ -91,10 +91,9 @@ std::string manifest_head(const OperatorsHead& head, const Provenance& provenanc
   return text;
 }
 
-// Text of a matrix in the Matrix Market exchange formats (https://math.nist.gov/MatrixMarket/formats.html), handed on
-// in pieces of some size. Numbers have 17 significant digits, with which they read back bit for bit. Rows and columns
-// count from 1. Of a matrix that is symmetric to the last bit the lower triangle alone is written, and readers mirror
-// it.
+// Text of a matrix in the Matrix Market exchange formats (https://math.nist.gov/MatrixMarket/formats.html), written in
+// pieces. Numbers have 17 significant digits, so they read back bit for bit. Rows and columns count from 1. Of a matrix
+// that is symmetric to the last bit only the lower triangle is written.
 class MatrixMarket {
  public:
   MatrixMarket(OutputFile& file, bool symmetric, std::vector<std::string> remarks)
@@ -132,7 +131,6 @@ class MatrixMarket {
   void head(std::string_view form, std::string_view field) {
     add("%%MatrixMarket matrix {} {} {}\n", form, field, symmetric_ ? "symmetric" : "general");
     for (std::string& remark : remarks_) {
-      // Nothing in a remark may end its line.
       std::ranges::replace_if(
           remark, [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
       add("% {}\n", remark);

@@ -11,15 +11,15 @@ namespace hdf5 {
 class File;
 }
 
-/// What the manifest says of the whole export.
+/// The head of the manifest.
 struct OperatorsHead {
   CaseSummary of_case;
   Index dofs_per_grain = 2;                 ///< d
-  std::optional<OperatorParameters> dense;  ///< behind S, P and B; empty where these are left out
+  std::optional<OperatorParameters> dense;  ///< of S, P and B; empty without them
 };
 
-/// The operators of a case as files of a folder, see docs/formats.md: NAME.mtx for each of them (Matrix Market),
-/// operators.h5 with all of them, and manifest.toml. The manifest is written last: a folder with a manifest is whole.
+/// The operators of a case as files of a folder (docs/formats.md): NAME.mtx for each (Matrix Market), operators.h5 with
+/// all of them, and manifest.toml. The manifest is written last: a folder with a manifest is complete.
 class OperatorsFolder {
  public:
   static constexpr const char* manifest_name = "manifest.toml";
@@ -32,17 +32,17 @@ class OperatorsFolder {
   OperatorsFolder(const OperatorsFolder&) = delete;
   OperatorsFolder& operator=(const OperatorsFolder&) = delete;
 
-  /// Writes its file. The first one removes the manifest of an earlier export, which is no longer true.
+  /// Writes the file of an operator. The first call removes the manifest of an earlier export.
   void add(const CaseOperator& one);
-  /// Writes what is about all of them, and keeps the files.
+  /// Writes operators.h5 and the manifest, and keeps the files.
   void finish(const OperatorsHead& head, const Provenance& provenance);
 
  private:
-  std::string next(const std::string& name);  // the path of a file of that name, about to be written
+  std::string next(const std::string& name);  // the path of the next file
   std::string path_;
   bool force_, made_, finished_ = false;
   std::vector<std::string> written_;
-  std::string program_;  // its name and version, for remarks
+  std::string program_;  // name and version, for remarks
   std::unique_ptr<hdf5::File> hdf5_;
   std::string tables_;  // of the manifest
 };

@@ -12,7 +12,7 @@
 namespace nscdd {
 namespace {
 
-// A column of a packing file, whatever its format.
+// A column of a packing file of any format.
 struct PackingColumn {
   std::vector<double> Packing::*values;
   bool required;
@@ -20,7 +20,6 @@ struct PackingColumn {
   Field field;
 };
 
-// The centre of a grain, in any direction.
 constexpr Field packing_place{.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100};
 constexpr Field packing_positive(std::string_view name, std::string_view unit) {
   return {.description = name, .unit = unit, .minimum = 0, .minimum_excluded = true, .maximum = 1e100};
@@ -28,7 +27,7 @@ constexpr Field packing_positive(std::string_view name, std::string_view unit) {
 
 constexpr PackingColumn packing_columns[] = {{&Packing::x, true, "x", packing_place},
                                              {&Packing::y, true, "y", packing_place},
-                                             {&Packing::z, false, "z", packing_place},  // what has it is in space
+                                             {&Packing::z, false, "z", packing_place},  // in space only
                                              {&Packing::radius, true, "radius", packing_positive("radius", "m")},
                                              {&Packing::mass, false, "mass", packing_positive("mass", "kg")}};
 
@@ -37,7 +36,7 @@ const PackingColumn* find_column(std::string_view name) {
   return found == std::end(packing_columns) ? nullptr : found;
 }
 
-// Throws unless every required column is among those met; `where` says what should have it.
+// Throws Error unless `met` has all required columns.
 void require_columns(const std::vector<const PackingColumn*>& met, std::string_view where, std::string_view kind) {
   for (const PackingColumn& known : packing_columns)
     if (known.required && std::find(met.begin(), met.end(), &known) == met.end())
@@ -57,7 +56,7 @@ std::string header_of(const std::vector<const PackingColumn*>& columns) {
   return csv_line(names);
 }
 
-// Remarks, each on lines that begin with '#', even if a command line holds line feeds.
+// Remarks of CSV: every line begins with '#'.
 std::string remarks(const Provenance& provenance) {
   std::string text;
   for (const auto& [name, content] : provenance) {
@@ -69,7 +68,7 @@ std::string remarks(const Provenance& provenance) {
   return text;
 }
 
-// Most numbers are valid. Only for the others a text is made that says where they stand.
+// Formats the place of a number only for errors, because most numbers are valid.
 double packing_value(std::string_view text, const PackingColumn& column, const std::string& name, std::size_t line) {
   const std::optional<double> found = number_of(text);
   if (found && in_bounds(*found, column.field)) return *found;
@@ -79,7 +78,7 @@ double packing_value(std::string_view text, const PackingColumn& column, const s
   return value;
 }
 
-// The lines of a text that say something, one at a time.
+// The lines of a text that are neither blank nor remarks, one at a time.
 class Lines {
  public:
   explicit Lines(std::string_view text) : lines_(text) {}
@@ -93,7 +92,7 @@ class Lines {
   }
   std::size_t number() const { return lines_.number(); }
   bool has_commas() const { return line_.find_first_of(",;") != line_.npos; }
-  std::string_view format() const { return format_; }  // that YADE names in a remark; empty for none
+  std::string_view format() const { return format_; }  // from a remark of YADE, or empty
   std::vector<std::string_view> words() const {
     std::vector<std::string_view> all;
     for (std::string_view rest = line_; !rest.empty();) {
@@ -110,7 +109,7 @@ class Lines {
   std::string_view line_, format_;
 };
 
-// Of the first line of a packing, which has other columns than "x y radius" and "x y z radius".
+// Throws Error for a first line other than "x y radius" and "x y z radius".
 [[noreturn]] void refuse_columns(const std::string& name, const Lines& lines, std::size_t numbers) {
   const std::string where = fmt::format("{}:{}: expected lines 'x y radius' or 'x y z radius'", name, lines.number());
   const bool clumps = lines.format().empty() ? numbers == 5 : lines.format().find("clumpId") != std::string_view::npos;
@@ -145,7 +144,7 @@ Packing parse_text_packing(std::string_view text, const std::string& name) {
       (packing.*(columns[k]->values)).push_back(packing_value(words[k], *columns[k], name, lines.number()));
   }
   if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
-  // One z for all is how plane packings are exchanged.
+  // Plane packings are exchanged with one z for all grains.
   if (std::ranges::all_of(packing.z, [&](double z) { return z == packing.z.front(); })) packing.z.clear();
   return packing;
 }

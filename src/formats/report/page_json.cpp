@@ -55,7 +55,7 @@ Json best_of(const OptimumResult& result) {
           {"residual", best.residual}};
 }
 
-// Velocities are within 1; the largest whole number stands for it.
+// Velocities are within [-1, 1], scaled to 16-bit integers.
 Json mode_of(const KeptMode& mode) {
   constexpr float full = 32767;
   return {{"epsilon", mode.epsilon},
@@ -108,7 +108,7 @@ Json contacts_of(const std::vector<TrajectoryContact>& contacts, Index dimension
           {"status", packed<std::uint8_t>(contacts, &TrajectoryContact::status)}};
 }
 
-// A straight line by a point and its normal; a plane likewise, or a cylinder by its axis, with the radius behind.
+// A line or plane by a point and its normal, a cylinder by its axis; in space also the radius.
 Json wall_of(const Wall& wall, Index dimension) {
   Json json = Json::array();
   for (const auto& vector : {wall.point, wall.normal})

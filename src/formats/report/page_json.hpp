@@ -13,11 +13,11 @@ namespace nscdd::page {
 
 using Json = nlohmann::ordered_json;
 
-/// A long array as {"type": "float32", "data": "..."}: little-endian numbers in base 64. As text they would take two to
-/// three times the room. Types are those that a browser has arrays of.
+/// An array as {"type": "float32", "data": "..."}: little-endian numbers in base 64, a half to a third of the size of
+/// text. Types are those of the arrays of a browser.
 Json packed_bytes(const char* type, std::span<const std::byte> bytes);
 
-/// What `get` finds in each of the values, as an array of `To`.
+/// `get` of each value, as an array of `To`.
 template <class To, class Values, class Get = std::identity>
 Json packed(const Values& values, Get get = {}) {
   static_assert(std::endian::native == std::endian::little, "bytes are written as they lie in memory");
@@ -30,7 +30,7 @@ Json packed(const Values& values, Get get = {}) {
   return packed_bytes(type, std::as_bytes(std::span(numbers)));
 }
 
-/// A number with seven digits, for what is only drawn.
+/// A number with the seven digits that a picture needs.
 Json drawn(double value);
 
 Json json_of(const Model& model, const PackingReport& report);

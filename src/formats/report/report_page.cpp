@@ -15,8 +15,7 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
-// JSON between the tags of a script: a name with "</script>" must not end it. "<" occurs in texts alone, where JSON
-// allows to write it by its number.
+// JSON between the tags of a script. "<", which occurs only in texts, is escaped: "</script>" would end the script.
 std::string within_script(const Json& json) {
   std::string result;
   for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace))
@@ -36,7 +35,7 @@ std::string filled(const Json& data, const std::string& title) {
     for (const std::string_view part : parts::program) program += part;
     return program;
   };
-  // Places are found in the page alone, never in what was put into it.
+  // Placeholders are searched only in the page, not in what replaces them.
   std::string result;
   std::string_view rest = parts::page;
   for (std::size_t open = rest.find("{{"); open != std::string_view::npos; open = rest.find("{{")) {

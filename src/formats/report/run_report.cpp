@@ -13,7 +13,7 @@
 namespace nscdd {
 namespace {
 
-// The columns of a step that the page shows, with the units and descriptions of the tables.
+// The columns on the page.
 constexpr const char* shown_of_summary =
     "step time iterations zeta interface_change gluing natural_map driven_residual no_room quad_dv mean_dv_over_r "
     "active stick slide contacts overlap_maximum kinetic potential boundary_work dissipation numerical";
@@ -41,8 +41,8 @@ DrawnStep drawn(const Simulation& run, const TrajectoryStep& step) {
   return result;
 }
 
-// Bytes that a step takes on the page, written as letters of six bits: a number of four bytes for every coordinate of a
-// grain and of the point of a contact that carries, which also has its ends, subdomain, impulses and status.
+// Bytes of a step on the page, in letters of six bits: four bytes for each coordinate of a grain and of the point of a
+// carrying contact, which also has ends, subdomain, impulses and status.
 double bytes_of(const TrajectoryStep& step) {
   const auto carrying = std::ranges::count_if(step.contacts, [](const TrajectoryContact& c) { return c.carries(); });
   const double place = step.state.z.empty() ? 8 : 12;
@@ -50,8 +50,8 @@ double bytes_of(const TrajectoryStep& step) {
          200;
 }
 
-// The last iteration of a step always has a row: that of the summary. Runs that use up the iterations allowed have the
-// same numbers, hence the indicator too. `step`, `iteration` and `zeta`: columns of the table.
+// Compares the last iteration of each step, which always has a row, with the summary. The indicator zeta tells runs
+// apart that use up all allowed iterations.
 void require_same_run(const std::vector<double>& step, const std::vector<double>& iteration,
                       const std::vector<double>& zeta, const std::string& path, const std::string& run) {
   const std::vector<double> taken = read_summary(run, "iterations"), end = read_summary(run, "zeta");
@@ -116,7 +116,6 @@ std::optional<RunReport> report_run(const std::string& path, const std::vector<I
   std::optional<Simulation> run;
   for (const Index number : steps) {
     TrajectoryStep step = read_trajectory_step(path, number);
-    // Walls move with the boundaries of the case.
     if (!run) run = rebuilt_simulation(path, report.header, step.state);
     report.solver = run->dynamics.solver;
     if (decomposes(report.solver.algorithm)) report.subdomains = subdomains(run->partitioner);

@@ -4,7 +4,7 @@
 #include "files/hdf5_file.hpp"
 #include "formats/trajectory/trajectory.hpp"
 
-/// Names and units of a trajectory, the same for writing and for reading.
+/// Names and units in a trajectory, shared by reader and writer.
 namespace nscdd::layout {
 
 /// An array with a number for each grain.
@@ -12,7 +12,7 @@ struct StateArray {
   const char* name;
   const char* unit;
   std::vector<double> GranularState::*values;
-  Index only = 0;  ///< the dimension that has it; 0: both
+  Index only = 0;  ///< the only dimension that has it; 0: both
 };
 
 inline std::vector<StateArray> state_arrays(Index dimension) {
@@ -111,7 +111,7 @@ inline auto wall_columns(Index dimension) {
   };
 }
 
-/// Type in the file of a number.
+/// A number in its type in the file.
 inline double stored(double value) { return value; }
 inline std::int32_t stored(Index value) { return static_cast<std::int32_t>(value); }
 inline std::int8_t stored(ContactStatus value) { return static_cast<std::int8_t>(value); }

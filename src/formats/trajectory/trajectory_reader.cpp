@@ -38,7 +38,7 @@ std::vector<Element> get_structs(const Group& group, Columns&& columns, std::opt
   return elements;
 }
 
-// Those of one step where their number changes from step to step.
+// The structs of one step, if their number changes from step to step.
 template <class Element, class Columns>
 std::vector<Element> get_list(const Group& group, Columns&& columns, Rows step) {
   const auto rows = group.numbers<std::int64_t>("rows", step);
@@ -52,7 +52,7 @@ void require_within(Index value, Index lowest, Index bound, const char* array, c
     fail("{}: expected a number in {}..{}, met {}", group.of(array), lowest, bound - 1, value);
 }
 
-// Throws unless the numbers of steps, bodies and subdomains are within their ranges.
+// Throws Error unless the numbers of steps, bodies and subdomains are in range.
 void check_numbers(const TrajectoryStep& step, Index walls, const Group& group) {
   constexpr Index most_steps = 1'000'000'001, most_subdomains = 1'000'000;  // of any run, of any partitioner
   const Index disks = count(step.state.x), bodies = disks + walls, models = count(step.state.models);
@@ -70,7 +70,6 @@ void check_numbers(const TrajectoryStep& step, Index walls, const Group& group) 
   }
 }
 
-// Of the grains in a group of steps: a z says that they are spheres.
 Index dimension_of(const Group& steps) { return steps.has("z") ? 3 : 2; }
 
 // The step in one row of a group, /steps or /last.
@@ -113,7 +112,7 @@ GranularSystem get_system(const Group& root) {
   return system;
 }
 
-// A step that is in one of the groups.
+// A step in one of the groups.
 std::optional<TrajectoryStep> find_step(const std::string& path, Index step,
                                         std::initializer_list<const char*> groups) {
   const hdf5::File file = open_trajectory(path);
@@ -197,7 +196,6 @@ void require_fit(const std::string& path, const Simulation& simulation) {
 }
 
 Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state) {
-  // The grains are those of the trajectory, wherever the case has them from.
   const CaseSpec spec = parse_case(header.case_text, path + ": case", true);
   if (!spec.dynamics) fail("{}: case: expected a section [dynamics], met a case without", path);
   const auto& specs = spec.dynamics->boundaries;

@@ -13,10 +13,10 @@ using hdf5::ArrayForm;
 using hdf5::Group;
 using Steps = std::span<const TrajectoryStep>;
 
-// Bringing the file up to date takes some milliseconds, as long as a hundred steps of a few disks.
+// A commit takes some milliseconds, as long as a hundred steps of a few disks.
 constexpr std::chrono::seconds commit_interval{1};
 
-// The structs that `list` finds in each owner, those of one owner behind those of another.
+// The structs of `list` in each owner, one owner after the other.
 template <class Owner, class List, class Columns>
 void put_structs(const Group& group, std::span<const Owner> owners, List list, Columns&& columns, ArrayForm form) {
   columns([&](const char* column, const char* unit, auto get) {
@@ -29,7 +29,7 @@ void put_structs(const Group& group, std::span<const Owner> owners, List list, C
   });
 }
 
-// The same where their number changes. The array `rows` has the first struct of each step and the one behind its last.
+// The same if their number changes. The array `rows` has the first row of each step and the one after its last.
 template <class List, class Columns>
 void put_lists(const Group& group, Steps steps, List list, Columns&& columns, ArrayForm form) {
   put_structs(group, steps, list, columns, form);
@@ -45,8 +45,8 @@ void put_lists(const Group& group, Steps steps, List list, Columns&& columns, Ar
   group.put<std::int64_t>("rows", rows, form);
 }
 
-// One array per quantity holds all steps, so that a step costs few calls of HDF5 if many are written at once.
-// A chunk takes about the contacts of a dense packing.
+// One array per quantity holds all steps, so that many steps cost few calls of HDF5. A chunk holds about the contacts
+// of a dense packing.
 void put_steps(const Group& group, Steps steps, bool append) {
   if (steps.empty()) return;
   ArrayForm form{.chunk = std::clamp<std::size_t>(2 * steps[0].state.x.size(), 256, 65536), .append = append};
@@ -88,7 +88,6 @@ void put_system(const Group& root, const GranularSystem& system) {
   group.put_text("boundaries", names);
 }
 
-// The line joins those of earlier restarts. The provenance of the beginning of the run stays.
 void add_restart(const Group& root, const std::string& line) {
   const Group origin = root.group("provenance");
   std::string lines;
@@ -99,7 +98,6 @@ void add_restart(const Group& root, const std::string& line) {
   origin.put_text("restarts", lines + line);
 }
 
-// A change of a file that exists. It is closed afterwards.
 template <class Change>
 AlternatingFile::Change changing(Change change) {
   return [change](const std::string& name) {
@@ -148,7 +146,7 @@ void TrajectoryWriter::go_on(const std::string& case_text, const std::string& re
 }
 
 void TrajectoryWriter::append(TrajectoryStep step, const std::vector<Row>& summary, bool keep) {
-  step.state.impulses = {};  // contacts say what they carried, and where
+  step.state.impulses = {};  // contacts hold impulses and subdomains
   step.state.subdomains = {};
   if (!pending_.newest_kept) pending_.steps.pop_back();
   pending_.steps.push_back(std::move(step));

@@ -12,7 +12,7 @@ namespace {
 
 using Integers = std::vector<std::int64_t>;
 
-// A step as it is drawn. A contact is on a wall if its second body is no grain.
+// A step to draw. `feet`: the number of contacts on walls, whose second body is no grain.
 struct Scene {
   const GranularSystem& system;
   const GranularState& state;
@@ -39,14 +39,14 @@ void check(const Scene& scene) {
       fail("VTK: contact {}: expected two of {} grains, or a grain and a wall, met {} and {}", k, n, a, b);
 }
 
-// The values of grains, followed by `value` for each foot.
+// The values of grains, then `value` for each foot.
 template <class Value>
 std::vector<Value> with_feet(const Scene& scene, std::vector<Value> values, Value value) {
   values.resize(values.size() + scene.feet, value);
   return values;
 }
 
-// The values of grains, followed by what `get` finds in each contact.
+// The values of grains, then `get` of each contact.
 template <class Value, class Get>
 std::vector<Value> with_contacts(const Scene& scene, std::vector<Value> values, Get get) {
   for (const TrajectoryContact& contact : scene.contacts)
@@ -54,7 +54,7 @@ std::vector<Value> with_contacts(const Scene& scene, std::vector<Value> values, 
   return values;
 }
 
-// The subdomains that hold each grain are those of its contacts.
+// The subdomains of each grain: those of its contacts.
 std::vector<std::set<Index>> holders(const Scene& scene) {
   std::vector<std::set<Index>> held(scene.grains);
   for (const TrajectoryContact& contact : scene.contacts) {
@@ -64,7 +64,7 @@ std::vector<std::set<Index>> holders(const Scene& scene) {
   return held;
 }
 
-// Of each grain its numbers in these arrays together: 0 in one that there is in space alone.
+// The numbers of each grain in these arrays, one after the other; 0 for arrays that exist only in space.
 std::vector<double> together(const Scene& scene, std::initializer_list<std::vector<double> GranularState::*> arrays) {
   std::vector<double> all;
   for (std::size_t i = 0; i < scene.grains; ++i)
@@ -104,7 +104,7 @@ std::vector<PictureArray> point_arrays_of(const Scene& scene, const Integers& su
   return arrays;
 }
 
-// Of each contact what its subdomain was in this step; -1 for grains.
+// The model of the subdomain of each contact; -1 for grains.
 void add_models(const Scene& scene, std::vector<PictureArray>& arrays) {
   const std::vector<RememberedModel>& models = scene.state.models;
   layout::model_columns([&](const char* name, const char*, auto get) {
@@ -140,7 +140,7 @@ Integers lines_of(const Scene& scene) {
 
 constexpr std::string_view byte_order = std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
 
-// The XML part and the appended bytes grow together, because the element of an array says where its bytes lie.
+// The XML part and the appended bytes grow together: the element of an array holds the offset of its bytes.
 class Writer {
  public:
   void line(std::string_view text) { xml_ += fmt::format("{}\n", text); }

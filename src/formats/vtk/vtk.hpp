@@ -15,9 +15,8 @@ struct PictureArray {
   int components = 1;
 };
 
-/// Points are the grains, then one foot per wall contact (radius 0, id, boundary and subdomain -1). Cells are one
-/// vertex per grain, then one line per contact from centre to centre or foot. All in SI units.
-/// docs/formats.md lists the arrays.
+/// Points are the grains, then a foot per wall contact (radius 0, id, boundary and subdomain -1). Cells are a vertex
+/// per grain, then a line per contact from centre to centre or foot. SI units. docs/formats.md lists the arrays.
 struct StepPicture {
   double time = 0;                     ///< s
   std::vector<double> points;          ///< three coordinates each, m
@@ -33,21 +32,21 @@ struct StepPicture {
 /// The arrays that a viewer shows first.
 inline constexpr const char *shown_of_points = "radius", *shown_vectors = "velocity", *shown_of_cells = "impulse_n";
 
-/// The grains at the end of the step, and the contacts that led there. Throws Error if arrays differ in length or a
-/// contact names no grain.
+/// The grains at the end of the step, and its contacts. Throws Error if arrays differ in length or a contact names no
+/// grain.
 StepPicture picture_of(const GranularSystem& system, const TrajectoryStep& step);
 
 /// first, first + step, ...: n numbers.
 std::vector<std::int64_t> counted(std::size_t n, std::int64_t first, std::int64_t step);
 
-/// Bytes of a .vtp file (VTK XML PolyData, appended raw data of this machine's byte order): the picture of a step, and
-/// the time as field data TimeValue. Throws Error as picture_of does.
+/// Bytes of a .vtp file (VTK XML PolyData, appended raw data in the byte order of this machine): the picture of a step,
+/// with the time as field data TimeValue. Throws Error as picture_of.
 std::string vtp_text(const GranularSystem& system, const TrajectoryStep& step);
 
 /// A .vtp file and the time it shows.
 struct VtkFile {
   double time = 0;   ///< s
-  std::string path;  ///< as seen from the .pvd file
+  std::string path;  ///< relative to the .pvd file
 };
 
 /// Text of the .pvd collection that lists files by time.

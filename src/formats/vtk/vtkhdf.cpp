@@ -11,13 +11,13 @@ namespace {
 using hdf5::Group;
 using Integers = std::vector<std::int64_t>;
 
-// All four must be there, even if they are empty, and in this order.
+// All four are required, even if empty, in this order.
 constexpr std::array<const char*, 4> kinds{"Vertices", "Lines", "Polygons", "Strips"};
 
-// A step has thousands of numbers in each array of points or cells, and one or four in each array of `Steps`.
+// A step has thousands of numbers in an array of points or cells, and one or four in an array of `Steps`.
 constexpr std::size_t short_chunk = 256, smallest_chunk = 1024, largest_chunk = 65536;
 
-// Behind what there is. With `components`, of a two-dimensional array.
+// `components` > 1: to a two-dimensional array.
 template <class Value>
 void append(const Group& group, const char* name, const std::vector<Value>& values, std::size_t chunk,
             std::size_t components = 1) {
@@ -35,7 +35,7 @@ void append_row(const Group& group, const char* name, const Integers& row) {
   group.put<std::int64_t>(name, row, {.chunk = short_chunk * row.size(), .append = true, .rows = 1});
 }
 
-// Says where each array of the step begins, which is the end of what the file holds.
+// Appends the offsets of the arrays of the step.
 void put_array_offsets(const Group& offsets, const std::vector<PictureArray>& arrays, std::int64_t begin, bool first) {
   if (!first && offsets.members().size() != arrays.size())
     fail("{}: expected the {} arrays of the first step, met {}", offsets.path(), offsets.members().size(),
@@ -66,7 +66,7 @@ VtkhdfFile::VtkhdfFile(const std::string& path, bool force) : output_(path, forc
 
 VtkhdfFile::~VtkhdfFile() = default;
 
-// Must come before anything else of the step is written: it notes where that begins.
+// Must be called before the other data of the step are written: it stores their offsets.
 void VtkhdfFile::put_steps(const Group& root, const StepPicture& picture) {
   const Group steps = root.make_group("Steps");
   append_one(steps, "Values", picture.time);

@@ -11,13 +11,12 @@ class File;
 class Group;
 }  // namespace hdf5
 
-/// By which ParaView tells such a file.
+/// ParaView tells the format by these.
 inline constexpr std::array<std::string_view, 2> vtkhdf_endings{".vtkhdf", ".hdf"};
 
-/// The pictures of steps in one VTKHDF file (docs/formats.md). A step is written when it is appended, so that memory
-/// holds one. The file grows as `path.partial` and takes its name with `finish`; without that it is removed. Every
-/// function throws Error if the system refuses, if another run writes the same file, or for a step that has no grains
-/// or other arrays than the first one.
+/// The pictures of steps in one VTKHDF file (docs/formats.md), written one at a time. The file grows as `path.partial`
+/// and takes its name with `finish`; without that it is removed. Throws Error if the system refuses, if another run
+/// writes the same file, and for a step without grains or with other arrays than the first one.
 class VtkhdfFile {
  public:
   VtkhdfFile(const std::string& path, bool force);
@@ -29,7 +28,7 @@ class VtkhdfFile {
   void finish();
 
  private:
-  /// What is written of one kind of cells: vertices, lines, polygons or strips.
+  /// Numbers of written entries of one kind of cells: vertices, lines, polygons or strips.
   struct Written {
     std::int64_t cells = 0, ids = 0;
     std::int64_t skipped = 0;  ///< entries of Offsets that no step reads, see put_cells
