@@ -18,18 +18,17 @@ constexpr double patience = 5;  // s, until a rank that failed alone aborts the 
 
 // The rank that reports the error of a run: the first one that failed, or the number of ranks if none did. Empty if
 // this rank failed and another one has not ended within `patience`.
-std::optional<int> speaker(const app::Outcome& outcome) {
-  int rank = 0, size = 1, first = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  MPI_Comm_size(MPI_COMM_WORLD, &size);
-  const int own = outcome.error.empty() ? size : rank;
+std::optional<Index> speaker(const app::Outcome& outcome, Index rank, Index size) {
+  Index first = 0;
+  const Index own = outcome.error.empty() ? size : rank;
   MPI_Request request = MPI_REQUEST_NULL;
-  MPI_Iallreduce(&own, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD, &request);
+  MPI_Iallreduce(&own, &first, 1, MPI_INT64_T, MPI_MIN, MPI_COMM_WORLD, &request);
   const double since = app::seconds();
   for (int done = 0;;) {
     MPI_Test(&request, &done, MPI_STATUS_IGNORE);
     if (done != 0) return first;
-    if (!outcome.error.empty() && app::seconds() - since > patience + 0.1 * rank) return std::nullopt;
+    if (!outcome.error.empty() && app::seconds() - since > patience + 0.1 * static_cast<double>(rank))
+      return std::nullopt;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
@@ -61,12 +60,10 @@ int run(int argc, char** argv) {
                              .inertia = multifrontal(MPI_COMM_WORLD, processes.counts),
                              .slepc = slepc(MPI_COMM_WORLD),
                              .threads = 1};
-  if (!machine.processes.first()) keep_silent();
+  if (!processes.first()) keep_silent();
   const app::Outcome outcome = app::run_program(argc, argv, machine);
-  int rank = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  const std::optional<int> speaks = speaker(outcome);
-  if (!outcome.error.empty() && speaks.value_or(rank) == rank) {
+  const std::optional<Index> speaks = speaker(outcome, processes.rank, processes.size);
+  if (!outcome.error.empty() && speaks.value_or(processes.rank) == processes.rank) {
     dup2(standard_error, STDERR_FILENO);
     app::note("error: {}", outcome.error);
     std::fflush(stderr);
