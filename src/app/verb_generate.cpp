@@ -24,15 +24,6 @@ CaseSpec spec_of(const std::string& name) {
   return spec;
 }
 
-Case resolve(const Options& options) {
-  CaseSpec spec = spec_of(options.spec);
-  for (const std::string& setting : options.settings)
-    if (setting.rfind("packing.", 0) != 0 && setting.rfind("masses.", 0) != 0)
-      fail("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting);
-  apply_settings(spec, options.settings);
-  return resolve_case(spec, {options.output});
-}
-
 PackingFormat output_format(const std::string& output) {
   if (output == "-") return PackingFormat::csv;
   const auto format = packing_format(output);
@@ -43,7 +34,12 @@ PackingFormat output_format(const std::string& output) {
 
 int run(const Options& options, const Context& context) {
   const PackingFormat format = output_format(options.output);
-  const Case one = resolve(options);
+  CaseSpec spec = spec_of(options.spec);
+  for (const std::string& setting : options.settings)
+    if (!setting.starts_with("packing.") && !setting.starts_with("masses."))
+      fail("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting);
+  apply_settings(spec, options.settings);
+  const Case one = resolve_case(spec, {options.output});
   OutputFile file(options.output, options.force);
   const Packing packing = packing_of(one, progress("generate"));
   file.bytes(packing_bytes(format, packing, provenance(context, {one})));

@@ -31,11 +31,6 @@ struct Options {
 constexpr std::array<std::string_view, 2> of_runs{"--steps", "--convergence"};
 constexpr std::array<std::string_view, 3> of_both{"CASE", "-o,--output", "--force"};
 
-void require_html_name(const std::string& path) {
-  if (!path.ends_with(".html") && !path.ends_with(".htm"))
-    fail("{}: expected a name that ends in .html, met another", path);
-}
-
 // The values of a slider, each once.
 FlexibilityValues ascending(FlexibilityValues values) {
   std::ranges::sort(values.first);
@@ -121,7 +116,8 @@ int report_of_run(const Options& options, const Context& context) {
 }
 
 int run(const Options& options, const Command& command, const Context& context) {
-  require_html_name(options.output);
+  if (!options.output.ends_with(".html") && !options.output.ends_with(".htm"))
+    fail("{}: expected a name that ends in .html, met another", options.output);
   const bool trajectory = holds_trajectory(options.one.name);
   const auto is_of = [](const auto& names, const Option& option) {
     return std::ranges::count(names, option.names) > 0;

@@ -161,16 +161,14 @@ void check_options(const Options& options) {
   if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);
 }
 
-int run_trials(const Options& options, const Machine& machine) {
-  const std::vector<FrictionAlgorithm> solvers = options.algorithms.empty()
-                                                     ? std::vector{FrictionAlgorithm{options.solver.algorithm}}
-                                                     : contact_solvers_named(options.algorithms, "--solver");
-  return solve_trials({options.file, solvers, options.solver, options.time_limit, options.csv, options.how}, machine);
-}
-
 int run(const Options& options, const Context& context) {
   const ThreadLimit limit = options.limits.limit_threads(context.machine);
-  if (!options.csv.empty()) return run_trials(options, context.machine);
+  if (!options.csv.empty()) {
+    std::vector<FrictionAlgorithm> solvers{options.solver.algorithm};
+    if (!options.algorithms.empty()) solvers = contact_solvers_named(options.algorithms, "--solver");
+    return solve_trials({options.file, solvers, options.solver, options.time_limit, options.csv, options.how},
+                        context.machine);
+  }
   check_options(options);
   FrictionSolverOptions solver = options.solver;
   if (!options.algorithms.empty()) solver.algorithm = options.algorithms.front();

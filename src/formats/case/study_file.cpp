@@ -90,7 +90,7 @@ void read_tolerances(StrictTable& table, StudyTable& result) {
   const std::vector<Column> columns = study_columns(result);
   for (const auto& [key, value] : *node->as_table()) {
     const std::string name(key.str());
-    if (std::none_of(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; }))
+    if (std::ranges::count(columns, name, &Column::name) == 0)
       section.fail(&value, name, "a column of the table", "another name");
     section.read(name, result.column_tolerance[name], not_negative);
   }
@@ -213,8 +213,7 @@ Study parse_study(std::string_view text, const std::string& file, const CaseFind
   if (study.tables.empty()) fail("{}: expected at least one [[table]], met none", file);
   if (study.tables[0].large) fail("{}: expected a first table that is always run, met large = true", file);
   for (const StudyTable& table : study.tables)
-    if (std::count_if(study.tables.begin(), study.tables.end(),
-                      [&](const StudyTable& other) { return other.name == table.name; }) > 1)
+    if (std::ranges::count(study.tables, table.name, &StudyTable::name) > 1)
       fail("{}: expected each table name once, met '{}' again", file, table.name);
   return study;
 }
