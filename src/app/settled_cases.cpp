@@ -20,11 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
 std::optional<fs::path> named_folder(const char* variable) {
   const char* value = std::getenv(variable);
   if (value == nullptr || *value == '\0') return std::nullopt;
@@ -199,8 +194,7 @@ std::vector<std::string> known_names(const std::string& kind) {
 }
 
 std::string find_case(const std::string& name) {
-  std::error_code ignored;
-  if (fs::exists(name, ignored)) return name;
+  if (is_there(name)) return name;
   if (const auto file = known_file(name, fs::path("cases") / (name + ".toml"))) return file->string();
   const std::vector<std::string> known = known_names("cases");
   fail(

@@ -53,11 +53,6 @@ std::uintmax_t bytes_of_run(const std::string& text, const RunSoFar& run, const 
   return kept;
 }
 
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
-
 // Bytes to keep of the table of the earlier run, which becomes a partial file again.
 std::uintmax_t reopened(const std::string& path, const RunSoFar& run) {
   const fs::path growing = partial_path(path);

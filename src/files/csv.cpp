@@ -5,7 +5,6 @@
 #include "core/text.hpp"
 #include <nscdd/core/fields.hpp>
 
-#include <filesystem>
 #include <fstream>
 
 namespace nscdd {
@@ -144,9 +143,8 @@ CsvText parse_csv(std::string_view text, const std::string& name) {
 }
 
 std::string read_text(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) fail("{}: no such file", path);
-  if (!std::filesystem::is_regular_file(path, ignored)) fail("{}: expected a file, met a folder or a device", path);
+  if (!is_there(path)) fail("{}: no such file", path);
+  if (!is_file(path)) fail("{}: expected a file, met a folder or a device", path);
   std::ifstream stream(path, std::ios::binary);
   std::string text, block(1 << 20, '\0');
   while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)

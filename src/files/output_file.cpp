@@ -80,6 +80,16 @@ bool is_read(const std::string& path) {
 
 }  // namespace
 
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
 bool is_stream(const fs::path& path) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
@@ -257,8 +267,7 @@ void AlternatingFile::change(Change change) {
 bool AlternatingFile::copying_is_faster() const {
   constexpr double bytes_per_second = 3e8;  // of a slow disk
   std::error_code ignored;
-  return !fs::exists(spare_, ignored) ||
-         static_cast<double>(fs::file_size(path_, ignored)) < missing_seconds_ * bytes_per_second;
+  return !is_there(spare_) || static_cast<double>(fs::file_size(path_, ignored)) < missing_seconds_ * bytes_per_second;
 }
 
 // One rename installs the new version. The old one becomes the spare copy if it has no other hard link (and the file

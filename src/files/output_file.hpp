@@ -15,6 +15,10 @@
 
 namespace nscdd {
 
+/// Whether a path exists, and whether it is a regular file; false if the system cannot tell.
+bool is_there(const std::filesystem::path& path);
+bool is_file(const std::filesystem::path& path);
+
 /// Throws Error if the folder of `path` does not exist, or if `path` exists and `force` is false; likewise for the
 /// `path.partial` of an interrupted run unless `partial_accepted`. Devices and pipes are accepted.
 void require_writable(const std::filesystem::path& path, bool force, bool partial_accepted = false);

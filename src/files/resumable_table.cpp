@@ -46,11 +46,6 @@ std::string differing_line(std::string_view expected, std::string_view met) {
   return "expected other line ends";
 }
 
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
-
 // Calls f(line, number from 1) for each complete line until it returns false; returns the bytes of the lines before.
 template <class Function>
 std::size_t for_each_line(std::string_view text, Function&& f) {

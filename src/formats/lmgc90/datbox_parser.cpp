@@ -159,8 +159,7 @@ void read_tact(FixedColumns lines, Datbox& datbox) {
 }
 
 fs::path datbox_folder(const std::string& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(fs::path(path) / "BODIES.DAT", ignored) ? fs::path(path) : fs::path(path) / "DATBOX";
+  return is_file(fs::path(path) / "BODIES.DAT") ? fs::path(path) : fs::path(path) / "DATBOX";
 }
 
 }  // namespace
@@ -182,24 +181,20 @@ Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder) {
 
 bool holds_datbox(const std::string& path) {
   std::error_code ignored;
-  return fs::is_directory(path, ignored) && fs::is_regular_file(datbox_folder(path) / "BODIES.DAT", ignored);
+  return fs::is_directory(path, ignored) && is_file(datbox_folder(path) / "BODIES.DAT");
 }
 
 std::vector<std::string> datbox_files(const std::string& path) {
   std::vector<std::string> files;
-  std::error_code ignored;
   for (const char* name : {"BODIES.DAT", "BULK_BEHAV.DAT", "TACT_BEHAV.DAT", "DRV_DOF.DAT", "DOF.INI"})
-    if (const fs::path file = datbox_folder(path) / name; fs::exists(file, ignored)) files.push_back(file.string());
+    if (const fs::path file = datbox_folder(path) / name; is_there(file)) files.push_back(file.string());
   return files;
 }
 
 Datbox read_datbox(const std::string& path) {
   const fs::path folder = datbox_folder(path);
   const auto required = [&](const std::string& name) { return read_text((folder / name).string()); };
-  const auto text = [&](const char* name) {
-    std::error_code ignored;
-    return fs::exists(folder / name, ignored) ? required(name) : std::string();
-  };
+  const auto text = [&](const char* name) { return is_there(folder / name) ? required(name) : std::string(); };
   return parse_datbox({required("BODIES.DAT"), required("BULK_BEHAV.DAT"), text("TACT_BEHAV.DAT"), text("DRV_DOF.DAT"),
                        text("DOF.INI"), required},
                       folder.string());

@@ -12,9 +12,7 @@ using hdf5::Group;
 using hdf5::Rows;
 
 hdf5::File open_trajectory(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored))
-    fail("{}: expected a trajectory of nscdd simulate, met no such file", path);
+  if (!is_file(path)) fail("{}: expected a trajectory of nscdd simulate, met no such file", path);
   return {path, hdf5::Access::read,
           fmt::format("{}: expected a trajectory of nscdd simulate (HDF5), met something else, a damaged file or one "
                       "that is being changed",
@@ -177,8 +175,7 @@ std::vector<std::string> read_statuses(const std::string& path) {
 }
 
 bool holds_trajectory(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  if (!is_file(path)) return false;
   try {
     const hdf5::File file(path, hdf5::Access::read, "");
     return file.root().has("system") && file.root().has("steps") && file.root().has("summary");
