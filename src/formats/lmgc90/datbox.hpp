@@ -90,6 +90,10 @@ struct Datbox {
   std::map<std::string, DatboxLaw> laws;
   std::vector<DatboxSight> sights;
   double start = 0;  ///< s, time of DOF.INI and origin of the time of drives
+
+  bool space() const { return dimension == 3; }
+  const char* plank() const { return space() ? "PLANx" : "JONCx"; }
+  const char* grain() const { return space() ? "SPHER" : "DISKx"; }
 };
 
 /// The text of each file; empty if it does not exist.

@@ -141,8 +141,8 @@ Matrix3 axes_of(const DatboxBody& plank, bool space) {
 // none, or if a grain lies beyond the edges.
 double side_of_grains(const Datbox& datbox, const DatboxBody& body, const Matrix3& axes) {
   const DatboxContactor& plank = body.contactors[0];
-  const bool space = datbox.dimension == 3;
-  const char *kind = space ? "PLANx" : "JONCx", *edges = space ? "edges" : "ends";
+  const bool space = datbox.space();
+  const char* edges = space ? "edges" : "ends";
   const std::string_view grain = shape_of_grains(datbox.dimension);
   Index above = 0, below = 0;
   for_each_grain(datbox, DatboxGrains::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
@@ -153,7 +153,7 @@ double side_of_grains(const Datbox& datbox, const DatboxBody& body, const Matrix
       refuse(body.place,
              "expected a plank {0} with all free {1}s between its {2}, met {1} {3} at {4} from its middle, and {5}: "
              "walls have no {2} here, and would hold what the plank does not",
-             kind, grain, edges, number,
+             datbox.plank(), grain, edges, number,
              space ? fmt::format("{} m and {} m", along, across) : fmt::format("{} m", along),
              space ? fmt::format("axe1 = {}, axe2 = {}", plank.length, plank.width)
                    : fmt::format("ax1 = {}", plank.length));
@@ -162,13 +162,13 @@ double side_of_grains(const Datbox& datbox, const DatboxBody& body, const Matrix
     refuse(body.place,
            "expected a plank {} with all free {}s on one side, met {} above and {} below it: walls are {} without {} "
            "here",
-           kind, grain, above, below, space ? "planes" : "straight lines", edges);
+           datbox.plank(), grain, above, below, space ? "planes" : "straight lines", edges);
   return below > 0 ? -1 : 1;
 }
 
 // The line or plane of that face.
 void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) {
-  const bool space = datbox.dimension == 3;
+  const bool space = datbox.space();
   const DatboxContactor& plank = body.contactors[0];
   const Matrix3 axes = axes_of(body, space);
   const double side = side_of_grains(datbox, body, axes);
@@ -191,10 +191,8 @@ std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
     const DatboxBody& body = datbox.bodies[k];
     if (body.force)
       refuse(*body.force, "expected velocities (vlocy), met a force: bodies driven by forces are not modelled");
-    const bool space = datbox.dimension == 3;
     if (body.plank() && !body.driven())
-      refuse(body.place, "expected a plank {} that is driven, met a free one: planks are walls here",
-             space ? "PLANx" : "JONCx");
+      refuse(body.place, "expected a plank {} that is driven, met a free one: planks are walls here", datbox.plank());
     if (body.driven()) {
       BoundarySpec boundary;
       boundary.name = fmt::format("body {}", k + 1);
@@ -218,7 +216,7 @@ std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxGrains
   std::vector<PrescribedVelocity> moving;
   for_each_grain(datbox, which, [&](const DatboxBody& body, const DatboxContactor&, Index number) {
     if (body.driven()) return;
-    const bool space = datbox.dimension == 3;
+    const bool space = datbox.space();
     const double spin = space ? body.spin.norm() : body.velocity[2];
     if (spin != 0 && which == DatboxGrains::all)
       refuse(body.velocity_place, "{}: expected {}s that do not spin at the beginning, met {}",
@@ -250,7 +248,7 @@ Packing datbox_packing(const Datbox& datbox, DatboxGrains which) {
     packing.radius.push_back(disk.radius);
     packing.half_digit = std::max(packing.half_digit, body.written_digit);
     const double size = body.driven() ? disk.radius : body.average_radius;  // a driven mass has no effect
-    const bool space = datbox.dimension == 3;
+    const bool space = datbox.space();
     if (!body.driven()) space ? require_full_sphere(body) : require_full_disk(body);
     const Eigen::Vector2d place = space ? body.position.head<2>() : place_in_plane(body, disk);
     packing.x.push_back(place[0]);
@@ -274,7 +272,7 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
   dynamics.interaction = contact.interaction;
   if (!datbox.gravity) fail("{}/BULK_BEHAV.DAT: expected a section $gravy, met none", datbox.folder);
   const auto [x, y, z] = *datbox.gravity;
-  dynamics.time.gravity = datbox.dimension == 3 ? Components<double>{x, y, z} : Components<double>{x, y};
+  dynamics.time.gravity = datbox.space() ? Components<double>{x, y, z} : Components<double>{x, y};
   dynamics.time.alert = std::min(10.0, contact.alert / *std::ranges::min_element(packing.radius));
   if (dynamics.interaction.restitution == 0) dynamics.time.penetration_correction = 0;  // as in IQS_CLB
   return dynamics;

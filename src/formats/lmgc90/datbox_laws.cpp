@@ -14,11 +14,9 @@ struct Colours {
 
 Colours colours_of(const Datbox& datbox) {
   Colours colours;
-  const bool space = datbox.dimension == 3;
-  const char *plank = space ? "PLANx" : "JONCx", *grain = space ? "SPHER" : "DISKx";
   for (const DatboxBody& body : datbox.bodies)
     for (const DatboxContactor& one : body.contactors) {
-      const Colour colour{one.plank ? plank : grain, one.colour};
+      const Colour colour{one.plank ? datbox.plank() : datbox.grain(), one.colour};
       if (body.driven())
         colours.driven.insert(colour);
       else

@@ -87,7 +87,6 @@ void read_initial(FixedColumns lines, Datbox& datbox) {
     if (lines.key() == "$steps") datbox.start = lines.number(35, "time");
     if (lines.key() != "$bdyty") continue;
     DatboxBody& body = numbered_body(lines, datbox, met);
-    const bool space = datbox.dimension == 3;
     while (lines.next() && lines.key() != "$nodty")
       if (lines.key() == "$bdyty" || lines.key() == "$$$$$$") break;
     if (lines.key() != "$nodty") lines.refuse("expected a section $nodty of the body", "none");
@@ -95,11 +94,11 @@ void read_initial(FixedColumns lines, Datbox& datbox) {
     const Eigen::Vector3d moved = lines.three_numbers("X({})");
     body.position += moved;
     body.written_digit += half_digit(moved, datbox.dimension);
-    if (space) lines.require_next("displacements X(4) to X(6)");  // always 0 in LMGC90
+    if (datbox.space()) lines.require_next("displacements X(4) to X(6)");  // always 0 in LMGC90
     lines.require_next("velocities V");
     body.velocity = lines.three_numbers("V({})");
     body.velocity_place = lines.place();
-    if (!space) continue;
+    if (!datbox.space()) continue;
     lines.require_next("velocities V(4) to V(6)");
     body.spin = {lines.number(35, "V(4)"), lines.number(56, "V(5)"), lines.number(77, "V(6)")};
     for (Index k = 0; k < 3; ++k) {
@@ -116,7 +115,7 @@ void read_bulk(FixedColumns lines, Datbox& datbox) {
     if (section == "$gravy") {
       lines.require_next("the acceleration of gravity");
       datbox.gravity = {lines.number(25, "grv1"), lines.number(46, "grv2"),
-                        datbox.dimension == 3 ? lines.number(67, "grv3") : 0};
+                        datbox.space() ? lines.number(67, "grv3") : 0};
     } else if (section == "$behav") {
       lines.require_next("a bulk law");
       if (lines.text(9, 38) == "RIGID")
