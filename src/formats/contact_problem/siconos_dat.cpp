@@ -206,8 +206,7 @@ SparseMatrix read_sparse(Words& words, const std::string& name, Shape shape) {
 
 SparseMatrix read_matrix(Words& words, const std::string& name) {
   const Index storage = words.integer("storage of " + name, 0, 2);
-  const Index rows = words.size("rows of " + name), columns = words.size("columns of " + name);
-  const Shape shape{rows, columns};
+  const Shape shape{words.size("rows of " + name), words.size("columns of " + name)};
   if (storage == 0) return read_dense(words, name, shape);
   if (storage == 1) return read_blocks(words, name, shape);
   return read_sparse(words, name, shape);

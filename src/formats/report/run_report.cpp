@@ -96,8 +96,7 @@ std::vector<Index> steps_to_draw(const std::string& path, const std::vector<Inde
   if (steps.size() < 2) return steps;
   const double largest = std::max(bytes_of(read_trajectory_step(path, steps[steps.size() / 2])),
                                   bytes_of(read_trajectory_step(path, steps.back())));
-  const auto room = static_cast<Index>(bytes / largest);
-  const Index number = std::clamp<Index>(room, 2, count(steps));
+  const Index number = std::clamp<Index>(static_cast<Index>(bytes / largest), 2, count(steps));
   std::vector<Index> chosen;
   for (Index i = 0; i < number; ++i) chosen.push_back(steps[at(i * (count(steps) - 1) / (number - 1))]);
   return chosen;
