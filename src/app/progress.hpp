@@ -13,7 +13,7 @@ void note(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
   vnote(format, fmt::make_format_args(arguments...));
 }
 
-/// Seconds on a clock that never goes back.
+/// Monotonic time, s.
 double seconds();
 
 /// A monitor that shows a progress bar with rate and time left, if standard error is a terminal. The rate leaves out

@@ -49,8 +49,7 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
         "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this scheme does "
         "not iterate on them\n",
         totals.gluing, solver.gluing_tolerance);
-  // Every run pushes some overlaps apart: only a notable gain is reported. At rest energies are of the order of
-  // tolerance x r W r.
+  // Every run pushes some overlaps apart. At rest energies are of the order of tolerance x r W r.
   constexpr double notable_gain = 0.01;
   const double energies =
       totals.last.energy.kinetic + std::abs(totals.boundary_work) + std::max(0.0, totals.dissipation);

@@ -18,9 +18,8 @@ struct Limits {
 
   /// Limits the memory of this rank, one of `processes` on this computer. Throws Error if it holds more already.
   void limit_memory(Index processes = 1) const;
-  /// Limits the threads for the life of the result.
-  ThreadLimit limit_threads(const Machine& machine) const;
-  ThreadLimit apply(const Machine& machine) const;  ///< limits both
+  ThreadLimit limit_threads(const Machine& machine) const;  ///< for the life of the result
+  ThreadLimit apply(const Machine& machine) const;          ///< limits both
 };
 
 /// Keeps freed memory in the process, in blocks up to 32 MiB (the maximum of the C library). Factors of equal size
@@ -33,8 +32,7 @@ void give_back_freed_memory();
 /// Declares --contacts, the contacts of Stage 1.
 void declare_contacts(Command& command, Choice<ContactSet>& contacts);
 
-/// Options of spectra on this machine. Throws Error for options that contradict each other, and for a solver that the
-/// machine lacks.
+/// Options of spectra on this machine. Throws Error if they contradict each other, or if it lacks the solver.
 SpectralOptions spectra_on(const Machine& machine, SpectralOptions options);
 
 /// Runs work that may fill the cache on rank 0 first, then on the others.

@@ -11,7 +11,7 @@
 namespace nscdd::app {
 namespace {
 
-// An option that sets one parameter of the case.
+// An option that sets a parameter of the case.
 struct ParameterOption {
   std::string option, form, key, help;
   std::vector<std::string> words = {};

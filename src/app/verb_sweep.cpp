@@ -77,8 +77,7 @@ TableWork curve_work(const StudyTable& work, const CurveParameters& parameters) 
   return table;
 }
 
-// Writes the rows of the curves and passes them to `sink`. Notes curves that are not proved to the tolerance; the exit
-// code is then 1.
+// Writes the rows of the curves and passes them to `sink`. Notes curves that are not proved; the exit code is then 1.
 int trace(const Model& model, const CurveParameters& parameters, ResumableTable& csv, Interruption& interruption,
           const RowSink& sink) {
   const RowSink write = [&](const Row& row) {

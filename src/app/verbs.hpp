@@ -22,7 +22,6 @@ struct Machine {
   bool serves(std::string_view verb) const { return verbs.empty() || std::ranges::find(verbs, verb) != verbs.end(); }
 };
 
-/// How a run of the program ended.
 struct Outcome {
   int code = 0;       ///< 0 done, 1 a check failed, 2 bad input, 130 interrupted
   std::string error;  ///< message for the user; empty without an error, or if another rank reports it

@@ -28,8 +28,6 @@ class CsvWriter {
 
 /// One line of CSV without its line feed; values with a comma, a quote or a line feed are quoted.
 std::string csv_line(const Row& row);
-
-/// The header line of a table.
 std::string csv_header(const std::vector<Column>& columns);
 
 /// Values of one line of CSV, quoted as in RFC 4180. Throws Error "where: ..." for a quote that is not closed.
@@ -57,14 +55,13 @@ class CsvReader {
   std::deque<std::string> quoted_;  ///< quoted values, without quotes
 };
 
-/// A CSV file as texts.
 struct CsvText {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows{};
   std::vector<std::size_t> lines{};  ///< line number of each row, from 1
 };
 
-/// The whole of a CSV text, as CsvReader reads it.
+/// All rows of CsvReader.
 CsvText parse_csv(std::string_view text, const std::string& name);
 
 /// The whole content of a regular file. Throws Error if it cannot be read.

@@ -67,7 +67,6 @@ KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how
 /// Whether the table exists and is finished, without a partial file or a record.
 bool is_complete(const std::string& path);
 
-/// Removes the record of a finished table.
 void remove_record(const std::string& path);
 
 /// Resumable CSV table. FILE.partial grows row by row, with FILE.record. Both stay if the run is killed or stopped. A

@@ -21,8 +21,7 @@ struct FclibInfo {
 };
 
 /// A file of the Friction Contact Library (FCLIB, https://frictionalcontactlibrary.github.io), with which Siconos,
-/// LMGC90 and others exchange frictional contact problems. Text files of Siconos (.dat) are read as one that has only
-/// the problem.
+/// LMGC90 and others exchange frictional contact problems. A text file of Siconos (.dat) fills only `problem`.
 struct FclibFile {
   std::variant<LocalFrictionProblem, GlobalFrictionProblem> problem;
   FclibInfo info;

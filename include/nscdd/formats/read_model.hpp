@@ -5,9 +5,8 @@
 
 namespace nscdd {
 
-/// The model of a case file with overrides of its keys, as `--set`: {"packing.grains", "8"}. Throws Error
-/// "file:line: key: expected ..., met ..." for a case that cannot be read or built, and for a packing that must be
-/// settled by a simulation.
+/// The model of a case file with overrides of its keys, as `--set`: {"packing.grains", "8"}. Throws Error "file:line:
+/// key: expected ..., met ..." for a case that cannot be read or built or must be settled by a simulation.
 Model read_model(const std::string& case_file, const std::vector<std::pair<std::string, std::string>>& overrides = {});
 
 }  // namespace nscdd

@@ -7,8 +7,8 @@
 
 namespace nscdd::mpi {
 
-/// Both ends of the spectrum of S f = lambda P f by Krylov-Schur of SLEPc, on the pencil K - tau N of the velocities V
-/// of S, those of P, V', and the interface impulses,
+/// Both ends of the spectrum of S f = lambda P f by Krylov-Schur of SLEPc, on the pencil K - tau N in the velocities V
+/// of S, V' of P, and the interface impulses,
 ///     K = [ M + K/epsilon   0   A^T ]      N = [ 0                  ]
 ///         [ 0               0   A^T ]          [    M' + K'/eta     ]
 ///         [ A               A   0   ]          [                 0  ]

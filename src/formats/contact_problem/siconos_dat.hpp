@@ -20,8 +20,7 @@ std::string siconos_text(const FclibFile& file, const std::string& program);
 /// Whether the name is that of a file of Siconos: it ends in .dat.
 bool has_siconos_name(const std::string& path);
 
-/// Reads a contact problem of FCLIB or of Siconos, by the name of the file. Throws Error as `fclib_from_hdf5` and
-/// `siconos_from_text`.
+/// Reads a file of FCLIB or of Siconos, by its name. Throws Error as `fclib_from_hdf5` and `siconos_from_text`.
 FclibFile read_contact_problem(const std::string& path);
 
 }  // namespace nscdd

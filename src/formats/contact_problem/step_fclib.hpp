@@ -9,9 +9,8 @@
 namespace nscdd {
 
 /// The contact problem of the next step of a simulation, as a global problem of FCLIB (see friction_problem): bodies
-/// are its free grains, ascending; contacts as in a trajectory, ascending by (a, b). `after`: the step with its
-/// solution, or null. Throws Error for a law that is neither Coulomb's nor frictionless, and if `after` has other
-/// contacts.
+/// are its free grains, ascending; contacts ascend by (a, b). `after`: the step with its solution, or null. Throws
+/// Error for a law that is neither Coulomb's nor frictionless, and if `after` has other contacts.
 FclibFile fclib_of_step(const Simulation& before, const TrajectoryStep* after);
 
 /// The part of subdomain E of this problem: its contacts and their free grains, each ascending, masses split as in the

@@ -6,9 +6,8 @@
 
 #include <optional>
 
-/// Input files of LMGC90 for rigid bodies in the plane or in space, a folder DATBOX: BODIES.DAT, BULK_BEHAV.DAT,
-/// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI. Numbers have fixed columns and seven or eight digits. Errors name file and
-/// line.
+/// Input of LMGC90 for rigid bodies in the plane or in space, a folder DATBOX of BODIES.DAT, BULK_BEHAV.DAT,
+/// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI. Numbers have fixed columns and 7 or 8 digits. Errors name file and line.
 namespace nscdd {
 
 struct DatboxPlace {
@@ -48,8 +47,8 @@ struct DatboxBody {
   /// m; the mass is density x pi x average_radius^2, in space density x 4/3 pi x average_radius^3.
   double average_radius = 0, gyration_radius = 0;
   Eigen::Vector3d inertia{0, 0, 0};  ///< in space, over the density, m^5
-  /// In space: the axes of the body at the beginning, as columns (the third one is normal to a plank), and its spin
-  /// along them, rad/s.
+  /// In space: the initial axes of the body as columns (the third is normal to a plank), and its spin along them,
+  /// rad/s.
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
   Eigen::Vector3d spin{0, 0, 0};
   double written_digit = 0;                          ///< m, half of the last digit of its written place
@@ -122,14 +121,12 @@ enum class DatboxGrains {
 };
 
 /// The disks or spheres in the order of the files, with masses and half of the last digit of their places. Throws Error
-/// for a free body of several disks or with an inertia other than that of a full disk or sphere, and for a packing
-/// without grains.
+/// for free bodies of several disks or with an inertia other than that of full disks and spheres, and without grains.
 Packing datbox_packing(const Datbox& datbox, DatboxGrains which);
 
 /// The packing of a folder as a case with prescribed initial velocities. `moving`: also laws, gravity and boundaries
-/// (planks as straight walls, driven disks as grains of a boundary), with the steps of TimeStepping. Throws Error as
-/// datbox_packing and, if `moving`, for free disks that spin initially and all else that is not modelled
-/// (docs/formats.md).
+/// (planks as straight walls, driven disks as grains of a boundary), with default time steps. Throws Error as
+/// datbox_packing and, if `moving`, for initial spins and all else that is not modelled (docs/formats.md).
 CaseSpec case_of_datbox(const std::string& path, bool moving);
 
 /// Its laws, gravity and boundaries.

@@ -10,8 +10,7 @@ namespace nscdd {
 /// docs/formats.md describes bodies, contacts and axes.
 class DatboxWriter {
  public:
-  /// `first`: the simulation in its first state, the origin of displacements. Throws Error for too many bodies and for
-  /// walls that are cylinders.
+  /// `first`: in its first state, the origin of displacements. Throws Error for too many bodies and for cylinders.
   explicit DatboxWriter(const Simulation& first);
 
   std::string bodies() const;  ///< BODIES.OUT
@@ -22,8 +21,7 @@ class DatboxWriter {
   std::string vloc_rloc(const TrajectoryStep& step) const;
 
   /// Why no DATBOX can describe this case; empty if one can. Reasons: a law that LMGC90 lacks, disks that do not turn
-  /// with their boundary, spheres of a turning boundary, and a wall that turns about a point in front of it or, in
-  /// space, about several axes.
+  /// with their boundary, spheres that do, and a wall that turns about a point in front of it or about several axes.
   std::string without_datbox() const;
   std::string tact() const;    ///< TACT_BEHAV.DAT: a law between grains, one at boundaries, and who sees whom
   std::string driven() const;  ///< DRV_DOF.DAT: velocities of the driven bodies, constant or by a table (evolution)

@@ -89,8 +89,7 @@ class FixedColumns {
   }
 
  private:
-  // A number with D or E before the exponent, or neither for an exponent of three digits. None for another text and for
-  // numbers above 1e100.
+  // A number with D, E or (exponents of three digits) nothing before the exponent; none if it is above 1e100.
   static std::optional<double> fortran_number(std::string_view field) {
     std::string copy(field);
     for (char& c : copy)

@@ -119,7 +119,6 @@ class MatrixMarket {
       for (Index i = symmetric_ ? j : 0; i < matrix.rows(); ++i) add("{:.17g}\n", matrix(i, j));
     hand_on();
   }
-  // One column.
   void write(const std::vector<Index>& numbers) {
     head("array", "integer");
     add("{} 1\n", numbers.size());

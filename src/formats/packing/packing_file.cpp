@@ -123,7 +123,6 @@ class Lines {
   fail("{}, met {} numbers", where, numbers);
 }
 
-// Lines "x y radius" or "x y z radius".
 Packing parse_text_packing(std::string_view text, const std::string& name) {
   Packing packing;
   Lines lines(text);

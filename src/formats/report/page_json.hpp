@@ -8,7 +8,7 @@
 
 #include <bit>
 
-/// The data of a page as JSON, keys in the order in which they are written.
+/// The data of a page as JSON.
 namespace nscdd::page {
 
 using Json = nlohmann::ordered_json;

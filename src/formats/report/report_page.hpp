@@ -4,8 +4,7 @@
 #include "formats/report/run_report.hpp"
 #include "study/linear/packing_report.hpp"
 
-/// The pages of `nscdd report`: self-contained HTML files with style (src/formats/report/page/), program and data
-/// (docs/formats.md).
+/// The pages of `nscdd report`: self-contained HTML files. docs/formats.md describes their data.
 namespace nscdd {
 
 struct PageOrigin {

@@ -45,8 +45,7 @@ void put_lists(const Group& group, Steps steps, List list, Columns&& columns, Ar
   group.put<std::int64_t>("rows", rows, form);
 }
 
-// One array per quantity holds all steps, so that many steps cost few calls of HDF5. A chunk holds about the contacts
-// of a dense packing.
+// One array per quantity holds all steps, which saves calls of HDF5. A chunk holds the contacts of a dense packing.
 void put_steps(const Group& group, Steps steps, bool append) {
   if (steps.empty()) return;
   ArrayForm form{.chunk = std::clamp<std::size_t>(2 * steps[0].state.x.size(), 256, 65536), .append = append};

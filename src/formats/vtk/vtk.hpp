@@ -32,8 +32,7 @@ struct StepPicture {
 /// The arrays that a viewer shows first.
 inline constexpr const char *shown_of_points = "radius", *shown_vectors = "velocity", *shown_of_cells = "impulse_n";
 
-/// The grains at the end of the step, and its contacts. Throws Error if arrays differ in length or a contact names no
-/// grain.
+/// The grains at the end of the step, and its contacts. Throws Error for arrays of other lengths and unknown grains.
 StepPicture picture_of(const GranularSystem& system, const TrajectoryStep& step);
 
 /// first, first + step, ...: n numbers.
