@@ -4,6 +4,14 @@
 namespace nscdd::page {
 namespace {
 
+// What `get` makes of each item.
+template <class Items, class Get>
+Json list_of(const Items& items, Get get) {
+  Json all = Json::array();
+  for (const auto& item : items) all.push_back(get(item));
+  return all;
+}
+
 Json grains_of(const Model& model) {
   const Packing& packing = model.packing;
   Json json{{"x", packed<float>(packing.x)},
@@ -66,31 +74,23 @@ Json mode_of(const KeptMode& mode) {
 }
 
 Json grid_of(const RadiusGrid& grid) {
-  Json points = Json::array(), best = Json::array(), modes = Json::array();
-  for (const SweepResult& point : grid.points) points.push_back(point_of(point));
-  for (const OptimumResult& one : grid.best) best.push_back(best_of(one));
-  for (const KeptMode& mode : grid.modes) modes.push_back(mode_of(mode));
   return {{"contacts", std::string(to_string(grid.contacts))},
           {"rule", grid.choice.rule},
           {"certain", grid.choice.certain},
           {"active", packed<std::uint8_t>(grid.choice.active)},
-          {"points", std::move(points)},
-          {"best", std::move(best)},
+          {"points", list_of(grid.points, point_of)},
+          {"best", list_of(grid.best, best_of)},
           {"modes_asked", grid.modes_asked},
-          {"modes", std::move(modes)}};
+          {"modes", list_of(grid.modes, mode_of)}};
 }
 
 Json table_of(const std::vector<Series>& columns) {
-  Json all = Json::array();
-  for (const Series& column : columns) {
-    Json values = Json::array();
-    for (const double value : column.values) values.push_back(drawn(value));
-    all.push_back({{"name", column.heading.name},
-                   {"unit", column.heading.unit},
-                   {"description", column.heading.description},
-                   {"values", std::move(values)}});
-  }
-  return all;
+  return list_of(columns, [](const Series& column) {
+    return Json{{"name", column.heading.name},
+                {"unit", column.heading.unit},
+                {"description", column.heading.description},
+                {"values", list_of(column.values, drawn)}};
+  });
 }
 
 // Tangential impulses have their sign in the plane, and their size in space.
@@ -118,11 +118,12 @@ Json wall_of(const Wall& wall, Index dimension) {
 }
 
 Json step_of(const DrawnStep& step, Index dimension) {
-  Json walls = Json::array();
-  for (const Wall& wall : step.walls) walls.push_back(wall_of(wall, dimension));
-  Json json{{"step", step.step},          {"time", drawn(step.time)},
-            {"x", packed<float>(step.x)}, {"y", packed<float>(step.y)},
-            {"walls", std::move(walls)},  {"contacts", contacts_of(step.contacts, dimension)}};
+  Json json{{"step", step.step},
+            {"time", drawn(step.time)},
+            {"x", packed<float>(step.x)},
+            {"y", packed<float>(step.y)},
+            {"walls", list_of(step.walls, [&](const Wall& wall) { return wall_of(wall, dimension); })},
+            {"contacts", contacts_of(step.contacts, dimension)}};
   if (dimension == 3) json["z"] = packed<float>(step.z);
   return json;
 }
@@ -153,10 +154,8 @@ Json json_of(const Model& model, const PackingReport& report) {
   Json shared = Json::array();
   for (const auto& [multiplicity, grains] : found.interface_grains)
     shared.push_back({{"multiplicity", multiplicity}, {"grains", grains}});
-  Json eta = Json::array();  // JSON has no infinity
-  for (const double value : report.eta) eta.push_back(std::isinf(value) ? Json("inf") : Json(value));
-  Json grids = Json::array();
-  for (const RadiusGrid& grid : report.grids) grids.push_back(grid_of(grid));
+  // JSON has no infinity.
+  const auto eta_of = [](double value) { return std::isinf(value) ? Json("inf") : Json(value); };
   return {{"kind", "packing"},
           {"dimension", model.packing.dimension()},
           {"subdomains", model.partition.subdomains},
@@ -175,15 +174,13 @@ Json json_of(const Model& model, const PackingReport& report) {
           {"copies", copies_of(model)},
           {"contacts", contacts_of(model, report.impulses)},
           {"epsilon", report.epsilon},
-          {"eta", std::move(eta)},
-          {"grids", std::move(grids)}};
+          {"eta", list_of(report.eta, eta_of)},
+          {"grids", list_of(report.grids, grid_of)}};
 }
 
 Json json_of(const RunReport& report) {
   const GranularSystem& system = report.header.system;
-  Json steps = Json::array(), boundaries = Json::array(), provenance = Json::array();
-  for (const DrawnStep& step : report.steps) steps.push_back(step_of(step, system.dimension));
-  for (const Boundary& boundary : system.boundaries) boundaries.push_back(boundary.name);
+  Json provenance = Json::array();
   for (const auto& [key, text] : report.header.provenance)
     if (key != "cases") provenance.push_back(Json::array({key, text}));
   return {{"kind", "run"},
@@ -201,12 +198,12 @@ Json json_of(const RunReport& report) {
            {{"radius", packed<float>(system.radius)},
             {"mass", packed<float>(system.mass)},
             {"driven_by", system.driven_by}}},
-          {"boundaries", std::move(boundaries)},
+          {"boundaries", list_of(system.boundaries, [](const Boundary& one) { return one.name; })},
           {"summary", table_of(report.summary)},
           {"status", report.status},
           {"iterations", table_of(report.iterations)},
           {"kept", report.kept},
-          {"steps", std::move(steps)}};
+          {"steps", list_of(report.steps, [&](const DrawnStep& step) { return step_of(step, system.dimension); })}};
 }
 
 }  // namespace nscdd::page

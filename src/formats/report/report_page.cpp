@@ -19,10 +19,7 @@ std::string escaped(std::string_view text) {
 std::string within_script(const Json& json) {
   std::string result;
   for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace))
-    if (c == '<')
-      result += "\\u003c";
-    else
-      result += c;
+    result += c == '<' ? "\\u003c" : std::string(1, c);
   return result;
 }
 

@@ -2,10 +2,8 @@
 #include "formats/report/run_report.hpp"
 
 #include "core/fail.hpp"
-#include "core/text.hpp"
 #include "files/csv.hpp"
 
-#include <filesystem>
 #include <iterator>
 #include <map>
 #include <sstream>

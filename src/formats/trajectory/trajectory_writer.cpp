@@ -77,8 +77,7 @@ void put_system(const Group& root, const GranularSystem& system) {
   const Group group = root.make_group("system");
   group.put<double>("radius", system.radius, {.attributes = {{"unit", "m"}}});
   group.put<double>("mass", system.mass, {.attributes = {{"unit", "kg"}}});
-  std::vector<std::int32_t> driven;
-  for (const Index boundary : system.driven_by) driven.push_back(layout::stored(boundary));
+  const std::vector<std::int32_t> driven(system.driven_by.begin(), system.driven_by.end());
   group.put<std::int32_t>("driven_by", driven, {.attributes = {{"unit", "1"}}});
   const auto walls = [](const GranularSystem& one) -> auto& { return one.walls; };
   put_structs(group.make_group("walls"), std::span(&system, 1), walls, layout::wall_columns(system.dimension), {});
