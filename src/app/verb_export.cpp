@@ -142,7 +142,7 @@ OperatorParameters parameters(const OperatorsOptions& options, double scale) {
 
 void print_operators(const OperatorsOptions& options, const Model& model, const OperatorParameters& wanted,
                      Index operators) {
-  const std::string manifest = (std::filesystem::path(options.folder) / OperatorsFolder::manifest_name).string();
+  const std::string manifest = (fs::path(options.folder) / OperatorsFolder::manifest_name).string();
   fmt::print("{}: {} operators of {}, {} interface unknowns", manifest, operators, model.name,
              model.parts.interface_size());
   if (wanted.dense) fmt::print(", epsilon {} 1/kg, eta {} 1/kg", field_text(wanted.epsilon), field_text(wanted.eta));
@@ -152,7 +152,7 @@ void print_operators(const OperatorsOptions& options, const Model& model, const 
 int export_operators(const OperatorsOptions& options, bool force, const Context& context) {
   parameters(options, 1);  // refused before the model is built
   const ThreadLimit limit = options.limits.apply(context.machine);
-  const std::filesystem::path path(options.folder);
+  const fs::path path(options.folder);
   const Case what = options.one.resolve(
       {(path / OperatorsFolder::manifest_name).string(), (path / OperatorsFolder::hdf5_name).string()});
   OperatorsFolder folder(options.folder, force, "nscdd " + version());

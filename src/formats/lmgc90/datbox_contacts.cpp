@@ -75,17 +75,16 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   const Vector3 s = t.cross(n);
   const std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
   const auto velocity = [&](Index body, double lever) -> Vector3 {
-    if (body >= system.grains() || !system.free(body)) {
-      const Index b = body >= system.grains() ? system.walls[plank].boundary : system.driven_by[at(body)];
-      const Vector3 point = body >= system.grains() ? datbox_vector(g.point) : centre(state, at(body));
-      const bool turning = body >= system.grains() || system.boundaries[at(b)].orientation == Orientation::turning;
-      const Vector3 moved = velocity_at(point, motions[at(b)], state.poses[at(b)]);
-      if (body >= system.grains() || !turning) return moved;
-      return moved + spin_vector(motions[at(b)]).cross(lever * towards_b);
-    }
     const auto i = at(body);
-    return Vector3(state.velocity_x[i], state.velocity_y[i], state.velocity_z[i]) +
-           Vector3(state.spin_x[i], state.spin_y[i], state.spin[i]).cross(lever * towards_b);
+    const bool on_wall = body >= system.grains();
+    if (!on_wall && system.free(body))
+      return Vector3(state.velocity_x[i], state.velocity_y[i], state.velocity_z[i]) +
+             Vector3(state.spin_x[i], state.spin_y[i], state.spin[i]).cross(lever * towards_b);
+    const auto b = at(on_wall ? system.walls[plank].boundary : system.driven_by[i]);
+    const Vector3 point = on_wall ? datbox_vector(g.point) : centre(state, i);
+    const Vector3 moved = velocity_at(point, motions[b], state.poses[b]);
+    if (on_wall || system.boundaries[b].orientation != Orientation::turning) return moved;
+    return moved + spin_vector(motions[b]).cross(lever * towards_b);
   };
   const double radius_a = system.radius[at(g.a)], radius_b = wall ? 0 : system.radius[at(g.b)];
   const Vector3 v = velocity(g.a, radius_a) - velocity(g.b, -radius_b);
