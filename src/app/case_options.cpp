@@ -64,9 +64,8 @@ Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
   }
   for (const std::string& text : prescribed) {
     const PrescribedVelocity velocity = parse_prescribed(text);
-    for (const PrescribedVelocity& other : spec.prescribed)
-      if (other.grain == velocity.grain)
-        fail("--prescribed: expected each grain once, met grain {} again", velocity.grain);
+    if (std::ranges::count(spec.prescribed, velocity.grain, &PrescribedVelocity::grain) > 0)
+      fail("--prescribed: expected each grain once, met grain {} again", velocity.grain);
     spec.prescribed.push_back(velocity);
   }
   if (density) override_case(spec, "masses.density", field_text(*density));

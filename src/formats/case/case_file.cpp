@@ -78,9 +78,8 @@ void read_prescribed(StrictTable section, CaseSpec& spec) {
   section.read("grain", velocity.grain);
   section.read("velocity", velocity.velocity, finite);
   section.finish();
-  for (const PrescribedVelocity& other : spec.prescribed)
-    if (other.grain == velocity.grain)
-      section.fail("grain", "each grain once", fmt::format("grain {} again", velocity.grain));
+  if (std::ranges::count(spec.prescribed, velocity.grain, &PrescribedVelocity::grain) > 0)
+    section.fail("grain", "each grain once", fmt::format("grain {} again", velocity.grain));
   spec.prescribed.push_back(velocity);
 }
 
@@ -115,10 +114,10 @@ std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
     require_effects(solver, dynamics, dynamics.solver);
   }
   for (const StrictTable& boundary : root.tables("boundary")) {
-    dynamics.boundaries.push_back(read_boundary(boundary));
-    for (std::size_t k = 0; k + 1 < dynamics.boundaries.size(); ++k)
-      if (dynamics.boundaries[k].name == dynamics.boundaries.back().name)
-        boundary.fail("name", "each name once", fmt::format("{} again", field_text(dynamics.boundaries[k].name)));
+    const BoundarySpec spec = read_boundary(boundary);
+    if (std::ranges::count(dynamics.boundaries, spec.name, &BoundarySpec::name) > 0)
+      boundary.fail("name", "each name once", fmt::format("{} again", field_text(spec.name)));
+    dynamics.boundaries.push_back(spec);
   }
   return dynamics;
 }

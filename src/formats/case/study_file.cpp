@@ -76,9 +76,8 @@ void read_vary(StrictTable& table, StudyTable& result) {
                              variation.parameter, result.vary_together[0].parameter),
                  fmt::format("{}", variation.values.size()));
   for (const Variation& variation : result.vary)
-    for (const Variation& other : result.vary_together)
-      if (variation.parameter == other.parameter)
-        table.fail("vary", "parameters that are not in 'vary_together'", "'" + variation.parameter + "'");
+    if (std::ranges::count(result.vary_together, variation.parameter, &Variation::parameter) > 0)
+      table.fail("vary", "parameters that are not in 'vary_together'", "'" + variation.parameter + "'");
 }
 
 void read_tolerances(StrictTable& table, StudyTable& result) {
