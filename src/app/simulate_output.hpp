@@ -57,7 +57,7 @@ class RunOutput {
   std::optional<CsvWriter> table_;
   std::optional<Error> failure_;          // of the table, in the middle of a step
   std::optional<TrajectoryStep> newest_;  // with the contacts of this rank, until rank 0 gathers them
-  std::vector<Row> rows_;                 // of the steps since then
+  std::vector<Row> rows_;                 // of the steps not yet appended
 };
 
 }  // namespace nscdd::app
