@@ -41,8 +41,8 @@ class CountsTable {
 /// Declares --resume.
 void declare_resume(Command& command, bool& resume);
 
-/// Whether --resume finds a complete table on rank 0; if so, prints a note. Throws Error if the HDF5 file is missing:
-/// nothing records the work that the table came from.
+/// Whether --resume finds a complete table, for all ranks as rank 0 sees it; if so, prints a note. Throws Error if the
+/// HDF5 file is missing: nothing records the work that the table came from.
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine);
 
 /// `kept_bytes` of OutputFile for an output written at the end: 0, because an interrupted run leaves it empty.

@@ -96,7 +96,7 @@ std::vector<Index> first_of_group(const InertiaPattern& pattern) {
   return first;
 }
 
-// The tree of fronts of this rank. It keeps border rows that others touch, too; rows that these tie go first.
+// The tree of fronts of this rank. Border rows that others touch, too, are kept, after the rows that they tie.
 SymmetricAnalysis own_analysis(const InertiaPattern& pattern, const std::vector<Index>& touched,
                                const std::vector<Index>& handed_on) {
   const Index own_rows = pattern.lower.rows() - pattern.border;

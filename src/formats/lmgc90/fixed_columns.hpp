@@ -67,7 +67,7 @@ class FixedColumns {
     const auto one = [&](std::size_t first, int k) { return number(first, fmt::format(fmt::runtime(name), k)); };
     return {one(35, 1), one(56, 2), one(77, 3)};
   }
-  /// The number that a word of any column is.
+  /// A word as a number, in any column.
   double number_in(std::string_view word, std::string_view what) const {
     const std::optional<double> value = fortran_number(word);
     if (!value) refuse(fmt::format("expected {}", what), fmt::format("'{}'", word));
