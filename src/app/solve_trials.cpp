@@ -114,9 +114,10 @@ LocalFrictionProblem local_problem(const FclibFile& file, const std::string& nam
 int solve_trials(const TrialOptions& options, const Machine& machine) {
   const std::vector<fs::path> files = problem_files(options.path);
   require_no_input({options.csv}, files);
-  if (nothing_to_resume(options.csv, "", options.how, machine)) return 0;
+  const TableWork work = trial_work(files, options);
+  if (nothing_to_resume(options.csv, "", work, options.how, machine)) return 0;
   Interruption interruption;
-  ResumableTable csv(options.csv, trial_work(files, options), options.how);
+  ResumableTable csv(options.csv, work, options.how);
   Table table{headings(columns()), {}};
   csv.replay([&](const Row& row) { table.rows.push_back(row); });
   run_trials(files, options, interruption, csv.kept(), [&](const Row& row) {

@@ -73,7 +73,8 @@ void declare_resume(Command& command, bool& resume) {
               "computed");
 }
 
-bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine) {
+bool nothing_to_resume(const std::string& csv, const std::string& hdf5, const TableWork& work, Reopening how,
+                       const Machine& machine) {
   const Processes& all = machine.processes;
   return all.any(all.together([&] {
     if (!all.first() || !how.resume || how.force || !is_complete(csv)) return false;
@@ -82,6 +83,7 @@ bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopenin
           "{}: expected rows to resume, met a complete table, and nothing tells what work it came from: {} cannot be "
           "made of it; --force computes both again",
           csv, hdf5);
+    require_rows_of(work, csv);
     note("{}: already complete, nothing to resume", csv);
     return true;
   }));

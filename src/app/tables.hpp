@@ -42,8 +42,9 @@ class CountsTable {
 void declare_resume(Command& command, bool& resume);
 
 /// Whether --resume finds a complete table, for all ranks as rank 0 sees it; if so, prints a note. Throws Error if the
-/// HDF5 file is missing: nothing records the work that the table came from.
-bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine);
+/// table is known to be of other work, or if the HDF5 file is missing, which cannot be made of a table.
+bool nothing_to_resume(const std::string& csv, const std::string& hdf5, const TableWork& work, Reopening how,
+                       const Machine& machine);
 
 /// `kept_bytes` of OutputFile for an output written at the end: 0, because an interrupted run leaves it empty.
 inline std::optional<std::uintmax_t> kept_of_whole(Reopening how) {

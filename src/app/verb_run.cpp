@@ -107,24 +107,6 @@ int check_baselines(const Work& work) {
   return exit_code;
 }
 
-// Throws Error unless the finished table in the file `path` has the columns, the number of rows and the parameters of
-// `work` that are known before it is computed.
-void require_rows_of(const StudyTable& work, const std::string& path) {
-  const Table layout{study_columns(work), {}};
-  const std::string text = read_text(path), header = csv_header(layout.columns);
-  if (const std::string met = text.substr(0, text.find('\n')); met != header)
-    fail("{}:1: expected the columns {}, met {}", path, header, met);
-  const std::optional<Index> total = row_count(work);
-  if (!total) return;
-  CsvReader reader(text, path);
-  Index number = 0;
-  for (; reader.next() && number < *total; ++number)
-    for (const auto& [column, expected] : known_cells(work, number))
-      if (const std::string met(reader.value(layout.column(column))); met != to_text(expected))
-        fail("{}:{}: {}: expected {} of this work, met {}", path, reader.line(), column, to_text(expected), met);
-  if (number < *total || reader.next()) fail("{}: expected {} rows of this work, met another number", path, *total);
-}
-
 // Whether all results exist, without a record of an interrupted run.
 bool is_complete(const Work& work) {
   const auto complete = [&](const StudyTable& table) { return nscdd::is_complete(work.csv(table)); };
@@ -181,11 +163,7 @@ int run(const Options& options, const Context& context) {
   fs::create_directories(work.output, status);
   if (status) fail("{}: cannot be made: {}", work.output.string(), status.message());
   if (!options.how.resume || options.how.force || !is_complete(work)) return compute(work, cases, options, context);
-  for (const StudyTable& table : work.study.tables) try {
-      require_rows_of(table, work.csv(table));
-    } catch (const Error& error) {
-      fail("{}; --force replaces what is there", error.what());
-    }
+  for (const StudyTable& table : work.study.tables) require_rows_of(table_work(table), work.csv(table));
   note("{}: already complete, nothing to resume", work.output.string());
   return options.check ? check_baselines(work) : 0;
 }

@@ -133,14 +133,15 @@ int run(const Options& options, const Context& context) {
   auto [work, curve] = in_turn(machine.processes, [&] { return asked(options, machine); });
   if (std::ranges::any_of(work.sweep.gauss_seidel_sweeps, [](const auto& sweeps) { return sweeps.has_value(); }))
     require_one_process(machine, "--gauss-seidel-sweeps");
-  if (nothing_to_resume(options.csv, options.hdf5, options.how, machine)) return 0;
+  const TableWork rows = curve ? curve_work(work, *curve) : table_work(work);
+  if (nothing_to_resume(options.csv, options.hdf5, rows, options.how, machine)) return 0;
   const ThreadLimit limit = options.limits.limit_threads(machine);  // packings are settled with all threads
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
   Interruption interruption(machine.processes);
   // Outputs are opened before the work and named after it: a run that fails leaves none.
-  SharedTable csv(machine, options.csv, curve ? curve_work(work, *curve) : table_work(work), options.how);
+  SharedTable csv(machine, options.csv, rows, options.how);
   CountsTable counts(options.counts, options.how.force, machine);
   std::optional<OutputFile> hdf5;
   machine.processes.together([&] {

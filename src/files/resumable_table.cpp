@@ -192,6 +192,24 @@ bool is_complete(const std::string& path) {
   return !is_stream(path) && is_there(path) && !is_there(partial_path(path)) && !is_there(record_path(path));
 }
 
+void require_rows_of(const TableWork& work, const std::string& path) {
+  constexpr std::string_view way_out = "--force replaces what is there";
+  const Table layout{work.columns, {}};
+  const std::string text = read_text(path), header = csv_header(layout.columns);
+  if (const std::string met = text.substr(0, text.find('\n')); met != header)
+    fail("{}:1: expected the columns {}, met {}; {}", path, header, met, way_out);
+  if (!work.rows) return;
+  CsvReader reader(text, path);
+  Index number = 0;
+  for (; reader.next() && number < *work.rows; ++number)
+    for (const auto& [column, expected] : work.known_cells(number))
+      if (const std::string met(reader.value(layout.column(column))); met != to_text(expected))
+        fail("{}:{}: {}: expected {} of this work, met {}; {}", path, reader.line(), column, to_text(expected), met,
+             way_out);
+  if (number < *work.rows || reader.next())
+    fail("{}: expected {} rows of this work, met another number; {}", path, *work.rows, way_out);
+}
+
 void remove_record(const std::string& path) {
   std::error_code ignored;
   if (!is_stream(path)) fs::remove(record_path(path), ignored);

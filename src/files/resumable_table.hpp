@@ -67,6 +67,10 @@ KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how
 /// Whether the table exists and is finished, without a partial file or a record.
 bool is_complete(const std::string& path);
 
+/// Throws Error unless a finished table has the columns, the number of rows and the cells of `work` that are known
+/// beforehand.
+void require_rows_of(const TableWork& work, const std::string& path);
+
 void remove_record(const std::string& path);
 
 /// Resumable CSV table. FILE.partial grows row by row, with FILE.record. Both stay if the run is killed or stopped. A

@@ -194,6 +194,10 @@ TEST_CASE_FIXTURE(Session, "resume: a complete table is left alone") {
   CHECK(read("long.csv") == rows);
   CHECK(files(*this) == 1);
   check_refused(line + " --hdf5 a.h5 --resume", {"long.csv", "a.h5", "--force"});
+  check_refused("sweep disks4 --epsilon 0,2 --csv long.csv --resume", {"long.csv:3: epsilon", "2", "--force"});
+  check_refused("sweep disks4 --epsilon 0 --csv long.csv --resume", {"long.csv", "1 rows", "--force"});
+  check_refused("sweep disks8 --epsilon 0,1 --csv long.csv --resume", {"long.csv:2: case", "disks8", "--force"});
+  check_refused("optimum disks4 --epsilon 1 --csv long.csv --resume", {"long.csv:1", "columns", "--force"});
 }
 
 TEST_CASE_FIXTURE(Session, "resume: an older table is replaced only where --force says so, and only when all is done") {
@@ -279,6 +283,16 @@ TEST_CASE_FIXTURE(Session, "resume: a complete study is left alone, and may be c
   CHECK(run("run study --resume --check").exit_code == 0);
   file("study/baseline-second.csv", read("results/study/first.csv"));
   CHECK(run("run study --resume --check").exit_code == 1);
+}
+
+TEST_CASE_FIXTURE(Session, "resume: a complete table of runs is of its seed") {
+  const std::string text =
+      "[[table]]\nname = \"rate\"\nobservable = \"observed_rate\"\ncases = [\"disks4\"]\nepsilon = 1\n";
+  file("study/study.toml", text + "seed = 2\n");
+  answer("run study");
+  ended(0, "run study --resume", {"already complete"});
+  file("study/study.toml", text + "seed = 3\n");
+  check_refused("run study --resume", {"rate.csv:2: seed", "3", "2", "--force"});
 }
 
 TEST_CASE_FIXTURE(Session, "progress: rate and time left on a terminal") {

@@ -164,6 +164,11 @@ constinit const Observable observables::observed_rate{
                          as_rows(observed_rate_columns(work.table.sweep), work.sink), work.monitor, work.first);
         },
     .rows = [](const StudyTable& table) { return point_count(table.sweep); },
-    .known = known_of_point};
+    .known =
+        [](const StudyTable& table, Index row) {
+          KnownCells cells = known_of_point(table, row);
+          cells.emplace_back("seed", static_cast<Index>(table.seed));
+          return cells;
+        }};
 
 }  // namespace nscdd
