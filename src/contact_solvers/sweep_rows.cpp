@@ -9,10 +9,9 @@
 namespace nscdd {
 namespace {
 
-// Contacts of a colour that a thread takes at a time.
-constexpr Index places_at_a_time = 256;
+constexpr Index places_at_a_time = 256;  // contacts of a colour that a thread takes at a time
 
-// Contacts that W couples, in either direction and each with itself.
+// Contacts that W couples with each, in either direction, itself included.
 template <int D>
 std::vector<std::vector<Index>> coupled_contacts(const LocalFrictionProblem& problem) {
   std::vector<std::vector<Index>> coupled(at(problem.contacts()));
@@ -27,7 +26,7 @@ std::vector<std::vector<Index>> coupled_contacts(const LocalFrictionProblem& pro
   return coupled;
 }
 
-// Each contact takes the least colour that no coupled contact of its block before it has.
+// Greedy colours of contacts that W couples, block by block.
 template <int D>
 std::vector<Index> colours_of(const LocalFrictionProblem& problem, Index block) {
   const std::vector<std::vector<Index>> coupled = coupled_contacts<D>(problem);
@@ -56,22 +55,6 @@ void take_turns(const SweepRows<D>& rows, double relaxation, Index first, Index 
 }  // namespace
 
 template <int D>
-Vector SweepRows<D>::in_order(const Vector& impulses) const {
-  Vector result(impulses.size());
-  for (Index place = 0; place < size(); ++place)
-    result.segment<D>(D * place) = impulses.segment<D>(D * contact[at(place)]);
-  return result;
-}
-
-template <int D>
-Vector SweepRows<D>::by_contact(const Vector& impulses) const {
-  Vector result(impulses.size());
-  for (Index place = 0; place < size(); ++place)
-    result.segment<D>(D * contact[at(place)]) = impulses.segment<D>(D * place);
-  return result;
-}
-
-template <int D>
 SweepRows<D>::SweepRows(const LocalFrictionProblem& problem, SweepOrder sweep_order, Index seed) : order(sweep_order) {
   const Index contacts = problem.contacts();
   contact =
@@ -80,9 +63,9 @@ SweepRows<D>::SweepRows(const LocalFrictionProblem& problem, SweepOrder sweep_or
   if (order == SweepOrder::interleaved)
     sort_by_colour(contact, colours_of<D>(problem, interleaved_block), interleaved_block);
   if (order == SweepOrder::coloured) {
-    const Index block = std::max<Index>(1, contacts);
-    const std::vector<Index> colours = colours_of<D>(problem, block);
-    sort_by_colour(contact, colours, block);
+    const Index one_block = std::max<Index>(1, contacts);
+    const std::vector<Index> colours = colours_of<D>(problem, one_block);
+    sort_by_colour(contact, colours, one_block);
     for (Index place = 0; place <= contacts; ++place)
       if (place == 0 || place == contacts || colours[at(contact[at(place)])] != colours[at(contact[at(place - 1)])])
         first_of_colour.push_back(place);

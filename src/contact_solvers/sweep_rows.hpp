@@ -5,8 +5,8 @@
 
 namespace nscdd {
 
-/// A contact problem as a sweep goes through it: the data of each contact lie in memory in the order of their turns. A
-/// "place" is a position in this order.
+/// A contact problem with its data in the order in which a sweep visits the contacts. A "place" is a position in this
+/// order.
 template <int D>
 struct SweepRows {
   SweepRows(const LocalFrictionProblem& problem, SweepOrder sweep_order, Index seed);
@@ -14,19 +14,22 @@ struct SweepRows {
   SweepOrder order;
   std::vector<Index> contact;  ///< at each place
   ContactBlocks<D> w;
-  /// The diagonal blocks once more, for the law: in the plane as they are, in space ready for it, and as they are.
-  std::vector<FullDelassus<D>> diagonal;
-  std::vector<ConeContact> cones{};  ///< in space only
+  std::vector<FullDelassus<D>> diagonal;  ///< blocks of W
+  std::vector<ConeContact> cones{};       ///< the same, prepared for the law in space; empty in the plane
   Vector q, friction;
-  /// No two contacts of places first_of_colour[k] ... first_of_colour[k + 1] - 1 are coupled by W. Only where the order
-  /// is `coloured`.
+  /// Of order `coloured`: W couples no two contacts of the places first_of_colour[k] ... first_of_colour[k + 1] - 1.
   std::vector<Index> first_of_colour;
 
   Index size() const { return count(contact); }
-  Vector in_order(const Vector& impulses) const;    ///< D components per place
-  Vector by_contact(const Vector& impulses) const;  ///< back again
-  /// One sweep, the `number`th from 0: each place in turn takes the impulse that its law gives while the others keep
-  /// theirs, relaxed by omega. Coloured rows are swept in threads; their number changes no bit.
+  /// Impulses by contact in the order of places, and back.
+  Vector in_order(const Vector& impulses) const { return impulses.reshaped(D, size())(Eigen::all, contact).reshaped(); }
+  Vector by_contact(const Vector& impulses) const {
+    Vector result(impulses.size());
+    result.reshaped(D, size())(Eigen::all, contact) = impulses.reshaped(D, size());
+    return result;
+  }
+  /// Does the `number`th sweep, from 0: each contact in turn takes the impulse of its law while the others keep theirs,
+  /// relaxed by omega. Coloured rows are swept in threads; their number changes no bit.
   void sweep(double relaxation, Index number, Vector& impulses) const;
 };
 
