@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Alternating directions (ADMM): all couplings and no law, then the law and no coupling, in turns. With De Saxce's
+// Alternating directions (ADMM): a linear system of all couplings, then the law contact by contact. With De Saxce's
 // shift s = mu |u_t| of the velocities that the law sees, u + s n = -rho D l, and D = W_nn of each contact,
 //     x <- (W + rho D)^-1 (rho D (z - l) - q - s n),   z <- P(x' + l),   l <- l + x' - z,   x' = 1.6 x - 0.6 z.
-// W + rho D is factorised once, and again where another rho is wanted. Where M and H are known M + H (rho D)^-1 H^T
-// takes its place, whole or cut into subdomains.
+// W + rho D is factorised once for each rho. Where M and H are known M + H (rho D)^-1 H^T takes its place, whole or cut
+// into subdomains.
 #pragma once
 
 #include "contact_solvers/solver_run.hpp"
@@ -34,7 +34,7 @@ class AlternatingDirections {
 
   void iterate() {
     constexpr double relaxation = 1.6;
-    constexpr double renewed_part = 0.1;  // of the shift: renewing all of it cycles where rho is small
+    constexpr double renewed_part = 0.1;  // of the shift: renewing all of it cycles if rho is small
     const Vector scaled = weight_ * data_.normal, velocities = -scaled.cwiseProduct(multiplier_);
     Vector right = scaled.cwiseProduct(impulses_ - multiplier_) - data_.q - rest_;
     for (Index c = 0; c < data_.contacts(); ++c) {
@@ -62,7 +62,7 @@ class AlternatingDirections {
     return weight_ * std::clamp(std::sqrt(ratio), 0.1, 10.0);
   }
 
-  /// Factorises with another rho, or a larger one where W + rho D is not positive definite. False if none was found.
+  /// Factorises with another rho, or a larger one if W + rho D is not positive definite. False if none is.
   bool change_weight(double weight) {
     for (; weight <= most_weight && !run_.spent(); weight *= 10) {
       multiplier_ *= weight_ / weight;
@@ -75,7 +75,7 @@ class AlternatingDirections {
     return false;
   }
 
-  /// Lets the antisymmetric part of W act from the present impulses.
+  /// Evaluates the antisymmetric part of W at the present impulses.
   void renew_rest() { rest_ = problem_.rest(impulses_); }
   const Vector& impulses() const { return impulses_; }
   double weight() const { return weight_; }
@@ -91,11 +91,11 @@ class AlternatingDirections {
 
 template <ContactProblem P>
 void admm(P& problem, SolverRun<P::dimension>& run) {
-  constexpr Index first_wait = 500;    // iterations with the first rho; then twice as many with each further one
-  constexpr double fall_wanted = 0.3;  // of the smallest residual while rho stands
+  constexpr Index first_wait = 500;    // iterations with the first rho; twice as many with each further one
+  constexpr double fall_wanted = 0.3;  // of the smallest residual with one rho
   const FrictionSolverOptions& options = run.options;
   if (run.judge(run.now.impulses) || run.spent()) return;
-  const OneBlasThread serial_blas;  // for all solves: that of each is then cheap
+  const OneBlasThread serial_blas;  // here, because switching it in each solve is expensive
   AlternatingDirections<P> directions(problem, run);
   bool regular = directions.change_weight(directions.first_weight);
   StallWatch<P::dimension> watch(run);

@@ -7,7 +7,8 @@
 namespace nscdd {
 namespace {
 
-// Norms and gradients are those of impulses times the root of W_nn of their contact: masses may be very unequal.
+// Norms and gradients are those of impulses times the root of W_nn of their contact, because masses may be very
+// unequal.
 template <int D>
 class ProjectedGradients {
  public:
@@ -57,10 +58,10 @@ class ProjectedGradients {
   }
 
  private:
-  // Of a step from where the momentum led.
+  // Of the change by a step from the impulses ahead.
   struct Sums {
     double curved = 0, metric = 0;  // change^T W change, change^T D change
-    double uphill = 0;              // of the last impulses' change along the gradient
+    double uphill = 0;              // gradient^T (next impulses - last ones)
   };
 
   void restart(const Vector& impulses, const Vector& velocity) {
@@ -72,14 +73,12 @@ class ProjectedGradients {
     return project_on_cone(component<D>(from, c) - (length / data_.normal[D * c]) * gradient, data_.friction[c]);
   }
   LocalVector<D> gradient_ahead(Index c) const { return component<D>(velocity_ahead_, c) + component<D>(shift_, c); }
-  // Sums are those of the parts in their order, so the number of threads changes no bit.
+  // Adds up the parts in their order, so the number of threads changes no bit.
   Sums step_ahead() {
     const Index contacts = data_.contacts();
     for_parts(contacts, [&](const ContactRange& range) {
-      for (Index c = range.first; c < range.last; ++c) {
-        const LocalVector<D> r = projected(c, ahead_, gradient_ahead(c), length_);
-        set_component(next_, c, r);
-      }
+      for (Index c = range.first; c < range.last; ++c)
+        set_component(next_, c, projected(c, ahead_, gradient_ahead(c), length_));
     });
     std::vector<Sums> of_parts(at(parts_of(contacts)));
     for_parts(contacts, [&](const ContactRange& range) {
@@ -107,7 +106,7 @@ class ProjectedGradients {
   const ContactData& data_;
   const ContactBlocks<D>& w_;
   Vector shift_;
-  Vector impulses_, ahead_;           // the last ones, and where Nesterov's momentum leads
+  Vector impulses_, ahead_;           // the last ones, and those ahead by Nesterov's momentum
   Vector velocity_, velocity_ahead_;  // W r + q of both
   Vector next_, next_velocity_;
   double momentum_ = 1, length_ = 1;
@@ -118,8 +117,7 @@ class ProjectedGradients {
 
 template <int D>
 void projected_gradients(const ContactBlocks<D>& w, SolverRun<D>& run) {
-  // The shift is renewed once the residual for the present one is this part of that with the shift renewed.
-  constexpr double inner_part = 0.3;
+  constexpr double inner_part = 0.3;  // of the residual with the shift renewed, at which it is renewed
   const FrictionSolverOptions& options = run.options;
   ProjectedGradients<D> gradients(run.data, w, run.now.impulses);
   StallWatch<D> watch(run);

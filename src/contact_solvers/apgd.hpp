@@ -10,7 +10,7 @@ namespace nscdd {
 template <int D>
 void projected_gradients(const ContactBlocks<D>& w, SolverRun<D>& run);
 
-/// Throws Error where W is not stored.
+/// Throws Error if W is not stored.
 template <ContactProblem P>
 void apgd(P& problem, SolverRun<P::dimension>& run) {
   if constexpr (StoredProblem<P>)

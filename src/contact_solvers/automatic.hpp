@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sweeps, then the curve of a smoothed law from their impulses. The more sweeps, the nearer to a solution it begins.
-// Problems of very many contacts are left to accelerated gradients while these make progress: many sweeps come nearer
-// to a solution there than any point of the curve.
+// Problems of very many contacts start with accelerated gradients as long as these make progress: they come nearer to a
+// solution than any point of the curve.
 #pragma once
 
 #include "contact_solvers/apgd.hpp"
@@ -13,20 +13,19 @@ namespace nscdd {
 template <ContactProblem P>
 void automatic(P& problem, SolverRun<P::dimension>& run) {
   constexpr Index first_sweeps = 500, very_many_contacts = 100'000;
-  // Of the curve, over the residual of the sweeps: for a run from zero, and for one that goes on from given impulses.
+  // Smoothings of the curve over the residual of the sweeps, for a run from zero and for one from given impulses.
   constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10, 100, 1, 1000};
   const FrictionSolverOptions& options = run.options;
   const auto& smoothings = run.data.sums.all_zero(run.now.impulses) ? cold_smoothings : warm_smoothings;
-  std::optional<FrictionStatus> given_up;  // how sweeps or gradients ended, once they are of no more use
-  // Whether that is the end of the run. Where they stalled, there are other ways.
-  const auto is_over = [&] {
+  std::optional<FrictionStatus> given_up;  // how sweeps or gradients ended, once they make no progress
+  const auto is_over = [&] {               // not if they stalled: the other solvers are left
     given_up = run.now.status;
     if (*given_up != FrictionStatus::stalled && *given_up != FrictionStatus::diverged) return true;
     run.now.status = FrictionStatus::maximum_reached;
     run.go_back(run.best());
     return false;
   };
-  // Where W is not stored its linear systems are what the caller wants to see.
+  // A caller that does not store W wants its linear systems to be solved.
   if (StoredProblem<P> && run.data.contacts() >= very_many_contacts) {
     apgd(problem, run);
     if (run.now.status != FrictionStatus::maximum_reached && is_over()) return;

@@ -9,9 +9,9 @@ namespace nscdd {
 namespace {
 
 constexpr int most_refinements = 5;
-constexpr double refined = 1e-11;  // of b: a solver sees the rest and takes another step if it matters
+constexpr double refined = 1e-11;  // of b: a solver sees a larger residual and takes another step if it matters
 
-// W in whole blocks, zeros where it has none, and the blocks of all contacts with themselves.
+// W in whole blocks with explicit zeros, all diagonal blocks included.
 template <int D>
 SparseMatrix whole_blocks(const SparseMatrix& w) {
   SparseEntries entries;
@@ -163,7 +163,7 @@ Vector ContactMatrix<D>::solve(const Vector& b) const {
   Vector r = solve_once(b), rest = ContactRelation<D>::rest(relations_, b, r, w_ * r);
   for (int step = 0; step < most_refinements && rest.norm() > refined * b.norm(); ++step) {
     Vector next = r + solve_once(rest), next_rest = ContactRelation<D>::rest(relations_, b, next, w_ * next);
-    if (!(next_rest.norm() < rest.norm())) break;  // what it takes away is less than what it brings
+    if (!(next_rest.norm() < rest.norm())) break;
     const bool worth_while = next_rest.norm() < 0.5 * rest.norm();
     r = std::move(next);
     rest = std::move(next_rest);

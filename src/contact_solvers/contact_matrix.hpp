@@ -8,47 +8,46 @@
 
 namespace nscdd {
 
-/// What a linear step of a contact solver asks of a contact:  P r + Q u = b, with u = W r and an invertible P. Rows and
+/// The linear relation of a contact in a step of a solver:  P r + Q u = b, with u = W r and an invertible P. Rows and
 /// columns: normal, then tangential.
 template <int D>
 struct ContactRelation {
   using Block = Eigen::Matrix<double, D, D>;
   Block p = Block::Identity(), q = Block::Zero();
 
-  /// What Newton's steps ask of a contact, u = W r + q + proximal (r - r_now). Open: r = 0. Stick: u = 0. Slide: u_n =
-  /// 0 and the tangential law of a FrozenContact, of which `rho` is that of z (kg; of no meaning in the plane).
+  /// That of Newton's steps, u = W r + q + proximal (r - r_now). Open: r = 0. Stick: u = 0. Slide: u_n = 0 and the
+  /// tangential law of a FrozenContact, with the `rho` of its z (kg; unused in the plane).
   static ContactRelation of(const FrozenContact<D>& frozen, double proximal, double rho);
   /// Those of (W + diag(shift)) r = b, D entries per contact.
   static std::vector<ContactRelation> shifted(const Vector& shift);
-  /// b - P r - Q u, D c entries, for a relation of each contact and u = W r.
+  /// The residual b - P r - Q u of all contacts, D c entries, for u = W r.
   static Vector rest(const std::vector<ContactRelation>& relations, const Vector& b, const Vector& r, const Vector& u);
 };
 
 /// The linear system  P r + Q W r = b  of all contacts, P and Q with a D x D block per contact, for many P and Q. It is
-/// factorised as it stands or, where M and H are known and leave fewer entries, with the velocities v of the bodies as
-/// unknowns:
+/// factorised in this form or, if M and H are known and leave fewer entries, for the velocities v of the bodies:
 ///     (M + H P^-1 Q H^T) v = H P^-1 b,   r = P^-1 (b - Q H^T v).
-/// Steps of iterative refinement on the first form follow either, as long as they halve the rest. W stands for its
-/// symmetric part, see ContactProblem.
+/// Iterative refinement of the first form follows as long as it halves the residual. W is its symmetric part, see
+/// ContactProblem.
 template <int D>
 class ContactMatrix {
  public:
   /// `w`: the symmetric part of problem.w. The problem must outlive this.
   ContactMatrix(const LocalFrictionProblem& problem, const SparseMatrix& w);
 
-  /// Returns false for a matrix that is singular to rounding; `solve` must not be called then. One relation a contact.
+  /// Returns false for a matrix that is singular to rounding: `solve` must not be called then.
   bool factorise(std::vector<ContactRelation<D>> relations);
-  /// r, D c entries, for b of the same length and the relations given last.
+  /// r, D c entries, for b of the same length and the last relations.
   Vector solve(const Vector& b) const;
-  /// Of P + Q W with the relations given last, 1 or -1, for P with positive determinants.
+  /// Of P + Q W with the last relations, 1 or -1, for P with positive determinants.
   int determinant_sign() const { return lu_->determinant_sign(); }
-  /// Floating-point operations of the factorisations and solves since this was asked last.
+  /// Floating-point operations of factorisations and solves since the last call.
   double take_operations();
 
  private:
   using Block = Eigen::Matrix<double, D, D>;
 
-  // The k rows of H that a contact has, and where their products lie among the values of the matrix.
+  // The k rows of H of a contact, and the places of their products among the values of the matrix.
   struct Bodies {
     std::vector<Index> rows;
     Eigen::Matrix<double, Eigen::Dynamic, D> h;
@@ -61,11 +60,11 @@ class ContactMatrix {
 
   const LocalFrictionProblem& problem_;
   const ContactBlocks<D> w_;
-  std::vector<Bodies> bodies_;  // of each contact; none where the unknowns are those of the contacts
+  std::vector<Bodies> bodies_;  // of each contact; empty if the unknowns are r
   SparseMatrix constant_;       // M or W, with a place for every entry of the matrix: W in whole D x D blocks
   SparseMatrix matrix_;
   std::vector<ContactRelation<D>> relations_;
-  std::vector<Block> inverse_, stiffness_;  // P^-1 and P^-1 Q of each contact, where bodies are unknowns
+  std::vector<Block> inverse_, stiffness_;  // P^-1 and P^-1 Q of each contact, if the unknowns are v
   std::optional<SparseLu> lu_;
   double taken_ = 0;  // of its operations
 };

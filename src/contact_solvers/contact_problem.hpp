@@ -7,16 +7,16 @@
 
 namespace nscdd {
 
-/// Sums over all contacts of a problem, and what else all of them decide together. Vectors have D entries per contact
-/// of this process. By default it has all contacts. Otherwise contacts belong to parts, the subdomains, and sums over
-/// these add up in their order, whoever has them: no bit depends on the number of processes, which ask together.
+/// Reductions over all contacts of a problem, called by all ranks together. Vectors have D entries per contact of this
+/// rank, which by default has all contacts. Otherwise contacts belong to subdomains, whose sums are added in their
+/// order: no bit depends on the number of ranks.
 class ContactSums {
  public:
   ContactSums() = default;
   ContactSums(std::vector<Index> part_of_contact, Index parts, Processes processes)
       : part_(std::move(part_of_contact)), parts_(parts), processes_(std::move(processes)) {}
 
-  /// So many sums: add(c, sums) adds what contact c brings to them, for c = 0 ... contacts - 1.
+  /// The sums of `quantities` numbers: add(c, sums) adds those of contact c, for c = 0 ... contacts - 1.
   template <class Add>
   Vector add_up(Index quantities, Index contacts, const Add& add) const {
     Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(quantities, std::max<Index>(parts_, 1));
@@ -54,21 +54,21 @@ LocalVector<D> stopping(const FullDelassus<D>& w, LocalVector<D> impulse, LocalV
   return impulse - w.solve(u);
 }
 
-/// The data of the contacts of a problem u = W r + q. Where several processes share the problem, each has some of the
-/// contacts; sums are over all of them. Vectors have D entries per contact.
+/// The data of the contacts of a problem u = W r + q. Vectors have D entries per contact of this rank; sums are over
+/// the contacts of all ranks.
 struct ContactData {
   Vector q, friction;             ///< as those of a LocalFrictionProblem
   Vector normal;                  ///< W_nn of its contact at each component, 1/kg
-  double product_operations = 0;  ///< of a product with W and of a sweep, in all processes
+  double product_operations = 0;  ///< of a product with W and of a sweep, on all ranks
   ContactSums sums = {};
-  double alone = 0;    ///< || r^1 ||, the impulses of the contacts each alone, N s
-  double momenta = 0;  ///< p, what the bodies that meet at the contacts bring, N s
+  double alone = 0;    ///< || r^1 ||, each impulse as if its contact were the only one, N s
+  double momenta = 0;  ///< p, of the bodies that meet at the contacts, N s
   double trace = 0;    ///< of W, 1/kg
 
-  Index contacts() const { return friction.size(); }  ///< of this process
+  Index contacts() const { return friction.size(); }  ///< of this rank
 
-  /// Sets the sums `alone`, `momenta` and `trace`. diagonal(c): the block of W of contact c. `speeds`: of
-  /// each contact those of both bodies without contact impulses, or of q, m/s.
+  /// Sets `alone`, `momenta` and `trace`. diagonal(c): the diagonal block of W of contact c. `speeds`, m/s: of each
+  /// contact, of both bodies without contact impulses, or |q_c|.
   template <int D, class Diagonal>
   void set_sums(const Diagonal& diagonal, const Vector& speeds) {
     const Vector totals = sums.add_up(3, contacts(), [&](Index c, auto&& sum) {
@@ -87,18 +87,16 @@ struct ContactData {
   }
 };
 
-/// A contact problem as contact solvers use it, for any storage of W: a class with the functions below. If several
-/// processes share the problem, all call the same functions together.
-///
-/// The linear systems are those of W_s, where W = W_s + W_a with a symmetric W_s, as files of six digits need it. One
-/// matrix is factorised at a time; a solution that is not found is not finite.
+/// A contact problem for contact solvers, with any storage of W. All ranks call its functions together. The linear
+/// systems have W_s, where W = W_s + W_a with a symmetric W_s: W of a file with six digits is not symmetric. One matrix
+/// is factorised at a time; a solution that is not found is not finite.
 template <class P>
 concept ContactProblem = requires(P& problem, const P& fixed, const Vector& r, Index number,
                                   const FrictionSolverOptions& options,
                                   std::vector<ContactRelation<P::dimension>> relations) {
   { fixed.data } -> std::convertible_to<const ContactData&>;
   { fixed.product(r) } -> std::same_as<Vector>;  // W r
-  // A function that does `many` sweeps on impulses r, those numbered `first`, `first` + 1, ..., and returns r.
+  // A function of (r, first, many) that returns the impulses after the sweeps first, ..., first + many - 1 from r.
   { problem.sweeps(options)(r, number, number) } -> std::same_as<Vector>;
   { problem.symmetric_product(r) } -> std::same_as<Vector>;           // W_s r
   { problem.rest(r) } -> std::same_as<Vector>;                        // W_a r
@@ -109,7 +107,7 @@ concept ContactProblem = requires(P& problem, const P& fixed, const Vector& r, I
   { problem.determinant_sign() } -> std::same_as<int>;
 };
 
-/// One whose W is stored, in `rows()` of blocks.
+/// A ContactProblem that stores W in `rows()` of blocks.
 template <class P>
 concept StoredProblem = ContactProblem<P> && requires(const P& fixed) {
   { fixed.rows() } -> std::convertible_to<const ContactBlocks<P::dimension>&>;

@@ -9,16 +9,16 @@
 /// The order in which a sweep visits contacts.
 namespace nscdd {
 
-/// Contacts of a block of an interleaved order: enough for out-of-order execution to find independent ones, few enough
-/// for the first cache.
+/// Contacts in a block of an interleaved order: enough independent ones for out-of-order execution, few enough for the
+/// first cache.
 inline constexpr Index interleaved_block = 256;
 
-/// Greedy colours of contacts that share nodes, such as grains. In each block of contacts the colouring starts anew.
+/// Greedy colours of contacts that share nodes, such as grains; each block of contacts is coloured independently.
 class GreedyColours {
  public:
   explicit GreedyColours(Index nodes) : block_of_(at(nodes), 0) {}
 
-  /// The least colour that no contact of the block has yet marked at the nodes `seen`. It is marked at `marked`.
+  /// The least colour that no contact of the block has marked at the nodes `seen`; marks it at `marked`.
   Index take_least(std::span<const Index> seen, std::span<const Index> marked, Index block = 0);
 
  private:
@@ -31,7 +31,7 @@ class GreedyColours {
 std::vector<Index> natural_order(Index contacts);
 std::vector<Index> random_order(Index contacts, std::uint64_t seed);
 
-/// Sorts each block of an order by the colours of its contacts; contacts of one colour keep their order.
+/// Sorts each block of an order by the colours of its contacts (stable).
 void sort_by_colour(std::vector<Index>& order, const std::vector<Index>& colours, Index block);
 
 }  // namespace nscdd

@@ -7,7 +7,7 @@
 
 namespace nscdd {
 
-/// Judges impulses of a point. Returns whether the run is over.
+/// Judges the impulses of a point of the curve. Returns whether the run is over.
 template <int D>
 bool judge_point(SolverRun<D>& run, const Vector& impulses, double length) {
   if (!run.judge(impulses, {.length = length})) return false;
@@ -17,7 +17,7 @@ bool judge_point(SolverRun<D>& run, const Vector& impulses, double length) {
   return true;
 }
 
-/// Steps along a curve: where they lead, and back from where the curve is lost.
+/// Steps along a curve, and retreats where a step has lost it.
 template <ContactProblem P>
 struct CurveWalk {
   static constexpr double first_length = 0.5;  // of steps, in log t
@@ -25,18 +25,18 @@ struct CurveWalk {
   static constexpr Index most_trials = 10;         // of a step
   static constexpr double largest_change = 5;      // of a component of z in a step, in units of sqrt(z^2 + 4 t)
   static constexpr double largest_residual = 0.2;  // after a step, likewise
-  static constexpr double lost = 100;       // Newton's step back to the curve, likewise: from here it is not found ...
-  static constexpr double near_curve = 30;  // ... here it is taken together with the next step ...
-  static constexpr double on_curve = 0.1;   // ... and here the point is one to come back to
-  static constexpr double contraction = 0.6;  // wanted of Newton's steps onto the curve
-  static constexpr Index calm_steps = 4;      // after a retreat, for which steps begin on the curve
+  // Of Newton's step to the curve, likewise: above `lost` it is not taken, up to `near_curve` it is taken together with
+  // the next step along the curve, and up to `on_curve` the point is one to retreat to.
+  static constexpr double lost = 100, near_curve = 30, on_curve = 0.1;
+  static constexpr double contraction = 0.6;  // wanted of Newton's steps to the curve
+  static constexpr Index calm_steps = 4;      // after a retreat, which begin on the curve
 
   const SmoothedCurve<P>& curve;
   CurvePoint point;
   Vector impulses = {};                  // there
-  std::optional<CurveCourse> safe = {};  // the last one on the curve
+  std::optional<CurveCourse> safe = {};  // at the last point on the curve
   Index corrections = 0, calm = calm_steps;
-  double taken = 0, length = first_length;  // of the last step; what bounds the next one
+  double taken = 0, length = first_length;  // of the last step; bounds the next one
   double last_off = infinity;
 
   bool lost_at(const std::optional<CurveCourse>& here) const {
@@ -66,7 +66,7 @@ struct CurveWalk {
       move(here, taken);
       fits = curve.residual(point, impulses) <= largest_residual && run.plausible(impulses);
     }
-    // Mostly it is the correction that is as far off, and no step would have fitted.
+    // If none fits, it is mostly because of the correction, which no shorter step changes.
     length = fits ? taken : retreat * longest;
     here.length = taken;
     if (!safe || here.off <= on_curve) safe = std::move(here);
@@ -77,12 +77,12 @@ struct CurveWalk {
   }
 };
 
-/// Follows the curve of a smoothed contact law from the present impulses (if they are next to none: equal ones), where
-/// the smoothing is so many times their mean square. Returns whether the run is over.
+/// Follows the curve of a smoothed contact law from the present impulses (from equal ones if these nearly vanish).
+/// `relative_smoothing`: the first t over their mean square. Returns whether the run is over.
 template <ContactProblem P>
 bool follow_curve(P& problem, SolverRun<P::dimension>& run, double relative_smoothing) {
   constexpr Index most_factorisations = 220;
-  constexpr double least_smoothing = 1e-32;  // of t, over its first value: rounding
+  constexpr double least_smoothing = 1e-32;  // smallest t relative to its first value; below it rounding dominates
   constexpr double newton_from = 1e-4;       // residual from which Newton's method is tried ...
   constexpr double newton_after = 0.1;       // ... and again at this part of the residual of the last trial
   if (run.data.sums.all_zero(run.data.q)) return run.judge(Vector::Zero(run.now.impulses.size()));

@@ -3,15 +3,15 @@
 //     u = W r + q + alpha W_nn (r - r_k),
 // whose solution is r_{k+1}: alpha keeps the systems of hyperstatic packings regular. It is solved by Newton's method
 // on Phi(r) = (r_n - max(0, z_n), r_t - P_t(z_t)), P_t on the disk of radius mu max(0, z_n), z = r - rho u,
-// rho = 1 / (W_nn (1 + alpha)): each of its steps solves the linear system of the statuses that z has, in space with
-// the directions of sliding and how they turn.
+// rho = 1 / (W_nn (1 + alpha)). Each of its steps solves the linear system of the statuses of z, in space with the
+// derivative of the directions of sliding.
 #pragma once
 
 #include "contact_solvers/nlgs.hpp"
 
 namespace nscdd {
 
-/// A proximal step from r_k. Its terms vanish where r = r_k.
+/// A proximal step from r_k.
 struct ProximalStep {
   double alpha;  ///< in multiples of W_nn
   Vector from;   ///< r_k
@@ -19,18 +19,18 @@ struct ProximalStep {
   double rho(double normal) const { return 1 / (normal * (1 + alpha)); }
 };
 
-/// Newton's steps of a run. alpha is in multiples of W_nn everywhere here.
+/// Newton's steps of a run, with alpha in multiples of W_nn.
 template <ContactProblem P>
 class NewtonSteps {
  public:
   static constexpr int D = P::dimension;
-  static constexpr Index few_steps = 6, too_many_steps = 12;  // of a proximal step: alpha then falls, or rises
+  static constexpr Index few_steps = 6, too_many_steps = 12;  // of a proximal step, after which alpha falls or rises
   enum class Ended { solved, given_up, run_over };
 
   NewtonSteps(P& problem, SolverRun<D>& run) : problem_(problem), run_(run) {}
 
-  /// Newton's method for a proximal step from the present impulses, with steps that shrink until || Phi || falls.
-  /// `steps`: how many there were.
+  /// Newton's method for a proximal step from the present impulses, with a line search on || Phi ||. Sets the number of
+  /// its `steps`.
   Ended solve_proximal_step(double alpha, Index& steps) {
     constexpr double shortest_step = 0.1;
     const ProximalStep step{alpha, run_.now.impulses};
@@ -38,7 +38,7 @@ class NewtonSteps {
     for (steps = 0; !run_.spent(); ++steps) {
       const Vector here = run_.now.impulses, velocities = run_.now.state.velocities;
       const double size = merit(step, here, velocities);
-      // Always one step: what Phi takes for solved need not be so to the natural map.
+      // At least one step: a small Phi does not imply a small natural map.
       if (steps > 0 && size <= wanted * std::max(data_.sums.norm(here), data_.alone)) return Ended::solved;
       if (steps == too_many_steps) return Ended::given_up;
       const std::optional<Vector> found = impulses_of(frozen_at(step), step);
@@ -65,12 +65,12 @@ class NewtonSteps {
       FrozenContacts frozen = frozen_at(from_here);
       const std::optional<Vector> found = impulses_of(frozen, from_here);
       if (found && run_.judge(*found, {.proximal_weight = alpha, .length = 1})) return true;
-      if (!found || run_.now.state.residual > 30 * first) {  // too far: back, and shorter steps
+      if (!found || run_.now.state.residual > 30 * first) {  // go back, and take shorter steps
         run_.go_back(here);
         alpha *= 100;
         continue;
       }
-      // Directions turn all the time: statuses alone are compared.
+      // Only statuses are compared: directions of sliding turn in every step.
       const auto status = &FrozenContact<D>::status;
       const bool same_statuses = !data_.sums.any(!std::ranges::equal(frozen, before, {}, status, status));
       if (same_statuses || run_.now.state.residual < 0.1 * last) alpha = std::max(alpha / 10, least_proximal);
@@ -104,7 +104,7 @@ class NewtonSteps {
       squares[0] += squared(component<D>(r, c) - LocalVector<D>{n, projected_on_disk(z.t, edge)});
     })[0]);
   }
-  // The impulses r of these statuses; none if their matrix is singular or they are beyond all measure.
+  // The impulses of frozen contacts; none if their matrix is singular or they are not plausible.
   std::optional<Vector> impulses_of(const FrozenContacts& frozen, const ProximalStep& step) {
     const Vector proximal = step.alpha * data_.normal;
     const Vector right = proximal.cwiseProduct(step.from) - data_.q - problem_.rest(run_.now.impulses);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Nonlinear Gauss-Seidel (Jean and Moreau) on W.
+// Nonlinear Gauss-Seidel (Jean and Moreau) on W: each contact in turn takes the impulse that solves its own problem of
+// D components exactly while the others keep theirs, relaxed by omega.
 #pragma once
 
 #include "contact_solvers/solver_run.hpp"
@@ -7,12 +8,12 @@
 
 namespace nscdd {
 
-/// Sweeps until the run is over or `most` more are done. Returns whether it is over.
+/// Sweeps until the run is over or `most` sweeps are done. Returns whether it is over.
 template <ContactProblem P>
 bool sweep(P& problem, SolverRun<P::dimension>& run, Index most) {
   const FrictionSolverOptions& options = run.options;
   const auto sweeps = problem.sweeps(options);
-  const OneBlasThread serial_blas;  // for all sweeps: that of each is then cheap
+  const OneBlasThread serial_blas;  // here, because switching it in each sweep is expensive
   Vector impulses = run.now.impulses;
   const Index end = run.now.sweeps + most;
   StallWatch<P::dimension> watch(run);

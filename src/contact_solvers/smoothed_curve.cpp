@@ -21,7 +21,7 @@ SmoothedLaw<2> smoothed_law(LocalVector<2> z, double friction, double t) {
   return law;
 }
 
-// The same along d = z_t / |z_t|; across it the derivative is |r_t| / |z_t|.
+// As in the plane along d = z_t / |z_t|; across it the derivative is |r_t| / |z_t|.
 SmoothedLaw<3> smoothed_law(LocalVector<3> z, double friction, double t) {
   const double size = norm(z.t);
   const SmoothedLaw<2> along = smoothed_law(LocalVector<2>{z.n, size}, friction, t);

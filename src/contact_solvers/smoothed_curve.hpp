@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Continuation (Allgower and Georg 1990, chapters 2 and 6) of a smoothed contact law. With z = r - rho u, rho = 1 /
-// W_nn of each contact, Coulomb's law is r = P(z). The positive part in P becomes (z + sqrt(z^2 + 4 t)) / 2 and the
-// clamp to +- b becomes (sqrt((z + b)^2 + 4 t) - sqrt((z - b)^2 + 4 t)) / 2, as in Chen, Harker, Kanzow and Smale, so
-// that
+// W_nn of each contact, Coulomb's law is r = P(z). As in Chen, Harker, Kanzow and Smale, the positive part in P becomes
+// (z + sqrt(z^2 + 4 t)) / 2 and the clamp to +- b becomes (sqrt((z + b)^2 + 4 t) - sqrt((z - b)^2 + 4 t)) / 2. Then
 //     F(z, t) = rho (W P_t(z) + q) - P_t(z) + z = t F_0 / t_0,   F_0 = F(z_0, t_0),
-// is a smooth curve from (z_0, t_0), any point, to a solution at t = 0. Friction makes t turn on the way: where the
-// determinant of dF/dz is negative the curve goes on towards larger t.
+// is a smooth curve from any point (z_0, t_0) to a solution at t = 0. With friction t need not fall all the time: it
+// grows where the determinant of dF/dz is negative.
 #pragma once
 
 #include "contact_solvers/solver_run.hpp"
 
 namespace nscdd {
 
-/// P_t(z) of a contact, its smoothed law, and its derivatives by z, and by t.
+/// The smoothed law P_t(z) of a contact, and its derivatives by z and t.
 template <int D>
 struct SmoothedLaw {
   using Block = Eigen::Matrix<double, D, D>;
@@ -24,19 +23,18 @@ struct SmoothedLaw {
 SmoothedLaw<2> smoothed_law(LocalVector<2> z, double friction, double t);
 SmoothedLaw<3> smoothed_law(LocalVector<3> z, double friction, double t);
 
-/// A point of the curve.
 struct CurvePoint {
   Vector z;
   double t;  // (N s)^2
 };
 
-/// What is known of the curve near a point: log t is the parameter.
+/// The curve near a point, with the parameter log t.
 struct CurveCourse {
   CurvePoint point;
   Vector tangent;                // dz / dlog t
-  Vector correction;             // Newton's step to the curve, at right angles to it ...
+  Vector correction;             // Newton's step to the curve, at right angles to it
   double direction;              // of log t along the curve, -1 or 1
-  double log_correction = 0;     // ... and that of log t
+  double log_correction = 0;     // Newton's step of log t
   double steepest = 0, off = 0;  // largest components of tangent and correction, in units of sqrt(z^2 + 4 t)
   double length = 0;             // of the step from here
 };
@@ -53,7 +51,7 @@ class SmoothedCurve {
     Vector r = run.now.impulses;
     q_ = rho_.cwiseProduct(data_.q + problem.rest(r));
     const double size = sums.norm(q_), entries = static_cast<double>(sums.total(q_.size()));
-    // Sweeps know better than any rule how small impulses are.
+    // Impulses that sweeps made so small are small.
     if (sums.norm(r) <= (run.now.sweeps > 0 ? 0.0 : least_start) * size)
       for (Index c = 0; c < data_.contacts(); ++c) r[D * c] = std::max(r[D * c], size / std::sqrt(entries));
     start_ = {r - velocities(r) - q_, relative_smoothing * sums.squared_norm(r) / entries};
@@ -63,8 +61,8 @@ class SmoothedCurve {
 
   const CurvePoint& start() const { return start_; }
 
-  /// None if the matrix is singular to rounding. With r = P_t(z), dr = P' dz + dP/dt dt leaves
-  /// (1 - P') dr + P' rho W dr = ...  of the derivatives of F.
+  /// None if the matrix is singular to rounding. With dr = P' dz + dP/dt dt, r = P_t(z), the linear systems of F have
+  /// the matrix (1 - P') + P' rho W.
   std::optional<CurveCourse> course(const CurvePoint& point) {
     const Vector defects = defect(point, impulses(point));
     std::vector<ContactRelation<D>> relations(at(data_.contacts()));
@@ -100,7 +98,7 @@ class SmoothedCurve {
     return found;
   }
 
-  /// Where a step of this length leads, the correction taken with it.
+  /// The point after a step of this length, the correction included.
   static CurvePoint ahead(const CurveCourse& course, double length) {
     const double change = course.direction * length;
     return {course.point.z + course.correction + change * course.tangent,

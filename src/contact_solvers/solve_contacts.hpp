@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The definition of solve_contacts, to be included by the one source of a maker of contact problems that instantiates
-// it.
+// The definition of solve_contacts, for the sources that instantiate it: one for each class of contact problems.
 #pragma once
 
 #include "contact_solvers/admm.hpp"
@@ -12,7 +11,7 @@
 
 namespace nscdd {
 
-/// The solvers by the places of FrictionAlgorithm.
+/// The solvers in the order of FrictionAlgorithm.
 template <ContactProblem P>
 constexpr auto contact_solvers = std::to_array<void (*)(P&, SolverRun<P::dimension>&)>({automatic<P>, continuation<P>,
                                                                                         newton<P>, nlgs<P>, admm<P>,

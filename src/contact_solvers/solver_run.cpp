@@ -8,22 +8,20 @@ namespace {
 
 constexpr double credible_natural_maps = 1e-3;  // relative to max(|| r^1 ||, p)
 
-// The length of a tangential impulse in space that is on the edge of the cone may come out below it.
+// In space the length of a tangential impulse on the edge of the cone may be rounded to below it.
 template <int D>
 constexpr double edge_rounding = D == 3 ? 1e-12 : 0;
 
-constexpr double largest_impulses = 1e8;  // over those that are to be expected
-constexpr double drift_of_guess = 1.001;  // a guess that is larger may change, not grow
+constexpr double largest_impulses = 1e8;  // over those to be expected
+constexpr double drift_of_guess = 1.001;  // growth of a larger guess
 
 constexpr Index checks_looked_back = 10;
 
-// Squares of the natural maps of every contact, with rho = 1 / W_nn and with rho = 1, and the status.
 struct ContactCheck {
-  double own, siconos;
+  double own, siconos;  // squares of the natural maps with rho = 1 / W_nn and with rho = 1
   ContactStatus status;
 };
 
-// The contacts by themselves, in threads.
 template <int D>
 std::vector<ContactCheck> checked_contacts(const ContactData& data, const Vector& impulses, const Vector& velocities) {
   const Index contacts = data.contacts();
@@ -61,7 +59,7 @@ FrictionState SolverRun<D>::state_of(const ContactData& data, const Vector& impu
   state.open = static_cast<Index>(sums[2]);
   state.stick = static_cast<Index>(sums[3]);
   state.slide = static_cast<Index>(sums[4]);
-  // Velocities under impulses that grew beyond measure may vanish by rounding alone.
+  // Velocities under impulses that grew so far may vanish only by rounding.
   const double unknown = size > believed ? rounding_of_sums * size : 0;
   const double maps = std::sqrt(sums[0]) + unknown, driving = std::max(data.alone, data.momenta);
   state.scale = natural_map_scale(maps, size, data.alone, data.momenta, false, believed);
@@ -88,7 +86,7 @@ SolverRun<D>::SolverRun(const ContactData& given, Product product, const Frictio
     expected_ = std::max(expected_, data.sums.norm(data.q) * static_cast<double>(D * contacts) / data.trace);
 }
 
-// A guess may be the state of a network at rest. One that grew without bound must not make room for more growth.
+// A large guess may be the state of a network at rest; one that grew without bound must not allow more growth.
 template <int D>
 double SolverRun<D>::largest_plausible() const {
   return std::max(largest_impulses * expected_, drift_of_guess * guessed_);
@@ -113,7 +111,7 @@ Index SolverRun<D>::changes_of_status() {
 template <int D>
 std::vector<Index> SolverRun<D>::unsettled() const {
   std::vector<Index> contacts;
-  for (Index c = 0; c < count(changed_); ++c)  // at the first check all were unknown
+  for (Index c = 0; c < count(changed_); ++c)  // changes at the first check do not count
     if (changed_[at(c)] > std::max<Index>(0, checks_ - 1 - checks_looked_back)) contacts.push_back(c);
   return contacts;
 }
@@ -159,8 +157,7 @@ template <int D>
 Vector SolverRun<D>::projected() const {
   Vector result(now.impulses.size());
   for (Index c = 0; c < data.contacts(); ++c) {
-    const LocalVector<D> r = component<D>(now.impulses, c);
-    const LocalVector<D> u = component<D>(now.state.velocities, c);
+    const LocalVector<D> r = component<D>(now.impulses, c), u = component<D>(now.state.velocities, c);
     set_component(result, c, r - natural_map(r, u, data.friction[c], 1 / data.normal[D * c]));
   }
   return result;

@@ -8,9 +8,9 @@
 
 namespace nscdd {
 
-/// The run of a contact solver: from where, and what it has found so far. A contact solver is one file in this folder,
-/// a function of a ContactProblem and of a run in the plane (D = 2) or in space (D = 3), and one word in the list of
-/// solve_contacts.hpp. All that is given must outlive the run.
+/// The run of a contact solver: its start, and what it has found so far. A contact solver is one file in this folder
+/// with a function of a ContactProblem and a run, and one word in the list of solve_contacts.hpp. Arguments must
+/// outlive the run.
 template <int D>
 class SolverRun {
  public:
@@ -22,27 +22,24 @@ class SolverRun {
 
   const ContactData& data;
   const FrictionSolverOptions& options;
-  FrictionSolution now;  ///< what the solver works with: set by `judge`, apart from what is counted
+  FrictionSolution now;  ///< the present impulses, set by `judge`; solvers add to its counts
 
-  /// Evaluates impulses and shows them to the observer, with the step that led to them. Returns whether the run is
-  /// over: converged, stopped by the observer, or without finite impulses.
+  /// Evaluates impulses and calls the observer, with the step that led to them. Returns whether the run is over:
+  /// converged, stopped by the observer, or without finite impulses.
   bool judge(const Vector& impulses, const FrictionStep& step = {});
-  /// Whether impulses are finite and bounded. A nearly singular matrix, or a problem without a solution, produces huge
-  /// ones.
+  /// Whether impulses are bounded: a nearly singular matrix, or a problem without a solution, produces huge ones.
   bool plausible(const Vector& impulses) const { return data.sums.norm(impulses) <= largest_plausible(); }
-  /// Impulses that obey the law for the velocities that the present ones cause: P(r - rho (u + mu |u_t| n)).
+  /// Impulses that obey the law at the velocities of the present ones: P(r - rho (u + mu |u_t| n)).
   Vector projected() const;
-  /// The impulses that converged or, if none did, those whose natural maps were the smallest, || m || in N s, with the
-  /// status and the counts of the end.
+  /// The impulses that converged or, if none did, those with the smallest || m ||, with the present status and counts.
   FrictionSolution best() const;
-  /// Goes on from earlier impulses.
-  void go_back(const FrictionSolution& earlier);
-  /// || m || of the present impulses, N s
-  double natural_maps() const { return now.state.residual * now.state.scale; }
-  /// Contacts of this process whose status changed in the last 10 checks.
-  std::vector<Index> unsettled() const;
-  /// Evaluates impulses of the norm `size`, which cause `velocities` u = W r + q. Velocities that vanish under impulses
-  /// larger than `believed` may do so by rounding.
+  void go_back(const FrictionSolution& earlier);  ///< to its impulses; counts stay
+  double natural_maps() const {
+    return now.state.residual * now.state.scale;
+  }                                      ///< || m || of the present impulses, N s
+  std::vector<Index> unsettled() const;  ///< contacts of this rank whose status changed in the last 10 checks
+  /// Evaluates impulses of norm `size` with their `velocities` u = W r + q. Above the norm `believed`, natural maps are
+  /// taken to be at least rounding.
   static FrictionState state_of(const ContactData& data, const Vector& impulses, Vector velocities, double size,
                                 double believed);
   bool spent() const { return now.factorisations >= options.maximum_factorisations; }
@@ -62,20 +59,19 @@ class SolverRun {
   std::vector<Index> changed_;           // the check at which each of them was new
   Index checks_ = 0;
   double expected_ = 0, guessed_ = 0;  // N s: impulses that are to be expected, those of the guess
-  double best_maps_ = infinity;        // N s
+  double best_maps_ = infinity;        // || m || of the best, N s
   std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
 };
 
-/// Decides whether iterations still make progress, from their impulses. If a soft mode drifts, the residual may
-/// stagnate for long, but the path of the impulses since its last progress is straight. If statuses cycle, or only
-/// rounding is left, the path returns.
+/// Decides from the impulses whether iterations still make progress. While a soft mode drifts the residual may stagnate
+/// for long, but the path of the impulses is straight. If statuses cycle, or only rounding is left, the path returns.
 template <int D>
 class StallWatch {
  public:
   explicit StallWatch(const SolverRun<D>& run)
       : sums_(run.data.sums),
         scale_(std::max(run.data.alone, sums_.norm(run.now.impulses))),
-        watch_({.tolerance = -1,  // `judge` says what has converged
+        watch_({.tolerance = -1,  // SolverRun::judge decides what has converged
                 .growth = growth_allowed,
                 .fall = progress_wanted,
                 .patience = run.options.patience,
@@ -84,8 +80,7 @@ class StallWatch {
         first_(run.now.impulses),
         last_(first_) {}
 
-  /// To be called after every judgement that ends nothing. Returns whether the run is over and why it is, as its
-  /// status.
+  /// To be called after every SolverRun::judge that ends nothing. Returns whether the run is over, and sets its status.
   bool ends(SolverRun<D>& run) {
     const Vector& impulses = run.now.impulses;
     length_ += sums_.norm(impulses - last_);
@@ -107,8 +102,8 @@ class StallWatch {
  private:
   static constexpr double progress_wanted = 0.99;  // of the smallest residual, within `patience` checks
   static constexpr double growth_allowed = 1e12;
-  static constexpr double straight = 0.25;         // part of the length of a way that its ends are apart ...
-  static constexpr double above_rounding = 1e-12;  // ... and over the impulses themselves, where it leads somewhere
+  static constexpr double straight = 0.25;         // distance of the ends of a path over its length
+  static constexpr double above_rounding = 1e-12;  // the same distance over the impulses
 
   bool leads_on() const {
     const double gone = sums_.norm(last_ - first_);
@@ -120,13 +115,12 @@ class StallWatch {
   ProgressWatch<FrictionStatus> watch_;
   Index check_ = 0;
   Vector first_, last_;  // impulses at the last progress and now
-  double length_ = 0;    // of the way between
+  double length_ = 0;    // of the path between
 };
 
-/// As solve_friction, for any ContactProblem. Processes that share the problem call it together. The solution and its
-/// `worst` contact are those of the contacts of this process; counts of contacts and residuals are those of all
-/// processes. Only a StoredProblem has apgd. Each maker instantiates it in its source, see
-/// solve_contacts.hpp.
+/// As solve_friction, for any ContactProblem; all ranks call it together. Vectors and the `worst` contact are those of
+/// this rank, counts of contacts and residuals those of all. Only a StoredProblem has apgd. The source of each class of
+/// problems instantiates it, see solve_contacts.hpp.
 template <ContactProblem P>
 FrictionSolution solve_contacts(P& problem, const FrictionSolverOptions& options, const Vector& guess,
                                 const FrictionObserver& observer);

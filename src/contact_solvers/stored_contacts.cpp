@@ -25,7 +25,7 @@ StoredContacts<D>::StoredContacts(const LocalFrictionProblem& problem)
 template <int D>
 typename StoredContacts<D>::Systems& StoredContacts<D>::systems() {
   if (systems_) return *systems_;
-  // The symmetric part of W, the rest, its transpose while they are made, and rows of blocks.
+  // W_s, W_a, the transpose while they are made, and rows of blocks.
   require_memory(static_cast<double>(problem_.w.nonZeros()) * (3 * 12 + 8),
                  fmt::format("linear systems of {} contacts", problem_.contacts()), "fewer contacts");
   SparseMatrix symmetric = 0.5 * (problem_.w + SparseMatrix(problem_.w.transpose()));

@@ -7,8 +7,8 @@
 
 namespace nscdd {
 
-/// A ContactProblem whose W is stored, in one process. Where W is all that is known, W_s plus a positive diagonal is
-/// factorised by Cholesky's method.
+/// A ContactProblem that stores W on one rank. If M and H are not known, W_s plus a positive diagonal is factorised by
+/// Cholesky's method.
 template <int D>
 class StoredContacts {
  public:
@@ -44,10 +44,10 @@ class StoredContacts {
     ContactBlocks<D> blocks;       // W_s
     std::optional<ContactMatrix<D>> matrix{};
     std::optional<CholeskyAnalysis> analysis{};
-    std::optional<SparseCholesky> cholesky{};  // of the matrix factorised last, if it was by Cholesky's method
+    std::optional<SparseCholesky> cholesky{};  // of the last matrix, if it was factorised by Cholesky's method
     double operations = 0;                     // of Cholesky's method, not yet taken
   };
-  Systems& systems();  // sweeps and gradients need none
+  Systems& systems();  // made on first use: sweeps and gradients need none
 
   const LocalFrictionProblem& problem_;
   ContactBlocks<D> rows_;

@@ -8,10 +8,10 @@ namespace nscdd {
 
 /// How a contact problem is solved.
 enum class FrictionAlgorithm {
-  automatic,     ///< sweeps, which settle easy problems; then `continuation` from where they came to
+  automatic,     ///< sweeps, then `continuation` from their impulses
   continuation,  ///< of a smoothed contact law along a curve to the law itself, then Newton on the statuses
   newton,        ///< proximal semismooth Newton, from a few sweeps
-  nlgs,          ///< nonlinear Gauss-Seidel alone
+  nlgs,          ///< nonlinear Gauss-Seidel
   admm,          ///< alternating directions: all couplings without the law, then the law without couplings
   apgd,          ///< accelerated projected gradients, with De Saxce's shift renewed in an outer loop
 };
@@ -19,15 +19,14 @@ constexpr auto names_of(FrictionAlgorithm) {
   return std::to_array<std::string_view>({"auto", "continuation", "newton", "nlgs", "admm", "apgd"});
 }
 
-/// The order in which a sweep goes through the contacts. Contacts are coupled where their block of W is stored.
+/// The order in which a sweep visits the contacts. Two contacts are coupled if their block of W is stored.
 enum class SweepOrder {
-  natural,    ///< as numbered
-  reverse,    ///< from the last to the first
-  symmetric,  ///< as numbered and back again, each counted as a sweep
-  random,     ///< one permutation for all sweeps, from `seed`
-  coloured,  ///< contacts of one colour are not coupled: those of the first colour, in threads, then of the second, ...
-  /// In blocks of 256 as numbered, each of them coloured: no contact waits for the one before it.
-  interleaved,
+  natural,      ///< as numbered
+  reverse,      ///< from the last to the first
+  symmetric,    ///< as numbered and back again, each counted as a sweep
+  random,       ///< one permutation for all sweeps, from `seed`
+  coloured,     ///< colour by colour: contacts of one colour are not coupled and are swept in threads
+  interleaved,  ///< in blocks of 256 as numbered, each by colours: no contact waits for the one before it
 };
 constexpr auto names_of(SweepOrder) {
   return std::to_array<std::string_view>({"natural", "reverse", "symmetric", "random", "coloured", "interleaved"});
@@ -42,9 +41,8 @@ struct FrictionSolverOptions {
   Choice<SweepOrder> order = SweepOrder::natural;
   Index seed = 1;          ///< of order `random`, >= 0
   Index check_every = 10;  ///< sweeps between evaluations of the residual
-  /// Sweeps have stalled after so many checks, and as many as it took to get there, over which the smallest residual
-  /// has not fallen by 1 % and the impulses have come back: less than a quarter of the length of their way lies
-  /// between.
+  /// Checks without progress after which sweeps have stalled, if as many led there: the smallest residual has not
+  /// fallen by 1 %, and the impulses have moved less than a quarter of the length of their path.
   Index patience = 1000;
 
   template <class Self, class Visitor>
@@ -68,20 +66,20 @@ struct FrictionSolverOptions {
   }
 };
 
-/// How well impulses solve the problem, and what the contacts do under them.
+/// How well impulses solve the problem, and the status of the contacts.
 struct FrictionState {
   Vector velocities;  ///< u = W r + q, D c entries
   /// Natural map m_c of every contact with rho_c = 1 / W_nn of that contact, N s:
   ///     || m || / max(|| r^1 ||, min(|| r ||, 10^5 max(|| r^1 ||, p))),
   /// r^1_c the impulse of contact c if it were the only one, p_c = s_c / W_nn with the speeds s_c of the problem, or
-  /// |q_c|. So neither impulses near zero nor impulses that grow without bound are the scale. Where || m || is at most
-  /// 10^-14 max(|| r ||, p), which is rounding, this is the scale. The residual is 0 if m = 0.
+  /// |q_c|. So neither impulses near zero nor impulses that grow without bound are the scale. It is
+  /// max(|| r ||, || r^1 ||, p) where || m || <= 10^-14 max(|| r ||, p) is rounding. The residual is 0 if m = 0.
   double residual = 0;
-  double scale = 0;            ///< what || m || was divided by, N s
+  double scale = 0;            ///< that || m || was divided by, N s
   double driven_residual = 0;  ///< || m || / max(|| r^1 ||, p), which does not fall as impulses grow
-  /// As Siconos 4.4 computes it (fc2d_compute_error, fc3d_compute_error, called with the norm of q): || m || with rho =
-  /// 1 for every contact, divided by max(|| r ||, || u ||, || q ||) unless that is below 2.2e-16. (Before it was
-  /// divided by || q ||.) It mixes velocities and impulses: its value depends on the units.
+  /// That of Siconos 4.4 (fc2d_compute_error, fc3d_compute_error with the norm of q): || m || with rho = 1 for every
+  /// contact, divided by max(|| r ||, || u ||, || q ||) unless that is below 2.2e-16. (Older versions divide by
+  /// || q ||.) It adds velocities and impulses, so its value depends on the units.
   double siconos_residual = 0;
   bool siconos_relative = true;          ///< whether it was divided
   Index open = 0, stick = 0, slide = 0;  ///< contacts by status; a contact without friction slides
@@ -93,9 +91,9 @@ FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& 
 
 enum class FrictionStatus {
   converged,        ///< residual <= tolerance
-  stalled,          ///< sweeps do not get on (`patience`), or no turn of a solver came to an end
-  maximum_reached,  ///< of the sweeps
-  diverged,         ///< impulses grew to 10^12 times those that contacts or the guess began with
+  stalled,          ///< sweeps make no progress (`patience`), or no attempt of another solver succeeded
+  maximum_reached,  ///< of sweeps or factorisations
+  diverged,         ///< impulses grew to 10^12 times || r^1 || or the first ones
   not_finite,       ///< impulses or residual are not finite
   stopped,          ///< by the observer
 };
@@ -105,45 +103,42 @@ constexpr auto names_of(FrictionStatus) {
       {"converged", "stalled", "maximum_reached", "diverged", "not_finite", "stopped"});
 }
 
-/// The step that led to impulses; not a number where a solver has no such thing.
+/// The step that led to impulses; NaN for a solver without such a step.
 struct FrictionStep {
   double proximal_weight = not_a_number;  ///< alpha of Newton's steps, rho of admm, over W_nn of each contact
-  double length = not_a_number;           ///< part of Newton's step that was taken; along a curve in log t
+  double length = not_a_number;           ///< of Newton's step, at most 1; of a step along a curve, in log t
 };
 
 struct FrictionSolution {
-  Vector impulses;           ///< r, D c entries: of `nlgs` those of the last sweep, else the best that were met
+  Vector impulses;           ///< r, D c entries: of `nlgs` those of the last sweep, else the best that were found
   FrictionState state;       ///< of these impulses
   FrictionStep step;         ///< the step that led to them
-  Index status_changes = 0;  ///< contacts that open, stick or slide otherwise than at the check before
-  Index sweeps = 0;          ///< Gauss-Seidel sweeps done in all, or iterations of admm and apgd
-  Index factorisations = 0;  ///< sparse matrices factorised in all
-  /// Floating-point operations in all: 2 per entry of W for a sweep or a product with W, those of sparse factorisations
-  /// and solves as their library counts them. Checks, orderings and work per contact are left out.
+  Index status_changes = 0;  ///< contacts whose status differs from that at the check before
+  Index sweeps = 0;          ///< Gauss-Seidel sweeps so far, or iterations of admm and apgd
+  Index factorisations = 0;  ///< sparse matrices factorised so far
+  /// Floating-point operations so far: 2 per entry of W for a sweep or a product with W, and those of sparse
+  /// factorisations and solves as their library counts them. Not counted: checks, orderings, work per contact.
   double operations = 0;
-  double seconds = 0;  ///< of the solver without its checks, by the clock; alone in this, it differs from run to run
-  /// False where the residual may be small only because impulses are large: they are larger than what drives the
-  /// problem, max(|| r^1 ||, p), and || m || exceeds 10^-3 of it (or the tolerance, if that is larger), or they are
-  /// 10^8 times as large. So it is where there is no solution and impulses grow without bound. It ends no run.
+  double seconds = 0;  ///< wall time of the solver without its checks; the one number that differs between equal runs
+  /// False if the residual may be small only because impulses are large: they exceed max(|| r^1 ||, p), which drives
+  /// the problem, and || m || exceeds 10^-3 of that (or the tolerance, if larger), or they are 10^8 times as large.
+  /// Problems without a solution, whose impulses grow without bound, are such. It ends no run.
   bool credible = false;
   FrictionStatus status = FrictionStatus::converged;
-  std::vector<Index> unsettled;  ///< contacts whose status changed in the last 10 checks; of what is returned alone
+  std::vector<Index> unsettled;  ///< contacts whose status changed in the last 10 checks; only at the end of a run
 };
 
-/// The contacts that carry the residual, the largest natural map first (rho = 1 / W_nn): as few as hold `share` of the
-/// sum of squares.
+/// The fewest contacts that hold `share` of the sum of squared natural maps (rho = 1 / W_nn), the largest first.
 std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, const FrictionSolution& solution,
                                           double share);
 
-/// Called with what there is at every check, also the one before the first sweep; returning false stops the solver.
+/// Called at every check, the one before the first sweep included. Returning false stops the solver.
 using FrictionObserver = std::function<bool(const FrictionSolution&)>;
 
-/// Solves a contact problem by one of the algorithms (see docs/algorithms.md).
-/// In a Gauss-Seidel sweep (Jean and Moreau) each contact in turn takes the impulse that solves its own problem of D
-/// components exactly while the others keep theirs, relaxed by omega.
-/// `guess`: impulses to start from, D c entries, or empty for zero. The problem must pass `check`. If friction is
-/// large, a solution need not exist nor be unique, and no algorithm need converge; the status says how it ended. Throws
-/// Error for a guess of another length and bad options.
+/// Solves a contact problem by one of the algorithms (see docs/algorithms.md). The problem must pass `check`.
+/// `guess`: impulses to start from, D c entries, or empty for zero. If friction is large, a solution need not exist nor
+/// be unique, and no algorithm need converge: the status tells. Throws Error for a guess of another length and bad
+/// options.
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options = {},
                                 const Vector& guess = {}, const FrictionObserver& observer = {});
 
