@@ -13,7 +13,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Impulses of the contacts with the pull of each, which obey Coulomb's law.
+// The impulses r + pull, which obey Coulomb's law.
 template <int D>
 Vector shifted_impulses(const StepProblem<D>& problem) {
   Vector r(D * count(problem.contacts));
@@ -33,17 +33,10 @@ std::vector<GrainContact<D>> with_impulses(std::vector<GrainContact<D>> contacts
   return contacts;
 }
 
-// Both enumerations have the same six in the same order.
+// Both enumerations have the same six values in the same order.
 SolverStatus status_of_step(FrictionStatus status) {
   static_assert(static_cast<int>(FrictionStatus::stopped) == static_cast<int>(SolverStatus::given_up));
   return static_cast<SolverStatus>(status);
-}
-
-template <int D>
-std::vector<ContactStatus> statuses_of(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts) {
-  std::vector<ContactStatus> statuses;
-  for (const GrainContact<D>& contact : contacts) statuses.push_back(status_of(law, contact));
-  return statuses;
 }
 
 FrictionSolverOptions options_of(const StepSolver& solver) {
@@ -54,17 +47,8 @@ FrictionSolverOptions options_of(const StepSolver& solver) {
           .relaxation = solver.contact_relaxation};
 }
 
-// Answers of Newton's steps are refined: their errors are about the square of the tolerance.
-CutOptions cut_options(const StepSolver& solver, const InertiaMethod& inertia) {
-  const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
-  return {.network = solver.interface_network,
-          .flexibility = admm ? 1 : solver.interface_flexibility,
-          .tolerance = admm ? std::min(1e-8, solver.tolerance) : std::min(1e-4, 1e4 * solver.tolerance),
-          .inertia = inertia};
-}
-
-// Solves a problem that holds the contacts of a step. velocities(r + pull): of the bodies; interface_iterations(): so
-// far. `start`: when the work for it began.
+// Solves the problem `held` of the contacts of a step. velocities(r + pull): of the bodies; interface_iterations(): so
+// far. `start`: of the time that counts.
 template <int D, ContactProblem Problem, class Velocities, class Iterations>
 void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const Velocities& velocities,
            const Iterations& interface_iterations, const Simulation& simulation, const IterationSink& sink) {
@@ -73,9 +57,8 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
   const Processes& all = simulation.processes;
   StepReport& report = step.report;
   const ImpulseScale scale = report.residual.scale;
-  // A contact is alone where the others have no impulse; with none of r + pull they pull.
+  // r^1 is of contacts without any impulse r of the others; with r + pull = 0 these would pull.
   if (problem.pulls) held.data.alone = std::sqrt(scale.alone);
-  // Contacts and velocities of the bodies for impulses r + pull, and how well they obey the law.
   const auto take = [&](const Vector& shifted) {
     step.contacts = with_impulses(problem.contacts, shifted);
     step.velocities = velocities(shifted);
@@ -83,12 +66,14 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
     report.residual.scale = scale;
   };
   std::vector<ContactStatus> statuses;
-  double looking = 0;  // s, for the indicators alone
+  double looking = 0;  // s, for the indicators
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - looking; };
   const auto look = [&](const Vector& shifted) {
     const double before = seconds();
     take(shifted);
-    const Index changes = changes_of(statuses, statuses_of(problem.law, step.contacts));
+    std::vector<ContactStatus> now;
+    for (const GrainContact<D>& contact : step.contacts) now.push_back(status_of(problem.law, contact));
+    const Index changes = changes_of(statuses, std::move(now));
     sink.row({.step = simulation.state.step + 1,
               .record = report.last,
               .residual = report.residual,
@@ -163,7 +148,12 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   const auto start = Clock::now();
   const StepSolver& solver = simulation.dynamics.solver;
   const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
-  CutContacts<D> cut(linear_decomposition(simulation, step), cut_options(solver, stage_two_inertia(simulation)));
+  // Solutions of Newton's steps are refined: their errors are about the square of the tolerance.
+  const double tolerance = admm ? std::min(1e-8, solver.tolerance) : std::min(1e-4, 1e4 * solver.tolerance);
+  CutContacts<D> cut(linear_decomposition(simulation, step), {.network = solver.interface_network,
+                                                              .flexibility = admm ? 1 : solver.interface_flexibility,
+                                                              .tolerance = tolerance,
+                                                              .inertia = stage_two_inertia(simulation)});
   DividedContacts<D> divided(step.problem, step.partition, std::move(parts),
                              contact_colours(simulation, step.problem.geometry), std::move(cut),
                              admm ? Refinement::none : Refinement::one_step);
