@@ -55,7 +55,7 @@ void require_dimension(const BoundarySpec& spec, Index dimension) {
 void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
                Index boundary) {
   const double length = length_of(along(spec));
-  // As few gaps as keep them no wider than asked for; rounding must not add one.
+  // The fewest gaps that are no wider than asked for; rounding must not add one.
   const Index gaps = std::max<Index>(1, static_cast<Index>(std::ceil(length / spec.distance() * (1 - 1e-12))));
   for (Index k = 0; k <= gaps; ++k) {
     const double s = static_cast<double>(k) / static_cast<double>(gaps);
@@ -106,7 +106,7 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
     else
       system.walls.push_back(wall_of(spec, boundary));
   }
-  // Disks of boundaries have made these grow, up to twofold.
+  // Disks of boundaries may have doubled the capacity.
   for (std::vector<double>* values : {&system.radius, &system.mass, &x, &y}) values->shrink_to_fit();
   system.driven_by.shrink_to_fit();
   result.state = initial_state(system, std::move(x), std::move(y), packing.z);
@@ -116,7 +116,7 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
 
 namespace {
 
-// What a parameter needs of another one in order to have an effect.
+// The value `with` another parameter has to have for a parameter to have an effect.
 struct Need {
   std::string path, with, expected, found;
   bool met;
@@ -174,7 +174,7 @@ void add_needs(std::vector<Need>& needs, const Interaction& interaction, double 
       penetration_correction != 0);
 }
 
-// The first need of a parameter that is not met, if there is one.
+// The first need of a parameter that is not met.
 std::optional<Need> missing_for(const Dynamics& dynamics, std::string_view path) {
   std::vector<Need> needs;
   add_needs(needs, dynamics.solver);
@@ -226,7 +226,6 @@ void check(const BoundarySpec& spec) {
 
 namespace {
 
-// Two or three numbers.
 std::string components_text(const Place& values, bool space) {
   return space ? field_text(Components<double>(values)) : field_text(Components<double>(values[0], values[1]));
 }
@@ -254,7 +253,7 @@ std::string motion_lines(const Motion& motion, bool space) {
   return text + fmt::format("motion = [{}]\n", fmt::join(entries, ", "));
 }
 
-// A parameter without effect is written with its default, so that equal runs have equal texts.
+// Defaults of parameters without effect, so that equal runs have equal texts.
 template <class Parameters>
 std::string effective_lines(const Dynamics& dynamics, std::string_view section, const Parameters& parameters) {
   const std::vector<FieldDescription> now = describe_fields(parameters), by_default = describe_fields(Parameters{});

@@ -10,7 +10,6 @@
 
 namespace nscdd {
 
-/// Shape of a boundary of a case.
 enum class BoundaryShape {
   wall,      ///< in the plane the straight line through `from` and `to`, grains on its left; in space a plane
   disks,     ///< a row of disks in the plane from `from` to `to`, both ends included
@@ -21,7 +20,7 @@ constexpr auto names_of(BoundaryShape) {
   return std::to_array<std::string_view>({"wall", "disks", "grains", "cylinder"});
 }
 
-/// Where a cylinder has grains.
+/// The side of a cylinder that has the grains.
 enum class CylinderSide { inside, outside };
 constexpr auto names_of(CylinderSide) { return std::to_array<std::string_view>({"inside", "outside"}); }
 
@@ -29,12 +28,12 @@ constexpr auto names_of(CylinderSide) { return std::to_array<std::string_view>({
 struct BoundarySpec {
   std::string name;
   Choice<BoundaryShape> shape = BoundaryShape::wall;
-  Index dimension = 0;                               ///< of its numbers: 2, 3, or 0 where it has none with components
+  Index dimension = 0;                               ///< of its vectors: 2, 3, or 0 if it has none
   std::array<double, 3> from{0, 0, 0}, to{1, 0, 0};  ///< m, disks and cylinder, and a wall in the plane
   std::array<double, 3> point{0, 0, 0};              ///< m, of a wall in space
-  std::array<double, 3> normal{0, 0, 1};             ///< of a wall in space, to where its grains are, of any length
+  std::array<double, 3> normal{0, 0, 1};             ///< of a wall in space, towards its grains, of any length
   double radius = 0;                                 ///< m, disks and cylinder
-  Choice<CylinderSide> side = CylinderSide::inside;  ///< where the grains are of a cylinder
+  Choice<CylinderSide> side = CylinderSide::inside;  ///< of a cylinder
   double spacing = 0;          ///< m, largest distance of neighbouring centres, disks; 0: they touch (two radii)
   Index first = 0, last = -1;  ///< grains; negative from the end
   Motion motion;
@@ -55,23 +54,22 @@ struct Dynamics {
 /// The sections of a case file, with a blank line before each. A parameter without effect is written with its default.
 std::string to_toml(const Dynamics& dynamics);
 
-/// Whether a parameter such as "solver.eta" has an effect beside the others. Those of the enriched algorithm, of the
-/// interface, of a law or of random numbers have an effect only in runs that use these.
+/// Whether a parameter such as "solver.eta" has an effect with the values of the others.
 bool has_effect(const Dynamics& dynamics, std::string_view path);
 
-/// Throws Error naming `where` if the parameter has no effect, and says which other value it goes with.
+/// Throws Error naming `where`, and the other value it goes with, if the parameter has no effect.
 void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where,
                     bool algorithm_stated = true);
 
-/// Whether subdomains are switched from one model to another, if there are several.
+/// Whether subdomains, if there are several, are switched between models.
 bool switches_models(const Dynamics& dynamics);
 
 /// Throws Error naming the boundary if a wall, an axis or a row of disks has no extent or a row has too many disks.
 void check(const BoundarySpec& spec);
 
-/// The system of a packing with masses and the boundaries of a case: grains, then disks of boundaries in
-/// their order. Throws Error naming the boundary if its shape has no extent, its radius or range of grains is
-/// impossible, one of its grains is driven twice, or it is made for another dimension than that of the packing.
+/// The system of a packing with masses and the boundaries of a case: grains, then disks of boundaries in their order.
+/// Throws Error naming the boundary as `check`, if its range of grains is impossible or one of them is driven twice,
+/// and if it has another dimension than the packing.
 struct GranularScene {
   GranularSystem system;
   GranularState state;  ///< at time 0
@@ -84,16 +82,15 @@ struct Simulation {
   GranularState state;
   Dynamics dynamics;
   Partitioner partitioner = GridPartitioner{};
-  Processes processes = {};    ///< share the subdomains of a step; all have the same system and state
-  InertiaMethod inertia = {};  ///< what factorises for Stage 2, see stage_two_inertia
+  Processes processes = {};    ///< the ranks that share the subdomains of a step, each with the whole system and state
+  InertiaMethod inertia = {};  ///< factorisation of Stage 2, see stage_two_inertia
 };
 
-/// What the next step begins with.
 inline StepStart start_of(const Simulation& simulation) {
   return {simulation.system, simulation.state, simulation.dynamics.interaction, simulation.dynamics.time};
 }
 
-/// Whether the subdomains of a run are switched. A single one is not: it is plain Gauss-Seidel.
+/// Whether a run switches models. A single subdomain is plain Gauss-Seidel.
 inline bool switches_models(const Simulation& simulation) {
   return switches_models(simulation.dynamics) && subdomains(simulation.partitioner) > 1;
 }

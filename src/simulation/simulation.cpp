@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// Whether grains rest: they were slow for `rest_steps` steps, and not faster at each step, which is how a fall begins.
+// Whether grains were slow for `rest_steps` steps, and not faster at each step, as when a fall begins.
 bool at_rest(const std::vector<double>& speeds, double rest_speed) {
   if (count(speeds) < rest_steps) return false;
   const auto last = std::span(speeds).last(at(rest_steps));
@@ -60,7 +60,7 @@ PreparedStep<D> prepare_solution(const Simulation& simulation) {
 
 namespace {
 
-// The iterations of a prepared step, until they end.
+// Iterates a prepared step to its end.
 template <int D>
 void iterate(GranularStep<D>& step, GranularTwoStage<D>& iteration, const Simulation& simulation,
              const IterationSink& sink) {
@@ -100,7 +100,7 @@ void iterate(GranularStep<D>& step, GranularTwoStage<D>& iteration, const Simula
   auto [contacts, velocities] = iteration.gather(step.problem);
   step.contacts = std::move(contacts);
   step.velocities = std::move(velocities);
-  if (report.interface_size > 0) {  // of the velocities that are kept, not of copies that may still differ
+  if (report.interface_size > 0) {  // of the velocities that the state keeps: copies may still differ
     const ContactResidual of_copies = report.residual;
     report.residual = residual_of(step, simulation.processes);
     report.residual.impulses = of_copies.impulses;
@@ -152,7 +152,7 @@ double mean_speed(const GranularSystem& system, double kinetic_energy) {
 
 namespace {
 
-// Solves the next step of a run and takes it; how the run ends with it, if it does.
+// Solves and takes the next step of a run. Returns how the run ended, if it did.
 template <int D>
 std::optional<RunOutcome> advance(Simulation& simulation, const RunSinks& sinks, std::vector<double>& speeds) {
   const auto broke_down = [step = simulation.state.step + 1](std::string_view reason) {
@@ -169,7 +169,7 @@ std::optional<RunOutcome> advance(Simulation& simulation, const RunSinks& sinks,
     if (step.report.status == SolverStatus::given_up) return RunOutcome{RunEnd::stopped};
     solved = std::move(step);
   } catch (const Error& error) {
-    // A rank that has no memory ends the run: the others may wait for it inside the solver.
+    // A rank without memory aborts the run: the others may wait for it inside the solver.
     const bool refused_alone = dynamic_cast<const OutOfMemory*>(&error) != nullptr && !simulation.processes.alone();
     if (simulation.state.step == 0 || refused_alone) throw;
     return broke_down(error.what());

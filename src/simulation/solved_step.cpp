@@ -14,13 +14,13 @@ constexpr double large_impulses = 10;  // over what drives the step
 constexpr double large_work = 10;      // over the energies of motion
 constexpr double closing_part = 0.1;   // of the work of boundaries and pushes
 
-// Energies of a step, J, that say whether it went wrong. They are those of all processes.
+// Energies of a step, J, of all ranks: they show whether it went wrong.
 struct StepRoom {
   double motion = 0;      // of all free grains: before, in free flight, and at the speed of the fastest body or push
   double in_the_end = 0;  // of all free grains
   double lifting = 0;     // to lift all free grains as far as the fastest body or push moves
-  double pushes = 0;      // what pushes of overlaps may do
-  double boundaries = 0;  // what boundaries do
+  double pushes = 0;      // upper bound of the work of pushes of overlaps
+  double boundaries = 0;  // work of boundaries
   double closing = 0;     // sum of r_n max(0, -u_n), with u_n that of the law: 0 in a solution
 };
 
@@ -29,8 +29,8 @@ template <int D>
 StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double pushes, double closing) {
   const TimeStepping& scheme = before.dynamics.time;
   const auto motions = step_motions(before.system, before.state, scheme);
-  double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;  // of all free grains
-  double speed_squared = 0;                                        // of the fastest driven body or push
+  double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;
+  double speed_squared = 0;  // of the fastest driven body or push
   for (Index i = 0; i < before.system.grains(); ++i) {
     const GrainMotion motion = free_motion(start_of(before), motions, i);
     const GrainVelocity<D> free = with_motion<D>(motion, before.system.inverse_mass(i));
@@ -59,9 +59,8 @@ StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double p
 }
 
 // Contacts dissipate. Energy comes only from driven bodies, which pass on at most twice their speed, and from pushes:
-// a contact whose bodies overlap does the work r_n times the speed at which it pushes them apart. (Speeds of pushes
-// add up along a chain of overlaps, but so do the impulses.) A step that ends with many times the energy of all these
-// diverged, even after few iterations.
+// an overlap does the work r_n times the speed at which it is pushed apart. (Speeds of pushes add up along a chain of
+// overlaps, but so do the impulses.) A step that ends with many times the energy of all these has diverged.
 bool energy_exploded(const StepRoom& room) {
   const double reference = room.motion + room.pushes;
   return reference > 0 && room.in_the_end > energy_explosion * reference;
@@ -69,16 +68,15 @@ bool energy_exploded(const StepRoom& room) {
 
 // Whether boundaries or pushes seem to leave no room. If no impulses keep all contacts from closing, solvers raise
 // impulses that balance each other. Three signs together: these impulses are much larger than what drives the step,
-// their work is much larger than all energies of motion, and a good part of it is done against contacts that still
-// close. If boundaries and pushes are at rest, every step has a solution.
+// their work is much larger than all energies of motion, and a good part of it is that of contacts that still close.
 bool no_room(const StepRoom& room, const ContactResidual& residual) {
   const double work = std::max(0.0, room.boundaries) + room.pushes;
   return std::sqrt(residual.impulses) > large_impulses * residual.scale.driving() &&
          room.closing > closing_part * work && work > large_work * (room.motion + room.lifting);
 }
 
-// The contacts of a step to be remembered, ascending by (a, b). Each of several processes has those of its own
-// subdomains and all contacts of shared grains, so that it knows every contact of its own grains.
+// The contacts of a step to be remembered, ascending by (a, b). Each rank keeps those of its own subdomains and all
+// contacts of shared grains, so that it knows every contact of its own grains.
 template <int D>
 std::vector<RememberedSubdomain> subdomains_to_remember(const GranularStep<D>& step, const Processes& processes) {
   std::vector<RememberedSubdomain> known = subdomains_to_remember(step.problem.geometry, step.partition);
@@ -96,7 +94,7 @@ std::vector<RememberedSubdomain> subdomains_to_remember(const GranularStep<D>& s
   return known;
 }
 
-// The velocities of all grains at the end of a step. Each of several processes knows those of its own contacts.
+// The velocities of all grains at the end of a step; each rank computes those of its own contacts.
 template <int D>
 std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const GranularStep<D>& step) {
   const GranularSystem& system = before.system;
@@ -118,8 +116,8 @@ std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const Gr
   return result;
 }
 
-// The text of the process with the largest merit; of equal ones that with the lowest pair of bodies (a, b). Empty if no
-// process has a text. A process without one has the merit -infinity.
+// The text of the rank with the largest merit, or of equal ones with the lowest pair of bodies (a, b). A rank without a
+// text has the merit -infinity. Empty if all have none.
 std::optional<std::string> words_of_first(const Processes& all, double merit, const StepContact& contact,
                                           const std::string& words) {
   struct Claim {
@@ -166,7 +164,7 @@ void finish_solution(GranularStep<D>& step, const Simulation& before) {
   report.overlap = {.maximum = all.maximum(report.overlap.maximum),
                     .mean = sums[3] / std::max(1.0, sums[4]),
                     .relative = all.maximum(report.overlap.relative)};
-  // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look well.
+  // A law opens a contact whose velocity is not finite, and the indicators do not see it.
   const auto finite = [](const GrainMotion& v) {
     return std::ranges::all_of(v, [](double one) { return std::isfinite(one); });
   };
@@ -187,7 +185,7 @@ std::string describe_breakdown(const Simulation& before, const GranularStep<D>& 
                        place(std::span(c.point).first(D)));
   };
   const auto impulse = [](const GrainContact<D>& c) { return std::hypot(c.impulse.n, norm(c.impulse.t)); };
-  // The words about a contact of this process, if it has one.
+  // The words about a contact, which may be that of another rank.
   const auto said = [&](auto contact, double merit, const std::string& what) {
     if (contact == step.contacts.end()) return words_of_first(all, -infinity, {}, "");
     const StepContact& c = step.problem.geometry[at(contact - step.contacts.begin())];

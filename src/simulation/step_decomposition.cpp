@@ -6,8 +6,7 @@
 namespace nscdd {
 namespace {
 
-// The columns that statuses leave in the linear problem: of contacts that stick all, of those that slide the normal
-// one.
+// Columns that statuses leave in the linear problem: all of contacts that stick, the normal one of those that slide.
 std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses, std::size_t dimension) {
   std::vector<char> kept;
   for (const ContactStatus status : statuses) {
@@ -17,8 +16,8 @@ std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses, st
   return kept;
 }
 
-// The decomposition with the columns that impulses may use: a contact without friction has no tangential one. Others
-// would make Stage 2 too stiff, and the iterations diverge.
+// The decomposition without the tangential columns of contacts without friction, which would make Stage 2 too stiff and
+// the iterations diverge.
 template <int D>
 Decomposition linear_parts(const Simulation& simulation, const GranularStep<D>& step) {
   const StepProblem<D>& problem = step.problem;
@@ -30,7 +29,7 @@ Decomposition linear_parts(const Simulation& simulation, const GranularStep<D>& 
   return std::ranges::count(usable, 0) == 0 ? all : restrict_contacts(all, usable);
 }
 
-// Columns of the contacts that carried an impulse in the last step. If there is no step before, all of them.
+// Columns of the contacts that carried an impulse in the last step; all columns in the first step.
 template <int D>
 std::vector<char> active_columns(const Simulation& simulation, const GranularStep<D>& step) {
   const StepProblem<D>& problem = step.problem;
@@ -47,8 +46,8 @@ std::vector<char> active_columns(const Simulation& simulation, const GranularSte
   return columns_left_by(statuses, D);
 }
 
-// The network that some undecomposed sweeps find for this step. It is near enough to the one at its end to
-// choose a flexibility by, and it is known for the first step too. Every process sweeps all contacts.
+// The network after 100 undecomposed sweeps of this step: near enough to that at its end to choose a flexibility, and
+// known in the first step, too. Every rank sweeps all contacts.
 template <int D>
 std::vector<char> expected_columns(const Simulation& simulation, const StepProblem<D>& problem) {
   StepProblem<D> step = whole_step<D>(simulation);

@@ -4,7 +4,7 @@
 namespace nscdd {
 namespace {
 
-// Indicators that both tables have, of a result with an IterationRecord `record` and a residual.
+// Indicators of both tables, of a result with an IterationRecord `record` and a residual.
 template <class Result>
 ResultColumns<Result> indicators(IterationRecord Result::*record) {
   using Record = IterationRecord;
@@ -27,14 +27,13 @@ ResultColumns<Result> indicators(IterationRecord Result::*record) {
   return joined<Result>({columns_of(record, of_iteration), columns_of(&Result::residual, of_law)});
 }
 
-// Rounding or cycling may keep a criterion from falling any further. That is taken for certain after so many
-// iterations without progress, and after four times as many as it took to get there: impulses may drift
-// within what the network carries for thousands of iterations until a contact opens.
+// Iterations without progress after which rounding or cycling keeps the criterion from falling, if they are four times
+// as many as led there: self-stresses may drift for thousands of iterations until a contact opens.
 constexpr Index patience = 10000;
 constexpr double explosion = 1e6;
 
-// If F did not change (there is no interface, or Stage 2 leaves it alone) or nothing jumps, these two cannot
-// tell that the iterations ended, and zeta stands in for them.
+// If F did not change (there is no interface, or Stage 2 leaves F) or nothing jumps, zeta replaces these two criteria:
+// they cannot tell that the iterations ended.
 double criterion_value(Criterion criterion, const IterationRecord& record, const ContactResidual& residual) {
   const std::array values{record.zeta,
                           record.interface_change == 0 ? record.zeta : record.interface_change,

@@ -12,9 +12,9 @@ enum class SolverStatus {
   converged,        ///< the criterion fell to its tolerance
   stalled,          ///< the criterion did not fall over the last 10 000 iterations, nor over four fifths of all
   maximum_reached,  ///< as many iterations as allowed were made
-  diverged,         ///< impulses grew to a million times their first size, or energy far beyond what there was
+  diverged,         ///< impulses grew to a million times their first size, or energy to ten times that available
   no_number,        ///< an impulse or velocity is not finite
-  given_up,         ///< IterationSink::goes_on said so: such a step is not taken
+  given_up,         ///< by IterationSink::goes_on: such a step is not taken
 };
 constexpr auto names_of(SolverStatus) {
   return std::to_array<std::string_view>(
@@ -32,23 +32,22 @@ struct IterationRow {
 };
 const ResultColumns<IterationRow>& iteration_columns();  ///< of `nscdd simulate --convergence`
 
-/// Whether an iteration is the first one in its interval when every decade is cut into `per_decade` intervals
-/// of equal length on the axis log10(iteration): all iterations at first, ever fewer later.
+/// Whether an iteration is the first one in its interval when every decade of log10(iteration) is cut into `per_decade`
+/// equal intervals: all iterations at first, ever fewer later.
 bool begins_interval(Index iteration, Index per_decade);
 
-/// Observer of the iterations of a step. All processes ask for the same rows and go on together. The indicators of one
-/// iteration cost several sweeps: observing each multiplies the time of a run.
+/// Observer of the iterations of a step, equal on all ranks. The indicators of one iteration cost several sweeps:
+/// observing each multiplies the time of a run.
 struct IterationSink {
-  std::function<void(const IterationRow&)> row;  ///< may be empty: nobody looks
-  Index every = 1;  ///< looks at one iteration in so many; 0: about ten per decade. The last is always looked at
-  /// Asked after every iteration, or check of a contact solver; may be empty. Where it returns false the step is given
-  /// up.
+  std::function<void(const IterationRow&)> row;  ///< called with the rows observed; may be empty
+  Index every = 1;  ///< one iteration in so many is observed; 0: about ten per decade. The last always is
+  /// Called after every iteration, or check of a contact solver; may be empty. False gives the step up.
   std::function<bool()> goes_on = {};
 
   bool looks_at(Index iteration) const;
 };
 
-/// What is known of a step once it is solved: a row of the table of steps.
+/// Results of a solved step: a row of the table of steps.
 struct StepReport {
   Index step = 0;   ///< from 1
   double time = 0;  ///< at its end, s
@@ -61,12 +60,12 @@ struct StepReport {
   StepEnergy energy = {};
   double eta = not_a_number;       ///< of the enriched algorithm, 1/kg
   double scale = 0;                ///< W of the contacts considered, 1/kg
-  Index factorisations = 0;        ///< of matrices of contact solvers; one that is cut counts once
+  Index factorisations = 0;        ///< by contact solvers; a matrix cut into subdomains counts once
   Index interface_systems = 0;     ///< solved by the two-stage Newton method; a refinement counts as one
   Index interface_iterations = 0;  ///< of Stage 2 in all of them
   double setup_seconds = 0, solve_seconds = 0;
 
-  bool no_room = false;   ///< impulses grew and contacts close nevertheless, see `no_room`
+  bool no_room = false;   ///< impulses grew and contacts close nevertheless, see no_room in solved_step.cpp
   bool doubtful = false;  ///< converged relative to impulses that are not credible, see FrictionSolution
   /// |natural map| over ImpulseScale::driving, which does not fall as impulses grow.
   double driven_residual() const;
@@ -79,11 +78,10 @@ const ResultColumns<StepReport>& step_columns();  ///< of the group `summary` of
 class IterationWatch {
  public:
   explicit IterationWatch(const StepSolver& solver);
-  /// Whether it is to judge this iteration, from 1: every criterion_interval-th, and the last one allowed.
+  /// Whether it judges this iteration, from 1: every criterion_interval-th, and the last one allowed.
   bool looks_at(Index iteration) const;
-  /// Whether the criterion needs the residual of the contact law.
-  bool needs_residual() const;
-  /// How the iterations ended, or nothing if they go on. `residual` counts only if it is needed.
+  bool needs_residual() const;  ///< of the contact law, for its criterion
+  /// How the iterations ended, or nothing if they go on. `residual` is used only if needed.
   std::optional<SolverStatus> judge(const IterationRecord& record, const ContactResidual& residual);
 
  private:
@@ -93,7 +91,7 @@ class IterationWatch {
   Index looks_ = 0;
 };
 
-/// How many contacts have another status than in `statuses`, which become `now`. Unknown ones count as open.
+/// Counts the contacts whose status differs from that in `statuses` (unknown ones: open), which become `now`.
 Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus> now);
 
 }  // namespace nscdd

@@ -13,8 +13,8 @@ namespace {
 
 constexpr auto ends_of = [](const auto& contact) { return std::pair(contact.a, contact.b); };
 
-// The subdomain of each contact of a step. A process knows only those of its own subdomains: for a pair that lies
-// wholly in others it may return any of these others. All processes take part. The simulation must outlive it.
+// The subdomain of each contact of a step. For a contact of another rank it may return any subdomain of other ranks.
+// All ranks make it together. The simulation must outlive it.
 using SubdomainOfContact = std::function<Index(const StepContact&)>;
 
 // The step problem with normal directions alone: a graph needs only to know which contacts share a grain.
@@ -27,7 +27,7 @@ ReferenceProblem normal_problem(const StepProblem<D>& problem, Index grains) {
   return result;
 }
 
-// The subdomain of a contact among those that are known, ascending by (a, b); -1 of others.
+// The subdomain of a contact if it is among the known ones, ascending by (a, b); otherwise -1.
 Index known_subdomain(const std::vector<RememberedSubdomain>& known, const StepContact& c) {
   const auto found = std::ranges::lower_bound(known, ends_of(c), {}, ends_of);
   return found != known.end() && ends_of(*found) == ends_of(c) ? found->subdomain : -1;
@@ -59,7 +59,7 @@ SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
   return std::visit(by, simulation.partitioner);
 }
 
-// Known contacts stay in their subdomain. A new one goes to the subdomain of a known one that shares a free grain.
+// Known contacts keep their subdomain. A new one takes that of a known one that shares a free grain.
 SubdomainOfContact kept_subdomains(const Simulation& simulation) {
   const GranularSystem& system = simulation.system;
   const std::vector<RememberedSubdomain>& known = simulation.state.subdomains;
@@ -68,7 +68,7 @@ SubdomainOfContact kept_subdomains(const Simulation& simulation) {
     for (const Index i : {one.a, one.b})
       if (i < system.grains() && system.free(i) && of_grain[at(i)] < 0)
         of_grain[at(i)] = static_cast<double>(one.subdomain);
-  // A process knows all contacts of the grains of its own subdomains, and none of those of other grains.
+  // A rank knows all contacts of the grains of its own subdomains, and none of other grains.
   simulation.processes.largest(of_grain);
   return [&system, &known,
           of_grain = std::vector<std::int32_t>(of_grain.begin(), of_grain.end())](const StepContact& c) -> Index {
@@ -108,8 +108,8 @@ void check_system(const Simulation& simulation, Index dimension) {
       fail("{}: expected a mass whose inverse is finite, met {} kg", body_name(system, i), mass);
 }
 
-// Impulses of the step before for which `wanted` says so, ascending by (a, b). Each process has those of its own
-// subdomains; but at the beginning of a run all of them, of which no process is to be asked.
+// The wanted impulses of the step before, ascending by (a, b). Each rank has those of its own subdomains, but at the
+// beginning of a run all of them.
 template <class Wanted>
 std::vector<RememberedImpulse> impulses_of_all(const Simulation& simulation, const Wanted& wanted) {
   const GranularState& state = simulation.state;
@@ -122,8 +122,7 @@ std::vector<RememberedImpulse> impulses_of_all(const Simulation& simulation, con
   return found;
 }
 
-// Who has which subdomain: these are dealt out by the number of their contacts and by the free grains that they share.
-// Nothing where one process has all.
+// The rank of each subdomain, by numbers of contacts and shared free grains; empty for a single rank.
 template <int D>
 std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfContact& subdomain) {
   if (simulation.processes.alone()) return {};
@@ -154,7 +153,7 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
   return deal_out(Interface(unknowns_of_grain<D>, system.grains(), held), weight, simulation.processes.size);
 }
 
-// The grains of the problem of some contacts, ascending: those that they touch, or all if one process has all contacts.
+// The grains of the problem of some contacts, ascending: those that they touch, or all.
 std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, Index grains, bool all) {
   std::vector<std::int32_t> numbers;
   if (all) {
@@ -170,7 +169,7 @@ std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, In
   return numbers;
 }
 
-// The scale is a mean over all contacts, added up subdomain by subdomain: no bit depends on the processes.
+// The scale is a mean over all contacts, added up subdomain by subdomain: no bit depends on the number of ranks.
 template <int D>
 void set_scale(GranularStep<D>& step, const Simulation& simulation, Index contacts) {
   const Vector sum = sums_over_contacts(step.partition, 1, simulation.processes, [&](Index k, auto&& own) {
@@ -219,7 +218,7 @@ GranularStep<D> share_step(const Simulation& simulation) {
   const ConsideredContacts considered = for_each_step_contact(start, [&, rank = all.rank](const StepContact& c) {
     if (process_of.empty() || process_of[at(subdomain(c))] == rank) own.push_back(c);
   });
-  // All processes must come to both numbers, also where some have found others.
+  // All ranks must call both reductions, also if some of them have found other contacts.
   const Index kept = all.sum(count(own)), most = all.maximum(considered.number),
               least = -all.maximum(-considered.number);
   if (kept != considered.number || most != least)

@@ -29,13 +29,13 @@ struct TrajectoryContact {
   }
 };
 
-/// A step as a trajectory keeps it: the state after it, and the contacts that led there (none at time 0).
+/// A step of a trajectory: the state after it, and the contacts that led there (none at time 0).
 struct TrajectoryStep {
   GranularState state;
   std::vector<TrajectoryContact> contacts;  ///< ascending by (a, b), those without an impulse included
 };
 
-/// The contacts of a solved step; of one that processes share those that this process has.
+/// The contacts of a solved step on this rank.
 template <int D>
 std::vector<TrajectoryContact> trajectory_contacts(const GranularStep<D>& solved) {
   std::vector<TrajectoryContact> contacts;
