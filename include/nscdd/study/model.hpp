@@ -28,14 +28,13 @@ struct Model {
   bool has_geometry() const { return packing.size() > 0; }
 };
 
-/// The model as one of several processes has it: its own subdomains (see deal_out), and all that is not decomposed but
-/// the geometry of contacts.
+/// The share of a rank: its own subdomains (see deal_out), and all that is not decomposed but the geometry of contacts.
 Model of_process(Model model, const Processes& processes);
 
-/// Throws Error, naming what asks for it, if the model is a contact problem: its geometry is not known.
+/// Throws Error, naming `what` needs the geometry, if the model is a contact problem, which has none.
 void require_geometry(const Model& model, std::string_view what);
 
-/// Contacts that Stage 1 works with; Stage 2 always has them all.
+/// Contacts of Stage 1; Stage 2 always has all.
 enum class ContactSet {
   all,         ///< H_E
   active,      ///< G_E: those in compression in the linear rigid problem ([ADI12] section 4.3)
@@ -48,9 +47,8 @@ constexpr auto names_of(ContactSet) { return std::to_array<std::string_view>({"a
 struct ContactChoice {
   std::vector<char> active;  ///< one flag per contact
   Vector impulses;           ///< r behind the flags, kg m/s; empty for ContactSet::all
-  /// "all", "compressive (unique)", "compressive (least norm)", "complementarity (unique)", or
-  /// "complementarity (maximal)". The last means that other impulses solve the unilateral problem too; the
-  /// flags are then those of every contact that carries in one of its solutions.
+  /// "all", "compressive (unique)", "compressive (least norm)", "complementarity (unique)", or "complementarity
+  /// (maximal)": the unilateral problem has several solutions, and the flags are of contacts that carry in any of them.
   std::string rule;
   /// The same as one word: "unique", "least_norm", "unilateral_unique", "unilateral_maximal", "none" for all.
   std::string solution;
@@ -58,7 +56,7 @@ struct ContactChoice {
   bool certain = true;  ///< the impulses were found to 1e-8
 };
 
-/// Throws Error where the choice depends on impulses and no grain has an arriving velocity.
+/// Throws Error if the choice depends on impulses and no grain has an arriving velocity.
 ContactChoice choose_contacts(const Model& model, ContactSet contacts);
 
 }  // namespace nscdd

@@ -13,13 +13,11 @@
 
 namespace nscdd {
 
-/// What to vary and how to solve: rows are the product of the lists, the last one running fastest.
+/// The lists of a sweep and how to solve. Rows are the product of the lists, the last one running fastest.
 struct SweepParameters {
-  std::vector<double> epsilon{1.0};  ///< 1/kg, or multiples of the scale of the case
-  std::vector<double> eta{infinity};
-  /// Whether these are multiples of flexibility_scale of the case. Tables then have columns of them too.
-  bool relative_epsilon = false, relative_eta = false;
-  std::vector<std::optional<double>> relaxation{1.0};                  ///< empty: the optimal one
+  std::vector<double> epsilon{1.0}, eta{infinity};      ///< 1/kg, or multiples of flexibility_scale of the case
+  bool relative_epsilon = false, relative_eta = false;  ///< whether multiples, for which tables have further columns
+  std::vector<std::optional<double>> relaxation{1.0};   ///< empty: the optimal one
   std::vector<std::optional<long>> gauss_seidel_sweeps{std::nullopt};  ///< empty: exact Stage 1
   ContactSet contacts = ContactSet::all;
   SpectralOptions spectral = {};
@@ -36,18 +34,17 @@ struct SweepPoint {
 /// Scale of eta and epsilon, 1/kg: mean_normal_delassus, or 1 without contacts, where no flexibility matters.
 double flexibility_scale(const Model& model);
 
-/// How many points a sweep has, and the one of row `number`, counted from 0, as it is asked for.
+/// The number of points of a sweep, and the point of row `number`, from 0, in the units asked for.
 Index point_count(const SweepParameters& parameters);
 SweepPoint sweep_point(const SweepParameters& parameters, Index number);
 
-/// Columns of the coordinates of a point, which are known before anything is computed.
 const ResultColumns<SweepPoint>& point_columns();
 
-/// Data of a case that tables of spectra list besides its results.
+/// Data of a case in tables of spectra.
 struct CaseSummary {
   std::string name;
   Index grains = 0, contacts = 0;
-  Index active_contacts = 0;  ///< that Stage 1 works with
+  Index active_contacts = 0;  ///< of Stage 1
   Index subdomains = 0;       ///< empty ones included
   Index interface_size = 0;   ///< n_Gamma
   ContactSet contact_set = ContactSet::all;
@@ -55,38 +52,37 @@ struct CaseSummary {
 };
 const ResultColumns<CaseSummary>& case_columns();
 
-/// What the choice of contacts makes of a model.
+/// A model with a choice of contacts for Stage 1.
 struct Selection {
   CaseSummary of_case;
-  std::optional<Decomposition> restricted;  ///< to the contacts Stage 1 works with, unless these are all
-  bool certain = true;                      ///< false where the impulses behind the choice were not found to 1e-8
+  std::optional<Decomposition> restricted;  ///< to the contacts of Stage 1, unless these are all
+  bool certain = true;                      ///< false if the impulses behind the choice were not found to 1e-8
 
-  /// The decomposition that Stage 1 works with, of the model that the contacts were chosen in.
+  /// The decomposition of Stage 1. `model`: that of the choice.
   const Decomposition& stage_one(const Model& model) const { return restricted ? *restricted : model.parts; }
 };
 
-/// Throws Error where the choice depends on impulses and no grain has an arriving velocity.
+/// Throws Error as choose_contacts.
 Selection select(const Model& model, ContactSet contacts);
 
-/// What is found at a point of a sweep.
+/// The result at a point of a sweep.
 struct SweepResult {
   CaseSummary of_case;
-  SweepPoint point;               ///< with the relaxation used, the optimal one where that was asked for
-  SpectralRadius radius;          ///< with an inexact Stage 1 its ends are not known
+  SweepPoint point;               ///< with flexibilities in 1/kg and the relaxation used
+  SpectralRadius radius;          ///< with an inexact Stage 1 without the ends of the spectrum
   std::complex<double> dominant;  ///< eigenvalue of largest modulus; of a pair the one above the real axis
-  SweepPoint asked = {};          ///< the point with its flexibilities as asked for, maybe relative
+  SweepPoint asked = {};          ///< the point in the units asked for
   double scale = 1;               ///< flexibility_scale of the case, 1/kg
 };
 
-/// Columns of the case and the point only; of relative flexibilities, if these are asked for; and of a whole row. They
-/// are described in docs/formats.md. Columns of certificates, further eigenvalues and relative flexibilities come last.
+/// Columns of the case and the point; of relative flexibilities, if asked for; and of a whole row (docs/formats.md),
+/// those of certificates, further eigenvalues and relative flexibilities last.
 const ResultColumns<SweepResult>& place_columns();
 ResultColumns<SweepResult> relative_columns(const SweepParameters& parameters);
 ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters = {});
 
-/// Spectral radius at every point of a sweep from point `first` on. Points that do not converge have
-/// radius.converged = false; returns how many there are. Stops early where the monitor asks for it. Results
-/// do not depend on where a sweep starts.
+/// Computes the spectral radius at every point of a sweep from point `first` on; results do not depend on it. Returns
+/// the number of points that did not converge (radius.converged). The monitor may stop it.
 Index sweep(const Model& model, const SweepParameters& parameters, const Sink<SweepResult>& sink,
             const Monitor& monitor = {}, Index first = 0);
 

@@ -9,7 +9,7 @@
 namespace nscdd {
 namespace {
 
-// Overrides a field of a section, or says which fields the section has.
+// Overrides a field of a section. Throws Error naming its fields for another key.
 template <class Parameters>
 void override_section(std::string_view section, Parameters& parameters, std::string_view key, std::string_view path,
                       std::string_view value) {
@@ -21,7 +21,7 @@ void override_section(std::string_view section, Parameters& parameters, std::str
        suggestion(path, known));
 }
 
-// The optional fields of Masses, in the form the visitors take.
+// The optional field of Masses as a struct with `fields`.
 struct MassFields {
   double density;
   template <class Self, class Visitor>
@@ -31,7 +31,6 @@ struct MassFields {
   }
 };
 
-// One subdomain, or by the graph of contacts.
 Partition partition_without_geometry(const Partitioner& partitioner, const ReferenceProblem& problem,
                                      const std::string& path) {
   if (subdomains(partitioner) == 1)
@@ -45,7 +44,7 @@ Partition partition_without_geometry(const Partitioner& partitioner, const Refer
   return distribute(partitioner, refuse, [&]() -> const ReferenceProblem& { return problem; });
 }
 
-// "file:line: ", as far as they are known.
+// "file:line: ", as far as known.
 std::string place(const CaseSpec& spec, std::string_view key) {
   if (spec.source.empty()) return {};
   const auto line = spec.lines.find(key);
@@ -55,7 +54,7 @@ std::string place(const CaseSpec& spec, std::string_view key) {
 
 std::string grain_key(std::size_t k) { return fmt::format("prescribed[{}].grain", k); }
 
-// Prescribed velocities with their grains counted from 0, each once, and with a component for each direction.
+// Prescribed velocities with grains counted from 0. Throws Error for a grain met twice and missing components.
 std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescribed, const Packing& packing) {
   const Index grains = packing.size();
   for (std::size_t k = 0; k < prescribed.size(); ++k) {
@@ -71,7 +70,7 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
   return prescribed;
 }
 
-// What arrives in the linear study starts with that velocity here.
+// Free grains start with the arriving velocities of the linear study.
 void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   ContactNetwork none;
   none.grains = packing.size();
@@ -89,7 +88,7 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   }
 }
 
-// The default is downwards in either dimension, see gravity_of. What is stated must fit.
+// The default is downwards in either dimension, see gravity_of. A stated one must fit the dimension.
 void require_gravity(const CaseSpec& spec, Index dimension) {
   const Components<double>& gravity = spec.dynamics->time.gravity;
   const bool stated = spec.lines.contains("dynamics.gravity") || gravity != TimeStepping().gravity;
@@ -222,7 +221,7 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
     throw Error("solver.switch", "expected none or linear with spheres in space, met homogenised");
   GranularScene start = scene(packing, *one.spec.dynamics);
   set_moving(one, packing, start);
-  packing = {};  // the largest systems need its memory for what follows
+  packing = {};  // frees its memory
   Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics, one.spec.partition};
   if (switches_models(simulation)) simulation.state.models.resize(at(subdomains(simulation.partitioner)));
   check_next_step(simulation);
@@ -242,7 +241,7 @@ Model of_process(Model model, const Processes& processes) {
 
 namespace {
 
-// All of a model but its decomposition.
+// A model without its decomposition.
 Model without_parts(const Case& one, const Monitor& monitor) try {
   Model model;
   model.name = one.spec.name;

@@ -58,10 +58,10 @@ Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
   check_dynamics(one.spec);
   const StepSolver of_case = one.spec.dynamics->solver;
   const StepSolver used = solver == LeadInSolver::own ? of_case : plain_solver();
-  CaseSpec way = one.spec;
-  way.dynamics->solver = used;
-  way.dynamics->time.steps = 0;
-  std::map<Index, Arrival>& kept = known_[to_toml(way)];
+  CaseSpec spec = one.spec;
+  spec.dynamics->solver = used;
+  spec.dynamics->time.steps = 0;
+  std::map<Index, Arrival>& kept = known_[to_toml(spec)];
   if (kept.empty()) kept.emplace(0, Arrival{simulation_of(one), {}});
   Arrival arrival = std::prev(kept.upper_bound(steps))->second;
   arrival.simulation.dynamics.solver = used;
