@@ -10,14 +10,14 @@
 namespace nscdd {
 namespace {
 
-// What the search keeps of a point.
+// A point of a curve.
 struct Known {
   SweepResult result;
   CurvePoint point;
-  std::optional<PencilMemory::Visited> ends;  // for the points that are placed beside it
+  std::optional<PencilMemory::Visited> ends;  // from which those of neighbours are interpolated
 };
 
-// What all curves of a table share.
+// Data of all curves of a table.
 struct Work {
   const CurveParameters& parameters;
   Selection selection;
@@ -43,13 +43,13 @@ struct Work {
   bool along_epsilon() const { return parameters.axis == CurveAxis::epsilon; }
 };
 
-// A number of six digits next to x, for tables that are read by people; x itself where its neighbours are too near.
+// x with six digits, for readers of tables; x itself if the ends are too near.
 double with_six_digits(double x, double from, double to) {
   const double rounded = std::stod(fmt::format("{:.5e}", x));
   return std::abs(rounded - x) < 0.1 * std::min(x - from, to - x) ? rounded : x;
 }
 
-// One curve: its points in ascending order and the deviations between neighbours.
+// A curve: its points in ascending order and the deviations between neighbours.
 class Curve {
  public:
   Curve(Work& work, const SweepPoint& start) : work_(work), start_(start) {
@@ -92,7 +92,7 @@ class Curve {
     return work_.along_epsilon() ? point.epsilon : point.eta;
   }
 
-  // Computes the point at x, in the unit of the range, and puts it at this position.
+  // Computes the point at x, in the unit of the range, and inserts it at this position.
   void add(double x, Index position) {
     SweepPoint point = start_;
     (work_.along_epsilon() ? point.epsilon : point.eta) = x;
@@ -115,7 +115,7 @@ class Curve {
     for (const Index k : {position - 1, position})  // the neighbours, between which the ends are interpolated
       if (k >= 0 && k < count(points_) && points_[at(k)].ends) memory.visited.push_back(*points_[at(k)].ends);
     SpectralRadius plain = spectral_radius(b, work_.options, &work_.memory);
-    if (plain.solver == "arpack") {  // near the ends, which bounds nothing
+    if (plain.solver == "arpack") {  // bounds nothing
       plain.converged = false;
       plain.failure = "arpack: its ends are not proved";
     }
@@ -131,7 +131,7 @@ class Curve {
     known.point.radius = result.radius.subdominant;
   }
 
-  // The deviations on both sides of a new point.
+  // Updates the deviations on both sides of a new point.
   void update(Index position) {
     if (count(points_) < 2 || !converged_) return;
     const auto between = [&](Index k) { return deviation(law_, points_[at(k)].point, points_[at(k + 1)].point); };
@@ -141,7 +141,7 @@ class Curve {
       if (k >= 0 && k + 1 < count(points_)) deviations_[at(k)] = between(k);
   }
 
-  // The larger of what the intervals on both sides of a row ask for.
+  // The larger deviation of the intervals on both sides of a row.
   double beside(Index row, double Deviation::*side) const {
     double value = 0;
     for (const Index k : {row - 1, row})
@@ -155,7 +155,7 @@ class Curve {
   double excess(Index row) const { return (below(row) + above(row)) / allowed(row); }
   double width(Index k) const { return deviations_[at(k)].below + deviations_[at(k)].above; }
 
-  // Whether nearer neighbours cannot improve a row: digits are lost there, next to epsilon or eta = 0.
+  // Whether nearer neighbours cannot improve a row: next to epsilon or eta = 0 digits are lost.
   bool uncertain(Index row) const { return uncertainty(law_, points_[at(row)].point) > 0.5 * allowed(row); }
 
   bool proved() const {
@@ -164,7 +164,7 @@ class Curve {
     return true;
   }
 
-  // The row whose band is too wide by the largest factor, of those that more points can help.
+  // The row whose band is too wide by the largest factor, among those that more points improve.
   std::optional<Index> worst_row() const {
     std::optional<Index> worst;
     for (Index row = 0; row < count(points_); ++row)
@@ -176,7 +176,7 @@ class Curve {
     return row < count(deviations_) && width(row) > width(row - 1) ? row : row - 1;
   }
 
-  // Into how many parts an interval is to be cut: its deviation falls with the square of its length.
+  // The parts an interval is to be cut into: its deviation falls with the square of its length.
   Index parts_of(Index k, Index row) const {
     const double times = std::max(width(k), 0.5 * (below(row) + above(row))) / allowed(row);
     return std::max<Index>(2, static_cast<Index>(std::ceil(std::sqrt(std::min(times, 1e6)))));
@@ -189,8 +189,8 @@ class Curve {
     return std::max<Index>(1, more);
   }
 
-  // Where the next point of an interval goes, in the unit of the range. An interval that three parts will do for is cut
-  // at a third, because halves would become four. Where a kink makes the band wide far from the middle, there.
+  // The next point of an interval, in the unit of the range: at a third if three parts suffice, because halves would
+  // become four, and at a kink, which makes the band wide far from the middle.
   double place(Index k, Index row) const {
     const Index parts = parts_of(k, row), first = parts <= 3 ? 1 : parts / 2;
     const double widest = deviations_[at(k)].place;
@@ -213,7 +213,7 @@ class Curve {
   std::string failure_;
 };
 
-// What a proof asks for, beside the range.
+// Throws Error for a sweep whose curves cannot be proved.
 void require_provable(const SweepParameters& sweep, std::string_view dashes) {
   for (const auto& sweeps : sweep.gauss_seidel_sweeps)
     if (sweeps)

@@ -25,7 +25,7 @@ NetworkDegrees degrees(const Subdomain& subdomain, bool ranks) {
   return result;
 }
 
-// Connected pieces of the contact network, isolated grains left out.
+// Connected pieces of the contact network without isolated grains.
 Index connected_pieces(const ReferenceProblem& problem) {
   DisjointSets joined(problem.grains());
   std::vector<char> touched(at(problem.grains()), 0);
@@ -91,7 +91,7 @@ Case with_overlaps_of_motion(Case one) {
   if (!one.spec.dynamics) return one;
   double& tolerance = one.spec.contacts.overlap_tolerance;
   if (tolerance == ContactDetection{}.overlap_tolerance) tolerance = largest_overlap;
-  if (one.made)  // grains that move overlap and part: small gaps are none of rounding
+  if (one.made)  // small gaps of grains that move are not due to rounding
     one.made = [told = one.made](const Model& model) {
       Model without_gaps{.name = model.name,
                          .packing = {},

@@ -9,10 +9,10 @@
 namespace nscdd {
 namespace {
 
-// Components that differ by less, relatively, count as equal: rounding must not choose the sign of a mode.
+// Relative difference up to which components are equal: rounding must not choose the sign of a mode.
 constexpr double tie = 1e-6;
 
-// Everything that follows from F.
+// Computes the other members of a mode from F.
 void derive(Mode& mode, const Contraction& b) {
   const Vector pf = b.preconditioner.apply(mode.impulses);
   const Decomposition& parts = b.system.decomposition();
@@ -21,7 +21,7 @@ void derive(Mode& mode, const Contraction& b) {
   const double lambda = (1.0 - mode.eigenvalue) / b.relaxation;
   const Vector r = mode.jumps + lambda * pf;  // - S F + lambda P F
   mode.residual = b.relaxation * std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r))));
-  // That of the spectrum knows how far S may be off.
+  // In the rigid limit the residual of the spectrum contains the error of S.
   if (b.system.flexibility() == 0) mode.residual = std::max(mode.residual, mode.spectrum.residual);
   const Index d = parts.dofs_per_grain();
   for (Index k = 0; k < count(parts.interface.gluing()); ++k)
@@ -39,7 +39,7 @@ Velocity velocity_of(const Mode& mode, const GrainCopy& copy, Index dimension) {
 
 }  // namespace
 
-// At the best eta both ends are equal and opposite. Rounding must not choose between them, as in a sweep.
+// At the best eta both ends are equal and opposite: rounding must not choose, as in a sweep.
 SpectrumSide slowest_side(const SpectralRadius& spectrum) {
   const bool low = std::abs(spectrum.subdominant_min) > std::abs(spectrum.subdominant_max) * (1 + 1e-9);
   return low ? SpectrumSide::low : SpectrumSide::high;
@@ -71,7 +71,7 @@ std::vector<Vector> StageOneAnswers::velocities(double epsilon, const Vector& f)
 }
 
 Mode mode_of(const Contraction& b, SpectrumSide side, SpectralOptions options, bool certain) {
-  // For the dense solver a second eigenvalue costs nothing. It tells whether the mode is one of several.
+  // For the dense solver a second eigenvalue costs nothing; it shows whether the first is multiple.
   if (choose_solver(b.rows(), options).solver == SpectralSolver::dense)
     options.eigenvalues = std::max<Index>(options.eigenvalues, 2);
   Mode mode;
@@ -86,7 +86,7 @@ Mode mode_of(const Contraction& b, SpectrumSide side, SpectralOptions options, b
   if (found.size() == 0) return mode;
   mode.impulses = normalised(found, b.preconditioner);
   derive(mode, b);
-  // This judges one mode. The other end of the spectrum may not have converged.
+  // The other end of the spectrum may not have converged.
   mode.converged = mode.converged && mode.residual <= options.tolerance * std::max(1.0, std::abs(mode.eigenvalue));
   return mode;
 }
@@ -94,7 +94,7 @@ Mode mode_of(const Contraction& b, SpectrumSide side, SpectralOptions options, b
 Mode interface_mode(const Model& model, const ModeParameters& parameters) {
   const Selection selection = select(model, parameters.contacts);
   const InterfaceFamily stage_two(model.parts);
-  // With the same contacts P and S are of one family and share what does not depend on the flexibility.
+  // With the same contacts P and S are of one family, which shares data.
   const InterfaceFamily stage_one = selection.restricted ? InterfaceFamily(*selection.restricted) : stage_two;
   return mode_of({stage_two.at(parameters.eta), stage_one.at(parameters.epsilon)}, parameters.side, parameters.spectral,
                  selection.certain);

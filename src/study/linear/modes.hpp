@@ -8,9 +8,9 @@
 
 namespace nscdd {
 
-/// Which end of the spectrum of B, unit eigenvalues of the rigid limit apart.
+/// An end of the spectrum of B without the unit eigenvalues of the rigid limit.
 enum class SpectrumSide {
-  slowest,  ///< the one of larger modulus: what the iteration is left with in the end
+  slowest,  ///< of larger modulus, which dominates the iteration in the end
   low,      ///< the smallest eigenvalue
   high,     ///< the largest eigenvalue
 };
@@ -25,48 +25,48 @@ struct ModeParameters {
   SpectralOptions spectral = {};
 };
 
-/// An eigenvector of the contraction operator, B F = mu F, and what the grains do in it. Without loads the
-/// algorithm started from F runs
+/// An eigenvector of the contraction operator, B F = mu F, with its velocities. Without loads the algorithm started
+/// from F runs
 ///     Stage 1   (M_E + K_E / epsilon) V_E = - A_E^T F        ([ADI12] eqs. (9), (14) with F^d_E = 0)
 ///     Stage 2   F' = F + P^-1 sum_E A_E V_E = mu F
 /// so that the jumps are sum_E A_E V_E = - S F = - lambda P F, lambda = (1 - mu) / omega with a relaxation omega.
-/// F is normalised to F^T P F = 1 J, with its largest component positive (the first of those that equal it
-/// within 1e-6). If an eigenvalue is multiple, F is one vector of its eigenspace: see `next`.
+/// F is normalised to F^T P F = 1 J, with its largest component positive (the first of those equal within 1e-6). If an
+/// eigenvalue is multiple, F is one vector of its eigenspace: see `next`.
 struct Mode {
   SpectralRadius spectrum;
   SpectrumSide side = SpectrumSide::high;  ///< `low` or `high`
   double eigenvalue = not_a_number;        ///< mu
   double next = not_a_number;              ///< the eigenvalue next to it, inwards; NaN unless the solver finds two
-  double residual = not_a_number;          ///< omega ||S F - lambda P F||_{P^-1} of the vectors given here
-  /// Whether this is a mode of the operator: `residual` is within the tolerance and the contacts are certain.
-  /// `spectrum.converged` tells whether no other mode lies further out.
+  double residual = not_a_number;          ///< omega ||S F - lambda P F||_{P^-1}
+  /// Whether `residual` is within the tolerance and the contacts are certain. `spectrum.converged`: whether no other
+  /// mode lies further out.
   bool converged = true;
-  Vector impulses;                 ///< F, n_Gamma, kg m/s; empty where there is none (`found`)
+  Vector impulses;                 ///< F, n_Gamma, kg m/s; empty without a mode (`found`)
   Vector jumps;                    ///< sum_E A_E V_E, n_Gamma, m/s
   std::vector<Vector> velocities;  ///< V_E, d n_E each, m/s
-  /// F_k^T (P F)_k of every gluing row block k: they add up to 1. Below 0 only where P couples rows.
+  /// F_k^T (P F)_k of every gluing row block k, with the sum 1. Below 0 only if P couples rows.
   std::vector<double> shares;
 
   bool found() const { return impulses.size() > 0; }
 };
 
-/// The mode of one end of a contraction. `certain`: whether the contacts of Stage 1 are, see ContactChoice.
+/// The mode of one end of a contraction. `certain`: see ContactChoice.
 Mode mode_of(const Contraction& b, SpectrumSide side, SpectralOptions options, bool certain = true);
 
-/// The mode of one end. None is found for an empty interface, for B = I or B = 0, or if the solver failed.
-/// Throws Error if the contacts cannot be chosen (see choose_contacts).
+/// The mode of one end. None is found for an empty interface, for B = I or B = 0, or if the solver failed. Throws Error
+/// as choose_contacts.
 Mode interface_mode(const Model& model, const ModeParameters& parameters);
 
-/// The end of larger modulus, unit eigenvalues apart: `low` or `high`.
+/// The end of larger modulus, `low` or `high`.
 SpectrumSide slowest_side(const SpectralRadius& spectrum);
 
-/// 1 or -1, which times F is positive in its largest component, as in Mode. F must not be zero.
+/// The sign that makes the largest component of F positive, as in Mode. F must not be zero.
 double mode_sign(const Vector& f);
 
-/// The velocities that Stage 1 answers interface impulses with, V_E = - (M_E + K_E / epsilon)^-1 A_E^T F, of many F.
+/// The velocities of Stage 1 for many interface impulses F: V_E = - (M_E + K_E / epsilon)^-1 A_E^T F.
 class StageOneAnswers {
  public:
-  /// `parts` must outlive it.
+  /// `parts` must outlive this.
   explicit StageOneAnswers(const Decomposition& parts) : parts_(parts), prepared_(parts.subdomains.size()) {}
 
   std::vector<Vector> velocities(double epsilon, const Vector& f);  ///< d n_E each, m/s; f: n_Gamma, kg m/s
@@ -84,23 +84,22 @@ class StageOneAnswers {
 /// F scaled to F^T P F = 1 and its sign fixed, as in Mode. F must not be zero.
 Vector normalised(const Vector& f, const InterfaceOperator& preconditioner);
 
-/// The part of a mode that lives on the interface between two subdomains.
+/// The part of a mode on the interface between two subdomains.
 struct InterfaceShare {
   Index first = 0, second = 0;  ///< subdomains, first < second
   Index rows = 0;               ///< gluing row blocks between them
   double share = 0;             ///< sum of their shares
 };
 
-/// Shares of every interface between two subdomains, largest first. A grain shared by more than two counts
-/// where the gluing ties its copies.
+/// Shares of every interface between two subdomains, largest first. A grain of more than two subdomains counts for the
+/// pairs that the gluing ties.
 std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, const Mode& mode);
 
-/// Over how many of the row blocks the mode spreads: (sum |s_k|)^2 / sum s_k^2, between 1 and their number.
+/// The number of row blocks over which the mode spreads: (sum |s_k|)^2 / sum s_k^2.
 double spread(const Mode& mode);
 
-/// A gluing row block of a mode: an interface impulse and the jump that it meets. This table and the next one are empty
-/// without a mode (Mode::found), and throw Error for a contact problem, of which no geometry is known. `dimension`: of
-/// the packing.
+/// A gluing row block of a mode: its impulse and jump. This table and the next one are empty without a mode
+/// (Mode::found), and throw Error for a contact problem, which has no geometry.
 struct ModeImpulse {
   const Model& model;
   const ModeParameters& parameters;
@@ -113,7 +112,7 @@ ResultColumns<ModeImpulse> mode_impulse_columns(Index dimension = 2);
 void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,
                    const Sink<ModeImpulse>& sink);
 
-/// The velocity of one copy of a grain, ordered by grain and subdomain. A grain that touches nothing has none.
+/// The velocity of a copy of a grain, ordered by grain and subdomain. A grain without contacts has no copy.
 struct ModeVelocity {
   const Model& model;
   Index grain, subdomain;

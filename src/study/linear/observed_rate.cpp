@@ -8,12 +8,11 @@
 namespace nscdd {
 namespace {
 
-// A correction this much smaller than the one before means that the algorithm is done: its radius is 0.
+// Ratio of successive corrections below which the algorithm is done: its radius is 0.
 constexpr double done_ratio = 1e-13;
 
-// Follows the corrections F_{i+1} - F_i of a run without loads. The iteration is linear, so the corrections
-// obey it themselves. They are iterated in place of F, which keeps their digits however small they get. They
-// are rescaled on the way, so that a long run never underflows.
+// The corrections F_{i+1} - F_i of a run without loads. They obey the linear iteration themselves, and are iterated in
+// place of F, which keeps their digits. They are rescaled, so that a long run never underflows.
 class Run {
  public:
   Run(const TwoStageIteration& iteration, const InterfaceOperator& preconditioner, std::uint64_t seed)
@@ -25,7 +24,7 @@ class Run {
     record(norm(correction_), before);
   }
 
-  // One iteration; false where the correction has vanished.
+  // One iteration; false once the correction has vanished.
   bool advance() {
     if (vanished_) return false;
     const double before = norm(correction_);
@@ -33,7 +32,7 @@ class Run {
     const double after = norm(correction_);
     record(after, before);
     if (!vanished_ && iteration_.rigid() && after < 1e-6 * last_cleaned_) clean(after);
-    if (!vanished_ && (after < 1e-100 || after > 1e100)) {  // the map is linear: a factor changes the offset only
+    if (!vanished_ && (after < 1e-100 || after > 1e100)) {
       correction_ *= 1 / after;
       offset_ += std::log(after);
       last_cleaned_ = 1;
@@ -53,8 +52,8 @@ class Run {
     if (last_cleaned_ == 0) last_cleaned_ = norm;
     if (!vanished_) logarithms.push_back(std::log(norm) + offset_);
   }
-  // Unit eigenvalues of a hyperstatic rigid limit have components that do not decay, and rounding feeds them.
-  // A further difference removes them before they show. It costs one constant factor, which is scaled away.
+  // Components of unit eigenvalues of a hyperstatic rigid limit do not decay, and rounding feeds them. A further
+  // difference removes them; its constant factor is scaled away.
   void clean(double size) {
     correction_ = iteration_.iterate(correction_) - correction_;
     const double cleaned = norm(correction_);
@@ -75,7 +74,6 @@ LinearFit fitted(const std::vector<double>& y, std::size_t first, std::size_t la
   return linear_fit(x, std::span(y).subspan(first, last - first));
 }
 
-// Described in docs/formats.md.
 ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& parameters) {
   using Result = ObservedResult;
   static const auto columns = joined<Result>(
@@ -107,15 +105,15 @@ ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOp
         observed.iterations = count(run.logarithms);
         return observed;  // rate 0: nothing left to correct
       }
-    // The slopes of the last three sixths approach log(rate) geometrically. Their ratio bounds what is left.
+    // The slopes of the last three sixths approach log(rate) geometrically. Their ratio bounds the remaining drift.
     const std::size_t n = run.logarithms.size(), sixth = n / 6;
     const double s1 = fitted(run.logarithms, n - 3 * sixth, n - 2 * sixth).slope;
     const double s2 = fitted(run.logarithms, n - 2 * sixth, n - sixth).slope;
     const auto [intercept, s3, standard_error] = fitted(run.logarithms, n - sixth, n);
     const double ratio = s2 == s1 ? 0.0 : std::min(0.99, std::abs((s3 - s2) / (s2 - s1)));
     const double drift = std::abs(s3 - s2) * std::max(1.0, ratio / (1 - ratio));
-    // The residuals of the fit are not independent: a complex pair makes them oscillate. Fully correlated
-    // residuals shift the slope by up to the standard error times the root of their number.
+    // A complex pair makes the residuals of the fit oscillate. Fully correlated residuals shift the slope by up to the
+    // standard error times the root of their number.
     const double correlated_error = standard_error * std::sqrt(static_cast<double>(sixth));
     observed.value = std::exp(s3);
     observed.error = observed.value * (correlated_error + drift);
@@ -142,8 +140,7 @@ Index observe(const Model& model, const SweepParameters& parameters, std::uint64
     const InterfaceOperator preconditioner = family.at(point.eta);
     const TwoStageIteration iteration(selection.stage_one(model), LinearViscous{point.epsilon}, preconditioner,
                                       point.gauss_seidel_sweeps, *point.relaxation);
-    // With an inexact Stage 1 the corrections oscillate. The error of the fit is then about inversely
-    // proportional to the length of the run, and less is asked for.
+    // With an inexact Stage 1 the corrections oscillate: the error of the fit falls only with the length of the run.
     const double tolerance = point.gauss_seidel_sweeps ? 1e-4 : 1e-9;
     const ObservedResult result{predicted, observed_rate(iteration, preconditioner, seed, 20000, tolerance), seed};
     failed += !result.converged();

@@ -6,7 +6,7 @@
 
 namespace nscdd {
 
-/// Convergence rate of a run of the algorithm itself.
+/// Convergence rate fitted to a run of the algorithm.
 struct ObservedRate {
   double value = 0;  ///< factor by which the correction of F_Gamma shrinks per iteration
   double error = 0;  ///< of the fit: standard error plus remaining drift
@@ -14,27 +14,25 @@ struct ObservedRate {
   bool converged = true;  ///< the error fell below the tolerance within the iterations allowed
 };
 
-/// Runs the two-stage iteration without loads from a random F_Gamma; the error of the linear problem obeys
-/// the same iteration. A line is fitted (GSL) to log || F_{i+1} - F_i ||_P, P = X_eta, over the last sixth of
-/// the run. With an exact Stage 1 the ratio of successive corrections rises to the radius in that norm and
-/// never exceeds it. The length of the run is doubled until the error of the fit is at most `tolerance`, or
-/// up to `maximum_iterations`.
+/// Runs the two-stage iteration without loads from a random F_Gamma; errors of the linear problem obey the same
+/// iteration. A line is fitted (GSL) to log || F_{i+1} - F_i ||_P, P = X_eta, over the last sixth of the run. With an
+/// exact Stage 1 the ratio of successive corrections rises to the radius in that norm and never exceeds it. The run is
+/// doubled until the error of the fit is at most `tolerance`, or up to `maximum_iterations`.
 ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOperator& preconditioner,
                            std::uint64_t seed, Index maximum_iterations = 20000, double tolerance = 1e-9);
 
-/// The rate observed at a point of a sweep beside the predicted one.
+/// The observed and the predicted rate at a point of a sweep.
 struct ObservedResult {
   SweepResult predicted;
   ObservedRate observed;
   std::uint64_t seed = 1;  ///< of the random first F_Gamma
 
   double difference() const;  ///< observed minus predicted
-  bool agree() const;         ///< the difference is within the error of the fit and the residual
+  bool agree() const;         ///< the difference is within the error of the fit and the residual of the prediction
   bool converged() const { return observed.converged && predicted.radius.converged; }
 };
 
-/// Observed and predicted rate at every point of a sweep from point `first` on (relaxation must be a number
-/// or optimal, Gauss-Seidel sweeps may be finite); returns how many did not converge.
+/// Observed and predicted rate at every point of a sweep from point `first` on. Returns how many did not converge.
 Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed,
               const Sink<ObservedResult>& sink, const Monitor& monitor = {}, Index first = 0);
 

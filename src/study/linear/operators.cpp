@@ -18,7 +18,6 @@ SparseMatrix diagonal_matrix(const Vector& diagonal) {
 
 bool with_spins(const ReferenceProblem& problem) { return problem.dofs_per_grain > problem.dimension; }
 
-// The rows of one grain, in words.
 std::string_view unknowns(const ReferenceProblem& problem) {
   if (problem.dimension == 2) return with_spins(problem) ? "(v_x, v_y, spin) of each" : "(v_x, v_y) of each";
   return with_spins(problem) ? "(v_x, v_y, v_z, spins about three axes) of each" : "(v_x, v_y, v_z) of each";
@@ -41,7 +40,7 @@ void hand_undivided(const Model& model, const Sink<CaseOperator>& sink) {
                                              : "the normal and the two tangents of each contact"),
         friction ? "1, of spins m" : "1", problem.h, false});
   const SparseMatrix root = scaled_connectivity(problem.inertia, problem.h);
-  // The sums of W_ij and W_ji have the same terms in the same order, so W is symmetric to the last bit.
+  // W is symmetric to the last bit: the sums of W_ij and W_ji have the same terms in the same order.
   sink({"W", "W = H^T M^-1 H", "Delassus operator of the undivided packing: velocities that impulses cause", "1/kg",
         SparseMatrix(root.transpose() * root), true});
 }
@@ -76,7 +75,7 @@ void hand_subdomains(const Model& model, const Selection& selection, const Sink<
   }
 }
 
-// X_x in words. `h`: the letter of its connectivity.
+// The formula of X_x. `h`: the letter of its connectivity.
 std::string formula_of(std::string_view symbol, std::string_view flexibility, double value, char h) {
   if (std::isinf(value)) return fmt::format("{} = sum_E A_E M_E^-1 A_E^T", symbol);
   if (value == 0)
@@ -93,7 +92,7 @@ void require_finite(const Model& model, std::string_view name, const Matrix& mat
          model.name, name);
 }
 
-// I - omega P^-1 S; none where the monitor ends the work.
+// I - omega P^-1 S; none if the monitor stops the work.
 std::optional<Matrix> contraction_matrix(const InterfaceOperator& p, const Matrix& s, double relaxation,
                                          const Monitor& monitor) {
   constexpr Index at_a_time = 64;
@@ -124,8 +123,8 @@ std::array<Index, 2> CaseOperator::shape() const {
 bool case_operators(const Model& model, const Selection& selection, const OperatorParameters& parameters,
                     const Sink<CaseOperator>& sink, const Monitor& monitor) {
   const Index n = model.parts.interface_size();
-  // Each of S, P and B twice, as computed and in the file that HDF5 keeps in memory; the bytes of that file; and the
-  // condensed matrix of a subdomain, or the present columns.
+  // S, P and B twice, as computed and in the file that HDF5 keeps in memory; the bytes of that file; and the condensed
+  // matrix of a subdomain, or the present columns.
   if (parameters.dense)
     require_memory(12 * bytes_of_matrix(n, n), fmt::format("S, P and B of {} interface unknowns", n),
                    "--sparse-only, which leaves these out, or fewer subdomains");

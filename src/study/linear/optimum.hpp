@@ -6,8 +6,8 @@
 
 namespace nscdd {
 
-/// The best flexibility of Stage 2 for a case at one epsilon: a row of a table of optima. It has not converged
-/// where the choice of contacts is uncertain.
+/// The best flexibility of Stage 2 for a case at one epsilon. It has not converged if the choice of contacts is
+/// uncertain.
 struct OptimumResult {
   CaseSummary of_case;
   double epsilon = 0;  ///< 1/kg
@@ -16,16 +16,14 @@ struct OptimumResult {
   double scale = 1;             ///< flexibility_scale of the case, 1/kg
 };
 
-/// Columns of these results, described in docs/formats.md. `relative`: also of flexibilities in multiples of
-/// the scale of the case.
+/// `relative`: with columns of flexibilities in multiples of the scale of the case.
 ResultColumns<OptimumResult> optimum_columns(bool relative);
 
-/// The optima for every epsilon of `sweep` (its other lists are not looked at) from number `first` on;
-/// returns how many did not converge. Stops early where the monitor asks for it. Throws Error where the active
-/// set is asked for and nothing is prescribed.
+/// Computes the optima for every epsilon of `sweep` (its other lists are unused) from number `first` on. Returns how
+/// many did not converge. The monitor may stop it. Throws Error as choose_contacts.
 Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink,
              const Monitor& monitor = {}, Index first = 0);
-/// The same with a choice of contacts that was made before.
+/// The same with a choice of contacts.
 Index optima(const Model& model, const Selection& selection, const SweepParameters& sweep,
              const Sink<OptimumResult>& sink, const Monitor& monitor = {}, Index first = 0);
 

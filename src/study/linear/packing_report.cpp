@@ -18,7 +18,7 @@ struct Progress {
   }
 };
 
-// `number` places among `size`, evenly spread with both ends; of one place the first or the last.
+// `number` places among `size`, evenly spread with both ends; a single place is the first or the last.
 std::vector<Index> spread_places(Index size, Index number, bool last) {
   if (number == 1) return {last ? size - 1 : 0};
   std::vector<Index> places;
@@ -26,7 +26,7 @@ std::vector<Index> spread_places(Index size, Index number, bool last) {
   return places;
 }
 
-// Components of every copy, by grain and subdomain, relative to the largest speed.
+// Velocities of every copy, by grain and subdomain, relative to the largest speed.
 std::vector<float> relative_velocities(const Interface& interface, const std::vector<Vector>& velocities,
                                        Index dimension) {
   double largest = 0;
@@ -49,7 +49,7 @@ Index copies_of(const Interface& interface) {
   return copies;
 }
 
-// The slowest mode at a point of the grid, if there is one.
+// Adds the slowest mode at a point of the grid, if there is one.
 void keep_mode(RadiusGrid& grid, Index row, Index column, const SweepResult& result, const Decomposition& stage_one,
                StageOneAnswers& answers) {
   const SpectralRadius& radius = result.radius;

@@ -7,25 +7,21 @@
 
 namespace nscdd {
 
-/// Everything that the page of one packing shows (`nscdd report`).
+/// What the page of one packing shows (`nscdd report`).
 struct PackingReportParameters {
-  /// The grid of flexibilities, ascending, each value once. Stage 1 is exact and not relaxed, and `contacts` is not
-  /// looked at.
+  /// The grid of flexibilities, ascending, each value once. Stage 1 is exact and not relaxed; `contacts` is unused.
   SweepParameters sweep;
   std::vector<ContactSet> contact_sets;  ///< of Stage 1, with a grid each
-  bool optima = true;                    ///< look for the best eta of every epsilon
-  /// Velocities that the modes kept may have in all, one for each copy of a grain and direction. At least one mode is
-  /// kept.
-  Index mode_velocities = 1'500'000;
+  bool optima = true;                    ///< with the best eta of every epsilon
+  Index mode_velocities = 1'500'000;     ///< most velocity components of all modes kept; at least one mode is kept
 };
 
-/// The slowest mode at a point of the grid: the velocities that Stage 1 answers it with.
+/// The slowest mode at a point of the grid.
 struct KeptMode {
   Index epsilon = 0, eta = 0;              ///< places in the lists of flexibilities
   SpectrumSide side = SpectrumSide::high;  ///< `low` or `high`
   double eigenvalue = not_a_number;
-  /// x, y and in space z of every copy, by grain and subdomain, relative to the largest speed of a copy, and the sign
-  /// as in Mode.
+  /// x, y and in space z of every copy, by grain and subdomain, relative to the largest speed, with the sign of Mode.
   std::vector<float> velocities;
 };
 
@@ -35,8 +31,8 @@ struct RadiusGrid {
   ContactChoice choice;
   std::vector<SweepResult> points;  ///< in the order of a sweep: eta runs fastest. Without vectors of modes
   std::vector<OptimumResult> best;  ///< of every epsilon; empty if not asked for
-  std::vector<KeptMode> modes;      ///< ascending by epsilon and eta; points without a mode have none
-  Index modes_asked = 0;            ///< at so many points a mode was to be kept
+  std::vector<KeptMode> modes;      ///< ascending by epsilon and eta
+  Index modes_asked = 0;            ///< points of which a mode was to be kept
 };
 
 struct PackingReport {
@@ -50,13 +46,12 @@ struct PackingReport {
 /// The sets of contacts that a model allows: all, and with a load those that are active by the paper's rule.
 std::vector<ContactSet> contact_sets_of(const Model& model);
 
-/// Computes the report. None if the monitor asked to stop. Throws Error for a model without geometry, and for contacts
-/// that cannot be chosen (see choose_contacts).
+/// Computes the report. None if the monitor stops it. Throws Error for a model without geometry and as choose_contacts.
 std::optional<PackingReport> report_packing(const Model& model, const PackingReportParameters& parameters,
                                             const Monitor& monitor = {});
 
-/// Where to keep modes: `first` x `second` places of a grid of `rows` x `columns`, evenly spread with both ends, at
-/// most `most` (but at least one: the first row, the last column).
+/// The points of a grid with modes, evenly spread with both ends: at most `most`, but at least one, in the first row
+/// and the last column.
 struct ModePlaces {
   std::vector<Index> rows, columns;
   bool hold(Index row, Index column) const;

@@ -11,7 +11,7 @@
 namespace nscdd {
 namespace {
 
-// Operators of one family. The last one is kept, because the inner loop of a sweep asks for it again.
+// Operators of one family. The last one is kept for the inner loop of a sweep.
 struct OperatorStore {
   InterfaceFamily family;
   std::optional<InterfaceOperator> last = {};
@@ -22,12 +22,9 @@ struct OperatorStore {
   }
 };
 
-// Spectra at omega = 1 of one sweep. Neighbours start from each other in blocks of fixed places, so that a
-// sweep that starts at any row can start its block again and go on with the same bits. Longer blocks were
-// measured on sweeps of 20 and 40 points of 10^4 and 10^5 grains in 16 strips. One block for the whole sweep,
-// in place of blocks of eight, took 17 to 32 % fewer applications but at most 10 % less time: the time goes
-// into factorisations, whose number hardly changes. A resumed sweep computes up to a block of points again,
-// so the blocks stay short.
+// Spectra at omega = 1 of one sweep. Neighbours start from each other in fixed blocks, so that a sweep from any row
+// repeats the beginning of its block and goes on with the same bits. The blocks are short, because a resumed sweep
+// computes up to a block again; a single block would save at most 10 % of the time, which goes into factorisations.
 class Spectra {
  public:
   static constexpr Index block = 8;
@@ -35,7 +32,7 @@ class Spectra {
   Spectra(InterfaceFamily stage_one, InterfaceFamily stage_two, const SpectralOptions& options)
       : preconditioners_{std::move(stage_two)}, systems_{std::move(stage_one)}, options_(options) {}
 
-  // `number`: of the pair (epsilon, eta) along the sweep
+  // `number`: of the pair (epsilon, eta) in the sweep
   const SpectralRadius& at(double epsilon, double eta, Index number) {
     if (number == number_) return current_;
     if (number % block == 0) memory_.forget_ends();
@@ -70,9 +67,8 @@ void set_inexact(SweepResult& result, const Decomposition& stage_one, const Inte
   result.dominant = radius.dominant;
 }
 
-// Impulses are unique if the columns of H of all contacts that stay closed are independent. This condition is
-// sufficient. Impulses may be unique without it, if every self-stress needs an idle contact; that case is not
-// looked for.
+// Whether the columns of H of all closed contacts are independent. Impulses are then unique. They may also be unique if
+// every self-stress needs an idle contact, which is not checked.
 bool unique_impulses(const ReferenceProblem& problem, const std::vector<UnilateralStatus>& status) {
   std::vector<Index> closed;
   std::vector<char> touched(at(problem.grains()), 0);
@@ -82,9 +78,8 @@ bool unique_impulses(const ReferenceProblem& problem, const std::vector<Unilater
     closed.push_back(c);
   }
   if (closed.empty()) return true;
-  // Rigid motions are invisible to contacts: in the plane two translations and a rotation, in space three of each, but
-  // that a pair does not move as it turns about its own axis. More columns than the other motions cannot be
-  // independent; counting them spares large packings a factorisation.
+  // More columns than motions other than rigid ones cannot be independent, which spares large packings a factorisation.
+  // Rigid motions: three in the plane, six in space, but five of a pair, which may turn about its axis.
   const Index grains = std::count(touched.begin(), touched.end(), 1);
   const Index rigid = problem.dimension == 2 ? 3 : grains > 2 ? 6 : 5;
   if (count(closed) > problem.dofs_per_grain * grains - rigid) return false;
@@ -100,7 +95,7 @@ void set_exact(SweepResult& result, const SpectralRadius& plain, double toleranc
     result.point.relaxation = computed ? 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max) : 1.0;
   result.radius = relaxed(plain, *result.point.relaxation, tolerance);
   const SpectralRadius& radius = result.radius;
-  // With the optimal relaxation both ends are equal and opposite. Rounding must not choose between them.
+  // With the optimal relaxation both ends are equal and opposite: rounding must not choose.
   const bool low_end = std::abs(radius.eigenvalue_min) > std::abs(radius.eigenvalue_max) * (1 + 1e-9);
   result.dominant = {low_end ? radius.eigenvalue_min : radius.eigenvalue_max, computed ? 0.0 : not_a_number};
 }
@@ -125,7 +120,7 @@ Index point_count(const SweepParameters& parameters) {
 }
 
 SweepPoint sweep_point(const SweepParameters& parameters, Index number) {
-  // the digits of `number` in a mixed base, the last list being the lowest digit
+  // the digits of `number` in a mixed base, the last list the lowest
   const auto next = [&number](const auto& list) {
     const Index digit = number % count(list);
     number /= count(list);
@@ -200,7 +195,7 @@ Index sweep(const Model& model, const Selection& selection, const SweepParameter
             const Sink<SweepResult>& sink, const Monitor& monitor, Index first) {
   const double scale = flexibility_scale(model);
   const SpectralOptions& options = parameters.spectral;
-  // With the same contacts P and S are of one family and share what does not depend on the flexibility.
+  // With the same contacts P and S are of one family, which shares data.
   const InterfaceFamily stage_two(model.parts);
   Spectra spectra(selection.restricted ? InterfaceFamily(*selection.restricted) : stage_two, stage_two, options);
   const Index total = point_count(parameters);
@@ -217,7 +212,7 @@ Index sweep(const Model& model, const Selection& selection, const SweepParameter
       set_inexact(result, selection.stage_one(model), spectra.preconditioner(eta), options);
     else
       set_exact(result, spectra.at(epsilon, eta, number / per_pair), options.tolerance);
-    if (number < first) {  // only to warm up the block that the first row belongs to
+    if (number < first) {  // warms up the block of the first row
       if (!report(monitor, first, total)) return failed;
       continue;
     }

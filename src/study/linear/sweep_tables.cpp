@@ -6,8 +6,7 @@
 namespace nscdd {
 namespace {
 
-// Counts the eigenvalues in the certified interval or, without one, those found that agree with the first
-// within the tolerance.
+// The eigenvalues in the certified interval or, without one, those found that agree with the first.
 Index multiplicity(const std::vector<double>& values, Index within, double tolerance) {
   if (within > 0) return within;
   return std::count_if(values.begin(), values.end(), [&](double mu) { return std::abs(mu - values[0]) <= tolerance; });
@@ -132,7 +131,7 @@ KnownCells known_of_point(const StudyTable& table, Index number) {
   for (const auto& [heading, value] : point_columns()) {
     const bool relative = (heading.name == "epsilon" && table.sweep.relative_epsilon) ||
                           (heading.name == "eta" && table.sweep.relative_eta);
-    if (point.relaxation || heading.name != "relaxation")  // the optimal one is known with the spectrum
+    if (point.relaxation || heading.name != "relaxation")  // the optimal one follows from the spectrum
       cells.emplace_back(heading.name + (relative ? "_relative" : ""), value(point));
   }
   return cells;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t most_values = 1'000'000;
 
-// Points of one range. Both ends are met exactly, whatever rounding does between them.
+// Points of one range, both ends exact.
 std::vector<double> range(std::string_view item, const std::vector<std::string_view>& parts, std::string_view what) {
   const bool linear = parts.size() == 4 && parts[3] == "linear";
   const bool logarithmic = parts.size() == 3 || (parts.size() == 4 && parts[3] == "log");

@@ -8,30 +8,29 @@ namespace nscdd {
 /// The parts of a text between separators, one more than there are separators.
 std::vector<std::string_view> split(std::string_view text, char separator);
 
-/// Values of a sweep, from its SPEC: a comma-separated list whose items are numbers ("1e-3", "inf") or ranges
+/// Values of a sweep: a comma-separated list whose items are numbers ("1e-3", "inf") or ranges
 ///     FROM:TO:COUNT          logarithmic, FROM and TO > 0
 ///     FROM:TO:COUNT:linear
-/// both ends included, COUNT >= 1 (1 only where FROM = TO), at most 10^6 values in all.
-/// Throws Error naming `what` and the item that cannot be read. Never returns an empty list.
+/// both ends included, COUNT >= 1 (1 only if FROM = TO), at most 10^6 values in all. Throws Error naming `what` and the
+/// item that cannot be read. Never returns an empty list.
 std::vector<double> parse_values(std::string_view spec, std::string_view what);
 
-/// The values of a flexibility, and whether they are multiples of the scale W of the packing (see Flexibility)
-/// rather than 1/kg: they are where a W stands behind every item ("0.1W,1:10:5 W"); 0 and inf need none.
+/// The values of a flexibility, in 1/kg or, with true, in multiples of the scale W of the packing (see Flexibility):
+/// then a W follows every item ("0.1W,1:10:5 W") except 0 and inf.
 using FlexibilityValues = std::pair<std::vector<double>, bool>;
 FlexibilityValues parse_epsilon(std::string_view spec);  ///< finite, >= 0
 FlexibilityValues parse_eta(std::string_view spec);      ///< > 0, inf allowed
-/// The one value there is, in 1/kg; a relative one is that multiple of `scale`. Throws Error naming `option` where
-/// there are several, as read from `text`.
+/// The single value in 1/kg. `scale`: W. Throws Error naming `option` and its `text` if there are several.
 double one_value(const FlexibilityValues& all, double scale, std::string_view option, std::string_view text);
 
-/// A range FROM:TO without a count, whose points the program places; W as above. None where the text is none.
+/// A range FROM:TO without a count, for points that the program places; W as above.
 struct FlexibilityRange {
   double from = 0, to = 0;  ///< 0 < from < to, finite
   bool relative = false;
 };
-/// Throws Error naming `name` where the ends of a range are others.
+/// None for other texts. Throws Error naming `name` for other ends.
 std::optional<FlexibilityRange> parse_range(std::string_view spec, std::string_view name);
-/// Relaxation: finite, > 0; the word "optimal" (an empty value here) asks for 2 / (lambda_min + lambda_max).
+/// Relaxation: finite, > 0; "optimal" (an empty value here) is 2 / (lambda_min + lambda_max).
 std::vector<std::optional<double>> parse_relaxation(std::string_view spec);
 /// Gauss-Seidel sweeps of Stage 1: integers >= 1; "inf" (an empty value here) is an exact Stage 1.
 std::vector<std::optional<long>> parse_sweeps(std::string_view spec);

@@ -9,34 +9,34 @@ namespace {
 
 constexpr Index most_eigenvalues = 2500;
 constexpr Index most_iterations = 3000;
-constexpr double frozen_proximal = 1e-5;   // alpha / W_nn of the linear systems compared: where Newton's steps begin
-constexpr double frozen_tolerance = 1e-8;  // relative jumps that the iterations compared leave
+constexpr double frozen_proximal = 1e-5;   // alpha / W_nn of the linear systems compared, the first of Newton's steps
+constexpr double frozen_tolerance = 1e-8;  // relative jumps after the iterations compared
 
 // One linear system of the two-stage Newton method with one network in Stage 2.
 struct FrozenInterface {
-  Index iterations = 0;             // of the Krylov method, measured
-  double predicted = not_a_number;  // the same, from the eigenvalues of P^-1 S alone; NaN above 2 500 unknowns
-  // Of Richardson's iteration F <- F + P^-1 (g - S F), from the spectral radius of I - P^-1 S; infinite from 1 on.
+  Index iterations = 0;             // of the Krylov method
+  double predicted = not_a_number;  // the same from the eigenvalues of P^-1 S; NaN above 2 500 unknowns
+  // Of Richardson's iteration F <- F + P^-1 (g - S F), from the radius rho of I - P^-1 S; infinite for rho >= 1.
   double richardson = not_a_number;
 };
 
 // A step by the two-stage Newton method, and the linear system at its end with each network in Stage 2.
 struct InterfaceIterations {
-  StepReport report;                   // of the step
+  StepReport report;
   Index subdomains = 0, systems = 0;   // systems: linear systems solved
   Index stick = 0, slide = 0;          // contacts at the end
-  FrozenInterface none, all, active;   // at these statuses, alpha = frozen_proximal W_nn
+  FrozenInterface none, all, active;   // at these statuses
   Index undivided_factorisations = 0;  // of the same step on one subdomain
-  // Of the same step by other methods. The limit of all is solver.maximum_iterations.
+  // The same step by other methods, with the limit solver.maximum_iterations.
   struct Rival {
     Index iterations = 0;
     bool converged = false;
   };
   Rival generic, enriched;  // Algorithm 1 with its defaults, to zeta <= 1e-4
-  Rival admm;               // two-stage ADMM to the tolerance of the case, one solve at the interface in each
+  Rival admm;               // two-stage ADMM to the tolerance of the case, with an interface solve per iteration
 
   bool known() const { return report.status == SolverStatus::converged; }
-  // 0 where sweeps alone solved the step.
+  // 0 if sweeps solved the step.
   double iterations_per_system() const {
     return systems == 0 ? 0 : static_cast<double>(report.interface_iterations) / static_cast<double>(systems);
   }
@@ -53,7 +53,7 @@ template <int D>
 FrozenSystem<D> frozen_system(const GranularStep<D>& step) {
   const double alpha = frozen_proximal * step.problem.scale;
   FrozenSystem<D> system{{}, Vector(D * count(step.contacts))};
-  // A law that pulls is Coulomb's for impulses that are larger by the pull, which then act from the beginning.
+  // A law that pulls is Coulomb's for r + pull: the pulls act on the free velocities.
   std::vector<GrainVelocity<D>> free = step.problem.free;
   for (const GrainContact<D>& contact : step.contacts) apply_impulse(contact, LocalVector<D>{-contact.pull, {}}, free);
   for (Index c = 0; c < count(step.contacts); ++c) {
@@ -90,7 +90,6 @@ FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem<
   return result;
 }
 
-// The two-stage Newton method on the step, and one linear system at its end with each network.
 template <int D>
 InterfaceIterations by_newton(const Simulation& simulation) {
   const double flexibility = simulation.dynamics.solver.interface_flexibility;
@@ -128,12 +127,12 @@ InterfaceIterations::Rival by_algorithm_1(Simulation simulation, StepAlgorithm a
 InterfaceIterations::Rival by_admm(Simulation simulation) {
   StepSolver& solver = simulation.dynamics.solver;
   solver.algorithm = StepAlgorithm::two_stage_admm;
-  solver.maximum_iterations = std::max<Index>(solver.maximum_iterations / 100, 1);  // 100 of these in each
+  solver.maximum_iterations = std::max<Index>(solver.maximum_iterations / 100, 1);  // each of 100 ADMM iterations
   const StepReport report = solved_report(simulation);
   return {report.last.sweeps, report.status == SolverStatus::converged};
 }
 
-// Solves the next step of a simulation, whose solver is two_stage_newton, and compares.
+// Compares solvers on the next step of a simulation with the solver two_stage_newton.
 InterfaceIterations interface_iterations(const Simulation& simulation) {
   InterfaceIterations result =
       in_dimension(simulation.system, [&](auto dimension) { return by_newton<dimension()>(simulation); });

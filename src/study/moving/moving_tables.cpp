@@ -30,7 +30,7 @@ KnownCells known_step(const StudyTable& table, Index row) {
 
 namespace {
 
-// Subdomains that hold each grain after a fresh decomposition of the present step.
+// Subdomains of each grain in a step.
 template <int D>
 std::vector<std::set<Index>> memberships(const GranularStep<D>& step, Index grains) {
   std::vector<std::set<Index>> of_grain(at(grains));
@@ -44,7 +44,7 @@ struct PlacedGrain {
   const std::string& name;  // of the case
   const Simulation& simulation;
   Index number;
-  const std::set<Index>& subdomains;  // that hold it
+  const std::set<Index>& subdomains;
 };
 
 ResultColumns<PlacedGrain> grain_columns(Index dimension) {
@@ -146,7 +146,7 @@ const ResultColumns<Iteration>& indicator_columns() {
   return columns;
 }
 
-// The same of a contact solver, which has no zeta and no Z.
+// For contact solvers, which have no zeta and no Z.
 const ResultColumns<Iteration>& solver_indicator_columns() {
   static const auto columns = [] {
     constexpr std::array kept{"step",   "iteration", "sweeps", "natural_map",
@@ -166,20 +166,19 @@ Index iterations(const ObservedCase& work, Index step, const Sink<Iteration>& si
   std::vector<IterationRow> rows;
   const StepReport solved = solved_report(simulation, {[&](const IterationRow& row) { rows.push_back(row); }});
   const SolvedCase solver{work.one.spec.name, simulation, solved};
-  // All of the first iterations, then about forty per decade: what a logarithmic axis can show.
+  // The first iterations, then about forty per decade: enough for a logarithmic axis.
   for (const IterationRow& row : rows)
     if (const Index i = row.record.iteration; i <= 20 || begins_interval(i, 40) || &row == &rows.back())
       sink({solver, row});
   return 0;
 }
 
-// A run with the solver of the case: iterations, residuals, and how far it has taken the free disks from
-// where plain Gauss-Seidel (LeadInSolver::plain) takes them.
+// A run with the solver of the case, compared with plain Gauss-Seidel (LeadInSolver::plain).
 struct WholeRun {
   SolvedCase solver;
   Index steps = 0;
   RunTotals totals;
-  double distance_mean = 0, distance_maximum = 0;  // m
+  double distance_mean = 0, distance_maximum = 0;  // of the free grains from those of plain Gauss-Seidel, m
 };
 
 const ResultColumns<WholeRun>& run_columns() {

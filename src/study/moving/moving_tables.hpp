@@ -5,10 +5,9 @@
 
 #include <concepts>
 
-/// What the tables of cases that move have in common.
 namespace nscdd {
 
-/// `columns()`, or `columns(dimension)` of the cases of a table.
+/// `columns()`, or `columns(dimension)` with the dimension of the cases of a table.
 template <auto columns>
 auto columns_of_table(const StudyTable& table) {
   if constexpr (std::invocable<decltype(columns), Index>)
@@ -17,10 +16,9 @@ auto columns_of_table(const StudyTable& table) {
     return columns();
 }
 
-/// The record of an observable of cases that move. `observe(work, step, sink)` hands over the results at one of the
-/// steps of a table: the step that is examined, or the number of steps that are done (see Observable::first_step). It
-/// returns how many of the results are not known. `columns()` are the columns of the results, or `columns(dimension)`
-/// where they have places.
+/// The record of an observable of cases that move. `observe(work, step, sink)` computes the results at a step of the
+/// table: the step examined, or the number of steps done (see Observable::first_step). It returns how many of them are
+/// not known. For `columns` see columns_of_table.
 template <auto columns, auto observe>
 constexpr Observable at_steps(Observable record) {
   record.keys = {"steps", "lead_in"};
@@ -45,7 +43,7 @@ inline Simulation simulation_at(const ObservedCase& work, Index steps) {
   return work.lead_in.at(work.one, steps, own ? LeadInSolver::own : work.table.lead_in).simulation;
 }
 
-/// A case with its solver, as these tables tell of it.
+/// A case with its solver.
 struct SolvedCase {
   const std::string& name;
   const Simulation& simulation;
@@ -58,11 +56,11 @@ struct SolvedCase {
 };
 const ResultColumns<SolvedCase>& solver_columns();
 
-/// One row for each of the steps of a table, and what is known of it.
+/// For tables with a row for each step: Observable::rows and Observable::known.
 Index row_per_step(const StudyTable& table);
 KnownCells known_step(const StudyTable& table, Index row);
 
-/// A step of a case, and what is found out about it: a `report` of the step, and whether the rest is `known()`.
+/// A step of a case, and results on it: a `report` of the step, and whether the rest is `known()`.
 template <class Result>
 struct ExaminedStep {
   SolvedCase solver;
@@ -70,8 +68,8 @@ struct ExaminedStep {
   Result found;
 };
 
-/// The record of an observable with a row for each step that `examine(simulation)` examines, the next one of the
-/// simulation; `columns()` are those of its result.
+/// The record of an observable with a row for each step. `examine(simulation)` examines the next one; `columns()` are
+/// those of its result.
 template <auto columns, auto examine>
 constexpr Observable examined_steps(Observable record) {
   using Step = ExaminedStep<decltype(examine(std::declval<const Simulation&>()))>;

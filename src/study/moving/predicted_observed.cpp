@@ -9,7 +9,7 @@
 namespace nscdd {
 namespace {
 
-constexpr double rounding = 1e-13;   // below this the second differences of F are noise
+constexpr double rounding = 1e-13;   // of the second differences of F
 constexpr double least_change = 10;  // the half that is fitted must fall, or grow, by at least this factor
 constexpr double largest_drift = 0.1;
 constexpr std::size_t shortest = 12;  // iterations in the half that is fitted
@@ -18,7 +18,7 @@ constexpr std::size_t shortest = 12;  // iterations in the half that is fitted
 template <int D>
 struct Stretch {
   Index first = 0;
-  // |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|, as long as rounding does not hide it, and Z of the same iterations
+  // |F_i - 2 F_{i-1} + F_{i-2}| / |F_i| down to rounding, and Z of the same iterations
   std::vector<double> second_changes, z;
   std::vector<ContactStatus> statuses;
   std::vector<FrozenContact<D>> frozen;  // at the last of these iterations
@@ -31,7 +31,7 @@ struct Stretch {
   }
 };
 
-// Follows a run and keeps the stretch in which one rate shows best.
+// Keeps the stretch of a run with the largest change.
 template <int D>
 class Stretches {
  public:
@@ -76,7 +76,7 @@ void fit(PredictedObserved& result, const Stretch<D>& stretch) {
   const std::span<const double> all_x(x), all_y(y);
   const double drift = std::abs(linear_fit(all_x.first(half), all_y.first(half)).slope -
                                 linear_fit(all_x.subspan(half), all_y.subspan(half)).slope);
-  // A rate that still changes by this much along the fit belongs to more than one mode.
+  // A rate that changes so much along the fit belongs to more than one mode.
   if (drift > largest_drift * std::abs(line.slope)) return;
   result.observed = std::exp(line.slope);
   result.rate_z = std::exp(linear_fit(x, z).slope);

@@ -5,21 +5,20 @@
 
 namespace nscdd {
 
-/// |observed - predicted| / |1 - predicted|, the relative error of the number of iterations to come. NaN if either rate
-/// is not known.
+/// |observed - predicted| / |1 - predicted|, the relative error of the number of iterations to come. NaN for NaN.
 double relative_gap(double observed, double predicted);
 /// Whether that gap is at most 1 %, or the rates differ by at most three times `error`.
 bool rates_agree(double observed, double predicted, double error);
 
 /// Observed convergence of a step, compared with the local theory.
 struct PredictedObserved {
-  StepReport report;                       ///< of the run, without what its end adds
+  StepReport report;                       ///< of the run, without the results of its end
   Index active = 0, stick = 0, slide = 0;  ///< at the statuses compared
   double predicted = not_a_number;         ///< radius of the frozen iteration with n_GS sweeps
   double predicted_exact = not_a_number;   ///< the same with an exact Stage 1; NaN above dense_rate_grains
   bool complex_pair = false;               ///< the dominant eigenvalue of `predicted` is one of a pair
   bool converged = false;                  ///< of the prediction
-  double observed = not_a_number;          ///< factor per iteration; NaN where no stretch shows one
+  double observed = not_a_number;          ///< factor per iteration; NaN if no stretch shows one
   double observed_error = not_a_number;    ///< standard error of the fit plus drift along it
   double rate_z = not_a_number;            ///< factor per iteration of Z itself over the stretch fitted
   Index first = 0, last = 0;               ///< iterations of the stretch fitted
@@ -30,18 +29,17 @@ struct PredictedObserved {
 };
 
 /// Runs the iterations of the next step of a simulation to their end, and compares their rate with the local theory
-/// (docs/theory.md, section 9). The rate is fitted to |F_i - 2 F_{i-1} + F_{i-2}| over the last half of that stretch of
-/// iterations without a change of status in which it fell most, or grew most: with friction a frozen map may be
-/// unstable, and the run then leaves these statuses. The prediction is of the statuses of the stretch; in space, where
-/// directions of sliding turn on the way, of its last iteration. Throws Error as require_comparable.
+/// (docs/theory.md, section 9). The rate is fitted to |F_i - 2 F_{i-1} + F_{i-2}| over the last half of the stretch of
+/// iterations without a change of status in which it fell or grew most: with friction a frozen map may be unstable, and
+/// the run then leaves these statuses. The prediction is of the statuses of the stretch; in space, where directions of
+/// sliding turn, of its last iteration. Throws Error as require_comparable.
 PredictedObserved predicted_observed(const Simulation& simulation);
 
-/// Grains up to which the rate with an exact Stage 1 is worth its dense factorisations.
+/// Largest number of grains for which the rate with an exact Stage 1, by dense matrices, is computed.
 inline constexpr Index dense_rate_grains = 1500;
 
-/// Throws Error naming the key for settings whose rate is not predicted. Plain Gauss-Seidel and one subdomain
-/// have no interface. The frozen iteration has no conjugate gradients, no enrichment but that of every
-/// iteration, no relaxed contacts and no viscous law.
+/// Throws Error naming the key for settings without a predicted rate: no interface, conjugate gradients, enrichment
+/// other than of every iteration, relaxed contacts, a viscous law.
 void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner);
 
 }  // namespace nscdd

@@ -10,15 +10,15 @@
 namespace nscdd {
 namespace {
 
-constexpr double solved = 1e-10, rounding = 1e-13;  // natural map of a solution, and the one that is asked for
-constexpr double near = 1e-6;                       // margin of a contact that is near another status
+constexpr double solved = 1e-10, rounding = 1e-13;  // natural map of a solution, and the tolerance
+constexpr double near = 1e-6;                       // margin of a contact near another status
 constexpr double perturbation = 1e-6;               // of F_Gamma
 constexpr double size_of_errors = 1e-7;             // of the velocities, at the beginning of a part
 constexpr Index parts_of_run = 100, parts_of_tenth = 10;
-constexpr Index sweeps_of_power = 100;  // in the power of the frozen iteration whose radius is sought
+constexpr Index sweeps_of_power = 100;  // in the power of the frozen iteration whose radius is computed
 constexpr double least_angle = 1e-12;   // sine between errors that are multiples of each other
 
-// The solution of the next step, as exact as rounding lets it be.
+// The solution of the next step, to rounding.
 template <int D>
 GranularStep<D> solution_of(Simulation simulation) {
   simulation.dynamics.solver = {.algorithm = StepAlgorithm::automatic,
@@ -57,7 +57,7 @@ struct Rate {
 
 Rate of_one_mode(const ErrorVector& e1, const ErrorVector& e2) { return {std::exp(e2.logarithm - e1.logarithm), 1}; }
 
-// The larger root of x^2 = a x + b in modulus, with the a and b that fit e_2 = a e_1 + b e_0 best.
+// The larger root of x^2 = a x + b in modulus, with the a and b of the best fit e_2 = a e_1 + b e_0.
 Rate of_two_modes(const ErrorVector& e0, const ErrorVector& e1, const ErrorVector& e2) {
   const Vector second = std::exp(e1.logarithm - e0.logarithm) * e1.direction;
   const Vector third = std::exp(e2.logarithm - e0.logarithm) * e2.direction;
@@ -68,7 +68,7 @@ Rate of_two_modes(const ErrorVector& e0, const ErrorVector& e1, const ErrorVecto
   return {discriminant < 0 ? std::sqrt(-b) : std::abs(a) / 2 + std::sqrt(discriminant), 2};
 }
 
-// A run next to a solution, from a tenth of it to the next.
+// A run next to a solution, a tenth at a time.
 template <int D>
 class NearbyRun {
  public:
@@ -118,7 +118,7 @@ class NearbyRun {
   }
 
   GranularTwoStage<D>& iteration_;
-  Vector solution_, end_, error_;  // states: of the solution, where a part takes it, and what is added to it
+  Vector solution_, end_, error_;  // states: of the solution, after a part from it, and the perturbation
   Vector end_velocities_;
   std::vector<ContactStatus> statuses_;
   std::vector<FrozenContact<D>> frozen_;

@@ -12,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Of one trial: the seconds of a short run say little.
+// Of one trial, because the seconds of a single short run are noise.
 constexpr double seconds_wanted = 0.1;
 constexpr int most_runs = 10;
 
@@ -143,7 +143,7 @@ Index run_trials(const ObservedCase& work) {
     sink({work.one.spec.name, grains, step, trial});
     stopped = !report(work.monitor, k + 1, total);
   }
-  return 0;  // what does not converge is what the table is about
+  return 0;  // runs that do not converge are results
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace nscdd {
 namespace {
 
-// A step of a run that switches models, beside the same step, from the same state, without.
+// A step of a run that switches models, and the same step without switching.
 struct SwitchedStep {
   SwitchedModel kind = SwitchedModel::none;
   StepReport report, plain;
@@ -38,7 +38,7 @@ double share_of(const GranularStep<D>& step, bool at_end) {
   return sum / static_cast<double>(step.report.contacts);
 }
 
-// |V - V'| / max(|V'|, |V_free|) over the free bodies: those of a packing at rest hardly move.
+// |V - V'| / max(|V'|, |V_free|) over the free bodies, because V' of a packing at rest nearly vanishes.
 template <int D>
 double velocity_error(const GranularStep<D>& switched, const GranularStep<D>& plain) {
   double error = 0, speed = 0, free_speed = 0;

@@ -17,8 +17,7 @@ std::optional<Index> rows_per_case(const StudyTable& table) {
   return table.observable->rows(table);
 }
 
-// The value at a place of a list, as a cell. A column has one type: numbers if every value of the list is one,
-// else texts.
+// The value at a place of a list: a number if all values of the list are numbers, because a column has one type.
 Cell cell_of(const std::vector<std::string>& values, Index place) {
   try {
     std::vector<double> numbers;
@@ -29,12 +28,12 @@ Cell cell_of(const std::vector<std::string>& values, Index place) {
   }
 }
 
-// Places in the lists of the parameters that change at once.
+// The length of the lists of parameters that change together.
 Index places_together(const StudyTable& table) {
   return table.vary_together.empty() ? 1 : count(table.vary_together[0].values);
 }
 
-// One of the cases with a place in the list of each varied parameter, in the order of their columns.
+// A case with a place in the list of each varied parameter, in the order of their columns.
 struct Combination {
   const Case& base;
   std::vector<std::pair<const Variation&, Index>> places;
@@ -54,7 +53,7 @@ Combination combination_of(const StudyTable& table, Index number) {
   return combination;
 }
 
-constexpr Index shown_values = 64;  // longer lists are told apart by their fingerprint
+constexpr Index shown_values = 64;  // longer lists are identified by their fingerprint
 
 std::string content(const Packing& packing) {
   std::vector<double> all;
@@ -74,7 +73,7 @@ std::string content(const GlobalFrictionProblem& problem) {
   return fmt::format("{} contacts, content {}", problem.contacts(), fingerprint(all));
 }
 
-// The name of a file, wherever it lies, with its content.
+// The name of a file, without its folder, and its content.
 std::string file_text(const std::string& path, const std::string& content) {
   return fmt::format("{} ({})", std::filesystem::path(path).filename().string(), content);
 }
@@ -96,7 +95,7 @@ std::string list_text(const std::vector<std::string>& items) {
                      fingerprint(text));
 }
 
-// The text of a list of numbers. An empty one has a name of its own.
+// The text of a list of numbers, with `empty` for empty ones.
 std::string number_list(const auto& values, const char* empty = "") {
   std::vector<std::string> texts;
   for (const std::optional value : values) texts.push_back(value ? field_text(*value) : empty);
@@ -121,7 +120,7 @@ std::string options_text(const StudyTable& table) {
   return text + fmt::format("seed = {}\n", table.seed);
 }
 
-// Every member of SpectralOptions but the factorisation, which no study chooses.
+// All members of SpectralOptions but the factorisation, which no study chooses.
 std::string effort_text(const SpectralOptions& options) {
   return field_lines(options) +
          fmt::format("dense_limit = {}\nbasis = {}\nmaximum_restarts = {}\narpack_tolerance = {}\n",

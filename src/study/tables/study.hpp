@@ -17,18 +17,18 @@ using KnownCells = std::vector<std::pair<std::string, Cell>>;
 
 /// What a table of a study measures.
 struct Observable {
-  std::string_view name, summary;             ///< in study files and of `nscdd list`
+  std::string_view name, summary;             ///< in study files and in `nscdd list`
   std::array<std::string_view, 8> keys = {};  ///< of a study file, apart from those that every observable uses
   std::vector<Column> (*columns)(const StudyTable&) = nullptr;  ///< of its results, `case` the first
   Index (*run)(const ObservedCase&) = nullptr;  ///< computes the rows of a case; returns how many did not converge
-  /// How many rows each case has, and what is known of one of them (counted within its case). Null if the number is
-  /// not known before the case is built.
+  /// The number of rows of each case, and the known cells of one of them. Null if the number is not known before the
+  /// case is built.
   Index (*rows)(const StudyTable&) = nullptr;
   KnownCells (*known)(const StudyTable&, Index row) = nullptr;
   bool moving = false;      ///< of cases that move
-  Index first_step = 1;     ///< smallest of `steps`: 1 where a step is examined, 0 where steps are done
-  bool own_solver = false;  ///< cases get there with their own solver only
-  /// Throws Error for a case to which it does not apply, as far as that is known before the case is built.
+  Index first_step = 1;     ///< smallest of `steps`: 1 if a step is examined, 0 if steps are done
+  bool own_solver = false;  ///< the steps before are solved by the solver of the case
+  /// Throws Error for a case to which it does not apply, as far as known before the case is built.
   void (*check)(const CaseSpec&) = nullptr;
 
   bool uses(std::string_view key) const { return std::find(keys.begin(), keys.end(), key) != keys.end(); }
@@ -57,7 +57,7 @@ inline constexpr std::array all{&spectral_radius,
                                 &interface_iterations};
 }  // namespace observables
 
-/// A case parameter taken through a list of values, such as packing.grains.
+/// A case parameter, such as packing.grains, and its values.
 struct Variation {
   std::string parameter;
   std::vector<std::string> values;
@@ -68,22 +68,21 @@ struct StudyTable {
   std::string name;
   const Observable* observable = &observables::spectral_radius;
   std::vector<Case> cases;
-  /// Parameters that change at once; their lists have equal lengths.
-  std::vector<Variation> vary_together;
+  std::vector<Variation> vary_together;  ///< parameters that change together; their lists have equal lengths
   std::vector<Variation> vary;  ///< every combination for each place of `vary_together`, the last one running fastest
   SweepParameters sweep;
   std::uint64_t seed = 1;
   std::vector<Index> steps{1};  ///< of a case that moves: the step examined (from 1), or steps done (from 0)
-  LeadInSolver lead_in = LeadInSolver::plain;          ///< of a case that moves: how it gets there
+  LeadInSolver lead_in = LeadInSolver::plain;          ///< of a case that moves: of the steps before
   std::vector<std::string> contact_solvers = {"all"};  ///< by their names
-  bool large = false;                                  ///< run only where large tables are asked for
+  bool large = false;                                  ///< run only if large tables are asked for
   bool baseline = true;           ///< whether the study keeps one (a picture of thousands of disks does not)
   double check_tolerance = 1e-8;  ///< of a comparison with the baseline, times max(1, |number|)
-  std::map<std::string, double> column_tolerance;  ///< for single columns instead of it
-  bool check_relative = false;                     ///< times |number| alone, for columns that fall over decades
+  std::map<std::string, double> column_tolerance;  ///< for single columns instead
+  bool check_relative = false;                     ///< times |number|, for columns that fall over decades
 };
 
-/// The work of an observable on one case of a table. The monitor counts rows, where their number is known.
+/// The work of an observable on one case of a table. The monitor counts rows, if their number is known.
 struct ObservedCase {
   const Case& one;
   const StudyTable& table;
@@ -103,17 +102,17 @@ struct Study {
 /// Columns of a table: those of its observable, with varied parameters after `case`.
 std::vector<Column> study_columns(const StudyTable& table);
 
-/// 2 in the plane, 3 in space. Throws Error if a table of grains or contacts has cases of both. It is 3 if no resolved
-/// case determines it, as while a study file is read: in space a table has every possible column.
+/// 2 in the plane, 3 in space. It is 3 if no resolved case determines it, as while a study file is read: in space a
+/// table has every possible column. Throws Error for cases of both.
 Index dimension_of(const StudyTable& table);
 
-/// Rows of a study table, where they are known before its cases are built: not so for links and grains.
+/// Rows of a study table, if known before its cases are built: not those of links and grains.
 std::optional<Index> row_count(const StudyTable& table);
 
-/// What is known of a row (from 0). Nothing where the number of rows is not known.
+/// The known cells of a row (from 0). None if the number of rows is not known.
 KnownCells known_cells(const StudyTable& table, Index row);
 
-/// The coordinates of a point of the sweep of a table, but for an optimal relaxation.
+/// The coordinates of a point of the sweep of a table, without an optimal relaxation.
 KnownCells known_of_point(const StudyTable& table, Index number);
 
 /// The cases of a table with every combination of its varied parameters, from 0, the combinations running fastest.
@@ -125,20 +124,20 @@ Index varied_case_count(const StudyTable& table);
 VariedCase varied_case(const StudyTable& table, Index number);
 
 /// Computes the rows of a table from `first` on; returns how many did not converge. Throws Error naming a case that
-/// cannot be built, and for `first` > 0 if the number of rows is not known beforehand. The monitor counts rows, or
-/// cases if that number is not known. Tables that look at the same cases on the way may share the `lead_in`.
+/// cannot be built, and for `first` > 0 if the number of rows is not known. The monitor counts rows, or cases if that
+/// number is not known. Tables of the same cases may share the `lead_in`.
 Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {}, Index first = 0,
                 LeadIn* lead_in = nullptr);
 
-/// The program, its build and the libraries: what numbers depend on beside their input.
+/// The program, its build and the libraries, on which numbers depend besides their input.
 std::string code_identity();
 
-/// What the rows of a table come from, and the table as a resumable file takes it; `table` must outlive the latter.
+/// All that the rows of a table depend on, and the table for a resumable file; `table` must outlive the latter.
 WorkIdentity work_identity(const StudyTable& table);
 TableWork table_work(const StudyTable& table);
 
-/// The columns of a vector, one along x, one along y and in space one along z: `name` has {} for the direction, and
-/// component(result, k) is the k-th number.
+/// The columns of a vector along x, y and, in space, z. `name` has {} for the direction; component(result, k) is the
+/// k-th number.
 template <class Result, class Component>
 ResultColumns<Result> vector_columns(Index dimension, std::string_view name, const std::string& unit,
                                      const std::string& description, Component component) {
