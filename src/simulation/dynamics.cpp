@@ -83,39 +83,6 @@ void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index bounda
   }
 }
 
-}  // namespace
-
-GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
-  if (packing.mass.empty()) throw Error("dynamics: expected grains with masses, met a packing without");
-  GranularScene result;
-  GranularSystem& system = result.system;
-  system.dimension = packing.dimension();
-  system.radius = packing.radius;
-  system.mass = packing.mass;
-  system.driven_by.assign(packing.radius.size(), -1);
-  std::vector<double> x = packing.x, y = packing.y;
-  for (const BoundarySpec& spec : dynamics.boundaries) {
-    check(spec);
-    require_dimension(spec, system.dimension);
-    const Index boundary = count(system.boundaries);
-    system.boundaries.push_back({spec.name, spec.motion, spec.orientation});
-    if (spec.shape == BoundaryShape::disks)
-      add_disks(system, x, y, spec, boundary);
-    else if (spec.shape == BoundaryShape::grains)
-      drive_grains(system, spec, boundary, packing.size());
-    else
-      system.walls.push_back(wall_of(spec, boundary));
-  }
-  // Disks of boundaries may have doubled the capacity.
-  for (std::vector<double>* values : {&system.radius, &system.mass, &x, &y}) values->shrink_to_fit();
-  system.driven_by.shrink_to_fit();
-  result.state = initial_state(system, std::move(x), std::move(y), packing.z);
-  check(system, result.state);
-  return result;
-}
-
-namespace {
-
 // The value `with` another parameter has to have for a parameter to have an effect.
 struct Need {
   std::string path, with, expected, found;
@@ -184,48 +151,6 @@ std::optional<Need> missing_for(const Dynamics& dynamics, std::string_view path)
   return std::nullopt;
 }
 
-}  // namespace
-
-bool has_effect(const Dynamics& dynamics, std::string_view path) { return !missing_for(dynamics, path); }
-
-void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where, bool algorithm_stated) {
-  if (const auto missing = missing_for(dynamics, path))
-    fail("{}: expected {} {} with it, met {}{}", where, missing->with, missing->expected, missing->found,
-         missing->with == "solver.algorithm" && !algorithm_stated ? ", the default" : "");
-}
-
-bool switches_models(const Dynamics& dynamics) {
-  return dynamics.solver.model != SwitchedModel::none && has_effect(dynamics, "solver.switch");
-}
-
-void check(const BoundarySpec& spec) {
-  if (spec.shape == BoundaryShape::grains) return;
-  if (is_plane_in_space(spec)) {
-    const double length = length_of(spec.normal);
-    if (!(length > 0) || !std::isfinite(length))
-      fail("boundary '{}': normal: expected a direction, met ({})", spec.name, fmt::join(spec.normal, ", "));
-    return;
-  }
-  const double length = length_of(along(spec));
-  if (!(length > 0) || !std::isfinite(length)) {
-    const auto place = [&](const Place& p) {
-      return fmt::format("({})", fmt::join(std::span(p).first(spec.dimension == 3 ? 3 : 2), ", "));
-    };
-    fail("boundary '{}': from, to: expected distinct ends, met {} and {}", spec.name, place(spec.from), place(spec.to));
-  }
-  if (spec.shape == BoundaryShape::wall) return;
-  if (!(spec.radius > 0))
-    fail("boundary '{}': radius: expected one > 0 of {}, met {}", spec.name,
-         spec.shape == BoundaryShape::disks ? "its disks" : "the cylinder", spec.radius);
-  if (spec.shape == BoundaryShape::cylinder) return;
-  constexpr double most = 1e7;
-  if (!(length / spec.distance() < most))
-    fail("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m", spec.name, most, length,
-         spec.distance());
-}
-
-namespace {
-
 std::string components_text(const Place& values, bool space) {
   return space ? field_text(Components<double>(values)) : field_text(Components<double>(values[0], values[1]));
 }
@@ -287,6 +212,73 @@ std::string boundary_lines(const BoundarySpec& spec) {
 }
 
 }  // namespace
+
+GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
+  if (packing.mass.empty()) throw Error("dynamics: expected grains with masses, met a packing without");
+  GranularScene result;
+  GranularSystem& system = result.system;
+  system.dimension = packing.dimension();
+  system.radius = packing.radius;
+  system.mass = packing.mass;
+  system.driven_by.assign(packing.radius.size(), -1);
+  std::vector<double> x = packing.x, y = packing.y;
+  for (const BoundarySpec& spec : dynamics.boundaries) {
+    check(spec);
+    require_dimension(spec, system.dimension);
+    const Index boundary = count(system.boundaries);
+    system.boundaries.push_back({spec.name, spec.motion, spec.orientation});
+    if (spec.shape == BoundaryShape::disks)
+      add_disks(system, x, y, spec, boundary);
+    else if (spec.shape == BoundaryShape::grains)
+      drive_grains(system, spec, boundary, packing.size());
+    else
+      system.walls.push_back(wall_of(spec, boundary));
+  }
+  // Disks of boundaries may have doubled the capacity.
+  for (std::vector<double>* values : {&system.radius, &system.mass, &x, &y}) values->shrink_to_fit();
+  system.driven_by.shrink_to_fit();
+  result.state = initial_state(system, std::move(x), std::move(y), packing.z);
+  check(system, result.state);
+  return result;
+}
+
+bool has_effect(const Dynamics& dynamics, std::string_view path) { return !missing_for(dynamics, path); }
+
+void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where, bool algorithm_stated) {
+  if (const auto missing = missing_for(dynamics, path))
+    fail("{}: expected {} {} with it, met {}{}", where, missing->with, missing->expected, missing->found,
+         missing->with == "solver.algorithm" && !algorithm_stated ? ", the default" : "");
+}
+
+bool switches_models(const Dynamics& dynamics) {
+  return dynamics.solver.model != SwitchedModel::none && has_effect(dynamics, "solver.switch");
+}
+
+void check(const BoundarySpec& spec) {
+  if (spec.shape == BoundaryShape::grains) return;
+  if (is_plane_in_space(spec)) {
+    const double length = length_of(spec.normal);
+    if (!(length > 0) || !std::isfinite(length))
+      fail("boundary '{}': normal: expected a direction, met ({})", spec.name, fmt::join(spec.normal, ", "));
+    return;
+  }
+  const double length = length_of(along(spec));
+  if (!(length > 0) || !std::isfinite(length)) {
+    const auto place = [&](const Place& p) {
+      return fmt::format("({})", fmt::join(std::span(p).first(spec.dimension == 3 ? 3 : 2), ", "));
+    };
+    fail("boundary '{}': from, to: expected distinct ends, met {} and {}", spec.name, place(spec.from), place(spec.to));
+  }
+  if (spec.shape == BoundaryShape::wall) return;
+  if (!(spec.radius > 0))
+    fail("boundary '{}': radius: expected one > 0 of {}, met {}", spec.name,
+         spec.shape == BoundaryShape::disks ? "its disks" : "the cylinder", spec.radius);
+  if (spec.shape == BoundaryShape::cylinder) return;
+  constexpr double most = 1e7;
+  if (!(length / spec.distance() < most))
+    fail("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m", spec.name, most, length,
+         spec.distance());
+}
 
 std::string to_toml(const Dynamics& dynamics) {
   std::string text = "\n[interaction]\n" + effective_lines(dynamics, "interaction", dynamics.interaction);

@@ -24,42 +24,6 @@ bool at_rest(const std::vector<double>& speeds, double rest_speed) {
          std::ranges::adjacent_find(last, std::ranges::greater_equal()) != last.end();
 }
 
-}  // namespace
-
-template <int D>
-std::pair<GranularStep<D>, GranularDecomposition<D>> divide_step(const Simulation& simulation) {
-  return simulation.processes.together([&] {
-    const StepSolver& solver = simulation.dynamics.solver;
-    const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
-    GranularStep<D> step = share_step<D>(simulation);
-    auto parts =
-        decompose(step.problem, step.partition, solver.order, seed, step.process_of_subdomain, simulation.processes);
-    for (const Gluing& row : parts.interface.gluing())
-      if (step.shared_grains.empty() || step.shared_grains.back() != row.grain) step.shared_grains.push_back(row.grain);
-    step.report.interface_size = parts.interface_size();
-    step.report.residual.scale = parts.scale;
-    return std::pair(std::move(step), std::move(parts));
-  });
-}
-
-template <int D>
-PreparedStep<D> prepare_solution(const Simulation& simulation) {
-  const StepSolver& solver = simulation.dynamics.solver;
-  auto [step, parts] = divide_step<D>(simulation);
-  const StepProblem<D>& problem = step.problem;
-  std::optional<InterfaceOperator> enriched;
-  if (has_part(solver.algorithm, StepPart::enriched_stage_two) && parts.interface_size() > 0) {
-    step.report.eta = solver.eta.optimal ? best_eta(simulation, step) : solver.eta.value.at_scale(problem.scale);
-    enriched = enriched_operator(simulation, step, step.report.eta);
-  }
-  GranularTwoStage<D> iteration(std::move(parts), problem.law, solver, enriched);
-  iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
-  if (switches_models(simulation)) iteration.switch_models(simulation.system, simulation.state, problem.scale);
-  return {std::move(step), std::move(enriched), std::move(iteration)};
-}
-
-namespace {
-
 // Iterates a prepared step to its end.
 template <int D>
 void iterate(GranularStep<D>& step, GranularTwoStage<D>& iteration, const Simulation& simulation,
@@ -111,7 +75,73 @@ void iterate(GranularStep<D>& step, GranularTwoStage<D>& iteration, const Simula
   step.interface_impulses = iteration.interface_impulses();
 }
 
+// Solves and takes the next step of a run. Returns how the run ended, if it did.
+template <int D>
+std::optional<RunOutcome> advance(Simulation& simulation, const RunSinks& sinks, std::vector<double>& speeds) {
+  const auto broke_down = [step = simulation.state.step + 1](std::string_view reason) {
+    return RunOutcome{RunEnd::broke_down, fmt::format("step {}: {}", step, reason)};
+  };
+  AnySolvedStep solved;
+  try {
+    GranularStep<D> step = solve_step<D>(simulation, sinks.iteration);
+    if (step.report.broke_down())
+      return broke_down(fmt::format("{} after {} iterations, {}",
+                                    step.energy_exploded ? "more energy than loads, boundaries and pushes can bring"
+                                                         : to_string(step.report.status),
+                                    step.report.last.iteration, describe_breakdown(simulation, step)));
+    if (step.report.status == SolverStatus::given_up) return RunOutcome{RunEnd::stopped};
+    solved = std::move(step);
+  } catch (const Error& error) {
+    // A rank without memory aborts the run: the others may wait for it inside the solver.
+    const bool refused_alone = dynamic_cast<const OutOfMemory*>(&error) != nullptr && !simulation.processes.alone();
+    if (simulation.state.step == 0 || refused_alone) throw;
+    return broke_down(error.what());
+  }
+  StepReport report;
+  try {
+    report = take_step(simulation, std::get<GranularStep<D>>(solved));
+  } catch (const Error& error) {  // grains would pass each other before its end
+    return broke_down(error.what());
+  }
+  if (sinks.step) sinks.step(simulation, solved, report);
+  speeds.push_back(mean_speed(simulation.system, report.energy.kinetic));
+  if (nscdd::report(sinks.monitor, simulation.state.step, simulation.dynamics.time.steps)) return std::nullopt;
+  return RunOutcome{RunEnd::stopped};
+}
+
 }  // namespace
+
+template <int D>
+std::pair<GranularStep<D>, GranularDecomposition<D>> divide_step(const Simulation& simulation) {
+  return simulation.processes.together([&] {
+    const StepSolver& solver = simulation.dynamics.solver;
+    const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
+    GranularStep<D> step = share_step<D>(simulation);
+    auto parts =
+        decompose(step.problem, step.partition, solver.order, seed, step.process_of_subdomain, simulation.processes);
+    for (const Gluing& row : parts.interface.gluing())
+      if (step.shared_grains.empty() || step.shared_grains.back() != row.grain) step.shared_grains.push_back(row.grain);
+    step.report.interface_size = parts.interface_size();
+    step.report.residual.scale = parts.scale;
+    return std::pair(std::move(step), std::move(parts));
+  });
+}
+
+template <int D>
+PreparedStep<D> prepare_solution(const Simulation& simulation) {
+  const StepSolver& solver = simulation.dynamics.solver;
+  auto [step, parts] = divide_step<D>(simulation);
+  const StepProblem<D>& problem = step.problem;
+  std::optional<InterfaceOperator> enriched;
+  if (has_part(solver.algorithm, StepPart::enriched_stage_two) && parts.interface_size() > 0) {
+    step.report.eta = solver.eta.optimal ? best_eta(simulation, step) : solver.eta.value.at_scale(problem.scale);
+    enriched = enriched_operator(simulation, step, step.report.eta);
+  }
+  GranularTwoStage<D> iteration(std::move(parts), problem.law, solver, enriched);
+  iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
+  if (switches_models(simulation)) iteration.switch_models(simulation.system, simulation.state, problem.scale);
+  return {std::move(step), std::move(enriched), std::move(iteration)};
+}
 
 template <int D>
 GranularStep<D> solve_step(const Simulation& simulation, const IterationSink& sink) {
@@ -149,44 +179,6 @@ double mean_speed(const GranularSystem& system, double kinetic_energy) {
     if (system.free(i)) mass += system.mass[at(i)];
   return mass == 0 ? 0.0 : std::sqrt(2 * kinetic_energy / mass);
 }
-
-namespace {
-
-// Solves and takes the next step of a run. Returns how the run ended, if it did.
-template <int D>
-std::optional<RunOutcome> advance(Simulation& simulation, const RunSinks& sinks, std::vector<double>& speeds) {
-  const auto broke_down = [step = simulation.state.step + 1](std::string_view reason) {
-    return RunOutcome{RunEnd::broke_down, fmt::format("step {}: {}", step, reason)};
-  };
-  AnySolvedStep solved;
-  try {
-    GranularStep<D> step = solve_step<D>(simulation, sinks.iteration);
-    if (step.report.broke_down())
-      return broke_down(fmt::format("{} after {} iterations, {}",
-                                    step.energy_exploded ? "more energy than loads, boundaries and pushes can bring"
-                                                         : to_string(step.report.status),
-                                    step.report.last.iteration, describe_breakdown(simulation, step)));
-    if (step.report.status == SolverStatus::given_up) return RunOutcome{RunEnd::stopped};
-    solved = std::move(step);
-  } catch (const Error& error) {
-    // A rank without memory aborts the run: the others may wait for it inside the solver.
-    const bool refused_alone = dynamic_cast<const OutOfMemory*>(&error) != nullptr && !simulation.processes.alone();
-    if (simulation.state.step == 0 || refused_alone) throw;
-    return broke_down(error.what());
-  }
-  StepReport report;
-  try {
-    report = take_step(simulation, std::get<GranularStep<D>>(solved));
-  } catch (const Error& error) {  // grains would pass each other before its end
-    return broke_down(error.what());
-  }
-  if (sinks.step) sinks.step(simulation, solved, report);
-  speeds.push_back(mean_speed(simulation.system, report.energy.kinetic));
-  if (nscdd::report(sinks.monitor, simulation.state.step, simulation.dynamics.time.steps)) return std::nullopt;
-  return RunOutcome{RunEnd::stopped};
-}
-
-}  // namespace
 
 RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::vector<double> speeds) {
   const TimeStepping time = simulation.dynamics.time;

@@ -95,6 +95,36 @@ void require_gravity(const CaseSpec& spec, Index dimension) {
   if (stated) require_components(gravity, dimension, "dynamics.gravity");
 }
 
+// A model without its decomposition.
+Model without_parts(const Case& one, const Monitor& monitor) try {
+  Model model;
+  model.name = one.spec.name;
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing)) {
+    if (!one.spec.prescribed.empty())
+      fail("{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
+           file->path, one.spec.prescribed.size());
+    model.problem = reference_problem(one.problem, file->path);
+    model.partition = partition_without_geometry(one.spec.partition, model.problem, file->path);
+    return model;
+  }
+  model.packing = with_masses(packing_of(one, monitor), one.spec.masses);
+  try {
+    model.network = detect_contacts(model.packing, one.spec.contacts);
+  } catch (const Error& error) {
+    const auto* file = std::get_if<PackingFile>(&one.spec.packing);
+    fail("{}: {}", file != nullptr ? file->path : "case " + one.spec.name, error.what());
+  }
+  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing);
+  model.problem = assemble(model.packing, model.network, prescribed, one.spec.loads);
+  model.partition = distribute(
+      one.spec.partition, [&] { return std::tie(model.packing, model.network); },
+      [&]() -> const ReferenceProblem& { return model.problem; });
+  return model;
+} catch (const Error& error) {
+  if (error.key().empty()) throw;
+  throw located(one.spec, error);
+}
+
 }  // namespace
 
 std::string where(const CaseSpec& spec, std::string_view key) { return place(spec, key).append(key); }
@@ -238,40 +268,6 @@ Model of_process(Model model, const Processes& processes) {
   model.network = {.contacts = {}, .grains = model.network.grains, .dimension = model.network.dimension};
   return model;
 }
-
-namespace {
-
-// A model without its decomposition.
-Model without_parts(const Case& one, const Monitor& monitor) try {
-  Model model;
-  model.name = one.spec.name;
-  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing)) {
-    if (!one.spec.prescribed.empty())
-      fail("{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
-           file->path, one.spec.prescribed.size());
-    model.problem = reference_problem(one.problem, file->path);
-    model.partition = partition_without_geometry(one.spec.partition, model.problem, file->path);
-    return model;
-  }
-  model.packing = with_masses(packing_of(one, monitor), one.spec.masses);
-  try {
-    model.network = detect_contacts(model.packing, one.spec.contacts);
-  } catch (const Error& error) {
-    const auto* file = std::get_if<PackingFile>(&one.spec.packing);
-    fail("{}: {}", file != nullptr ? file->path : "case " + one.spec.name, error.what());
-  }
-  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing);
-  model.problem = assemble(model.packing, model.network, prescribed, one.spec.loads);
-  model.partition = distribute(
-      one.spec.partition, [&] { return std::tie(model.packing, model.network); },
-      [&]() -> const ReferenceProblem& { return model.problem; });
-  return model;
-} catch (const Error& error) {
-  if (error.key().empty()) throw;
-  throw located(one.spec, error);
-}
-
-}  // namespace
 
 Model cut_up(const Case& one, const Processes& processes, const Monitor& monitor) {
   Model model = without_parts(one, monitor);

@@ -120,6 +120,32 @@ PredictedObserved compare_rates(const Simulation& simulation) {
   return result;
 }
 
+const ResultColumns<PredictedObserved>& rate_columns() {
+  using Rates = PredictedObserved;
+  static const ResultColumns<Rates> columns{
+      {"active", "1", "contacts with an impulse at the statuses compared", &Rates::active},
+      {"stick", "1", "of them sticking", &Rates::stick},
+      {"slide", "1", "of them sliding", &Rates::slide},
+      {"predicted", "1", "spectral radius of the frozen iteration with n_GS sweeps", &Rates::predicted},
+      {"predicted_exact", "1", "the same with an exact Stage 1; nan for large packings", &Rates::predicted_exact},
+      {"complex_pair", "", "whether the dominant eigenvalue is one of a complex pair", &Rates::complex_pair},
+      {"observed", "1",
+       "rate fitted to the run; nan where no stretch of fixed statuses falls or grows enough, at one rate",
+       &Rates::observed},
+      {"observed_error", "1", "standard error of the fit, and what the rate drifts by along it",
+       &Rates::observed_error},
+      {"relative_gap", "1", "|observed - predicted| / |1 - predicted|", &Rates::relative_gap},
+      {"agree", "", "whether that is at most 1 %, or the rates differ by at most three errors of the fit",
+       &Rates::agree},
+      {"rate_z", "1", "rate fitted to Z itself over the same iterations", &Rates::rate_z},
+      {"first_iteration", "1", "first iteration fitted", &Rates::first},
+      {"last_iteration", "1", "last iteration fitted", &Rates::last},
+      {"iterations", "1", "iterations run", [](const Rates& r) { return r.report.last.iteration; }},
+      {"status", "", "how the run ended", [](const Rates& r) { return r.report.status; }},
+      {"converged", "", "whether prediction and observation are both known", &Rates::known}};
+  return columns;
+}
+
 }  // namespace
 
 double relative_gap(double observed, double predicted) {
@@ -152,36 +178,6 @@ PredictedObserved predicted_observed(const Simulation& simulation) {
   require_comparable(simulation.dynamics, simulation.partitioner);
   return in_dimension(simulation.system, [&](auto dimension) { return compare_rates<dimension()>(simulation); });
 }
-
-namespace {
-
-const ResultColumns<PredictedObserved>& rate_columns() {
-  using Rates = PredictedObserved;
-  static const ResultColumns<Rates> columns{
-      {"active", "1", "contacts with an impulse at the statuses compared", &Rates::active},
-      {"stick", "1", "of them sticking", &Rates::stick},
-      {"slide", "1", "of them sliding", &Rates::slide},
-      {"predicted", "1", "spectral radius of the frozen iteration with n_GS sweeps", &Rates::predicted},
-      {"predicted_exact", "1", "the same with an exact Stage 1; nan for large packings", &Rates::predicted_exact},
-      {"complex_pair", "", "whether the dominant eigenvalue is one of a complex pair", &Rates::complex_pair},
-      {"observed", "1",
-       "rate fitted to the run; nan where no stretch of fixed statuses falls or grows enough, at one rate",
-       &Rates::observed},
-      {"observed_error", "1", "standard error of the fit, and what the rate drifts by along it",
-       &Rates::observed_error},
-      {"relative_gap", "1", "|observed - predicted| / |1 - predicted|", &Rates::relative_gap},
-      {"agree", "", "whether that is at most 1 %, or the rates differ by at most three errors of the fit",
-       &Rates::agree},
-      {"rate_z", "1", "rate fitted to Z itself over the same iterations", &Rates::rate_z},
-      {"first_iteration", "1", "first iteration fitted", &Rates::first},
-      {"last_iteration", "1", "last iteration fitted", &Rates::last},
-      {"iterations", "1", "iterations run", [](const Rates& r) { return r.report.last.iteration; }},
-      {"status", "", "how the run ended", [](const Rates& r) { return r.report.status; }},
-      {"converged", "", "whether prediction and observation are both known", &Rates::known}};
-  return columns;
-}
-
-}  // namespace
 
 constinit const Observable observables::predicted_observed = examined_steps<rate_columns, nscdd::predicted_observed>(
     {.name = "predicted_observed",

@@ -149,30 +149,6 @@ void observe(RateAtSolution& result, NearbyRun<D>& run) {
   result.modes = now[best].modes;
 }
 
-}  // namespace
-
-template <int D>
-double status_margin(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> velocities) {
-  const LocalVector<D> stop = stopping_impulse<D>(contact, velocities);
-  const double n = stop.n + contact.pull;
-  const bool rubs = contact.friction > 0 && std::visit([](const auto& one) { return one.rubs; }, law);
-  if (n <= 0) return -n;
-  return rubs ? std::min(n, std::abs(contact.friction * n - norm(stop.t))) : n;
-}
-
-template <int D>
-Vector restart_at(GranularTwoStage<D>& iteration, const std::vector<GrainContact<D>>& contacts) {
-  const Index unknowns = iteration.parts().interface_size();
-  Vector z = Vector::Zero(D * count(contacts) + unknowns);
-  for (Index c = 0; c < count(contacts); ++c) set_component<D>(z, c, contacts[at(c)].impulse);
-  iteration.restart(z);
-  z.tail(unknowns) = iteration.parts().generic_interface_solve(iteration.parts().interface_jumps());
-  iteration.restart(z);
-  return z;
-}
-
-namespace {
-
 template <int D>
 RateAtSolution rate_in(const Simulation& simulation) {
   const StepSolver& solver = simulation.dynamics.solver;
@@ -213,20 +189,6 @@ RateAtSolution rate_in(const Simulation& simulation) {
   return result;
 }
 
-}  // namespace
-
-template double status_margin(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>);
-template double status_margin(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>);
-template Vector restart_at(GranularTwoStage<2>&, const std::vector<GrainContact<2>>&);
-template Vector restart_at(GranularTwoStage<3>&, const std::vector<GrainContact<3>>&);
-
-RateAtSolution rate_at_solution(const Simulation& simulation) {
-  require_comparable(simulation.dynamics, simulation.partitioner);
-  return in_dimension(simulation.system, [&](auto dimension) { return rate_in<dimension()>(simulation); });
-}
-
-namespace {
-
 const ResultColumns<RateAtSolution>& solved_rate_columns() {
   using At = RateAtSolution;
   static const ResultColumns<At> columns{
@@ -255,6 +217,36 @@ const ResultColumns<RateAtSolution>& solved_rate_columns() {
 }
 
 }  // namespace
+
+template <int D>
+double status_margin(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> velocities) {
+  const LocalVector<D> stop = stopping_impulse<D>(contact, velocities);
+  const double n = stop.n + contact.pull;
+  const bool rubs = contact.friction > 0 && std::visit([](const auto& one) { return one.rubs; }, law);
+  if (n <= 0) return -n;
+  return rubs ? std::min(n, std::abs(contact.friction * n - norm(stop.t))) : n;
+}
+
+template <int D>
+Vector restart_at(GranularTwoStage<D>& iteration, const std::vector<GrainContact<D>>& contacts) {
+  const Index unknowns = iteration.parts().interface_size();
+  Vector z = Vector::Zero(D * count(contacts) + unknowns);
+  for (Index c = 0; c < count(contacts); ++c) set_component<D>(z, c, contacts[at(c)].impulse);
+  iteration.restart(z);
+  z.tail(unknowns) = iteration.parts().generic_interface_solve(iteration.parts().interface_jumps());
+  iteration.restart(z);
+  return z;
+}
+
+template double status_margin(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>);
+template double status_margin(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>);
+template Vector restart_at(GranularTwoStage<2>&, const std::vector<GrainContact<2>>&);
+template Vector restart_at(GranularTwoStage<3>&, const std::vector<GrainContact<3>>&);
+
+RateAtSolution rate_at_solution(const Simulation& simulation) {
+  require_comparable(simulation.dynamics, simulation.partitioner);
+  return in_dimension(simulation.system, [&](auto dimension) { return rate_in<dimension()>(simulation); });
+}
 
 constinit const Observable observables::rate_at_solution = examined_steps<solved_rate_columns, nscdd::rate_at_solution>(
     {.name = "rate_at_solution",

@@ -41,60 +41,6 @@ SolverTrial try_once(const LocalFrictionProblem& problem, const FrictionSolverOp
   return trial;
 }
 
-}  // namespace
-
-const ResultColumns<SolverTrial>& trial_columns() {
-  static const auto columns = [] {
-    using Trial = SolverTrial;
-    ResultColumns<Trial> all{
-        {"contacts", "1", "contacts of the problem", &Trial::contacts},
-        {"solver", "", "contact solver", &Trial::solver},
-        {"status", "", "how it ended; time_limit, or refused for a problem that cannot be read", &Trial::status},
-        {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to max(|r|, |r^1|)",
-         &Trial::residual},
-        {"seconds", "s", "of the solver by the clock, without its checks",
-         [](const Trial& t) { return t.all.seconds; }},
-        {"check_seconds", "s", "of its checks by the clock", &Trial::check_seconds},
-        {"work", "1", "floating-point operations over those of a sweep, 2 per entry of W",
-         [](const Trial& t) { return t.all.work; }},
-        {"sweeps", "1", "Gauss-Seidel sweeps done", &Trial::sweeps},
-        {"factorisations", "1", "sparse matrices factorised", &Trial::factorisations}};
-    for (std::size_t k = 0; k < compared_residuals.size(); ++k) {
-      const auto name = [&](const char* what) { return fmt::format("{}_{:.0e}", what, compared_residuals[k]); };
-      all.push_back({name("seconds"), "s", "the same until a check first met this residual; nan if none did",
-                     [k](const Trial& t) { return t.first[k].seconds; }});
-      all.push_back({name("work"), "1", "the same until a check first met this residual; nan if none did",
-                     [k](const Trial& t) { return t.first[k].work; }});
-    }
-    return all;
-  }();
-  return columns;
-}
-
-SolverTrial try_solver(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, double time_limit,
-                       const std::function<bool()>& go_on) {
-  const auto start = Clock::now();
-  SolverTrial best = try_once(problem, options, time_limit, go_on);
-  for (int k = 1; k < most_runs && seconds_since(start) < seconds_wanted && best.status != "stopped"; ++k)
-    if (SolverTrial again = try_once(problem, options, time_limit, go_on); again.all.seconds < best.all.seconds)
-      best = std::move(again);
-  return best;
-}
-
-std::vector<FrictionAlgorithm> contact_solvers_named(const std::vector<std::string>& names, const std::string& what) {
-  std::vector<FrictionAlgorithm> solvers;
-  std::vector<std::string> wanted = names;
-  if (names == std::vector<std::string>{"all"}) wanted = all_names<FrictionAlgorithm>();
-  for (const std::string& name : wanted) {
-    solvers.push_back(Choice<FrictionAlgorithm>::parse(name, what));
-    if (std::ranges::count(solvers, solvers.back()) > 1)
-      fail("{}: expected each solver once, met '{}' again", what, name);
-  }
-  return solvers;
-}
-
-namespace {
-
 // A trial on the contact problem of a step.
 struct StepTrial {
   const std::string& name;  // of the case
@@ -147,6 +93,56 @@ Index run_trials(const ObservedCase& work) {
 }
 
 }  // namespace
+
+const ResultColumns<SolverTrial>& trial_columns() {
+  static const auto columns = [] {
+    using Trial = SolverTrial;
+    ResultColumns<Trial> all{
+        {"contacts", "1", "contacts of the problem", &Trial::contacts},
+        {"solver", "", "contact solver", &Trial::solver},
+        {"status", "", "how it ended; time_limit, or refused for a problem that cannot be read", &Trial::status},
+        {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to max(|r|, |r^1|)",
+         &Trial::residual},
+        {"seconds", "s", "of the solver by the clock, without its checks",
+         [](const Trial& t) { return t.all.seconds; }},
+        {"check_seconds", "s", "of its checks by the clock", &Trial::check_seconds},
+        {"work", "1", "floating-point operations over those of a sweep, 2 per entry of W",
+         [](const Trial& t) { return t.all.work; }},
+        {"sweeps", "1", "Gauss-Seidel sweeps done", &Trial::sweeps},
+        {"factorisations", "1", "sparse matrices factorised", &Trial::factorisations}};
+    for (std::size_t k = 0; k < compared_residuals.size(); ++k) {
+      const auto name = [&](const char* what) { return fmt::format("{}_{:.0e}", what, compared_residuals[k]); };
+      all.push_back({name("seconds"), "s", "the same until a check first met this residual; nan if none did",
+                     [k](const Trial& t) { return t.first[k].seconds; }});
+      all.push_back({name("work"), "1", "the same until a check first met this residual; nan if none did",
+                     [k](const Trial& t) { return t.first[k].work; }});
+    }
+    return all;
+  }();
+  return columns;
+}
+
+SolverTrial try_solver(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, double time_limit,
+                       const std::function<bool()>& go_on) {
+  const auto start = Clock::now();
+  SolverTrial best = try_once(problem, options, time_limit, go_on);
+  for (int k = 1; k < most_runs && seconds_since(start) < seconds_wanted && best.status != "stopped"; ++k)
+    if (SolverTrial again = try_once(problem, options, time_limit, go_on); again.all.seconds < best.all.seconds)
+      best = std::move(again);
+  return best;
+}
+
+std::vector<FrictionAlgorithm> contact_solvers_named(const std::vector<std::string>& names, const std::string& what) {
+  std::vector<FrictionAlgorithm> solvers;
+  std::vector<std::string> wanted = names;
+  if (names == std::vector<std::string>{"all"}) wanted = all_names<FrictionAlgorithm>();
+  for (const std::string& name : wanted) {
+    solvers.push_back(Choice<FrictionAlgorithm>::parse(name, what));
+    if (std::ranges::count(solvers, solvers.back()) > 1)
+      fail("{}: expected each solver once, met '{}' again", what, name);
+  }
+  return solvers;
+}
 
 constinit const Observable observables::contact_solvers = {
     .name = "contact_solvers",
