@@ -83,8 +83,8 @@ template <ContactProblem P>
 bool follow_curve(P& problem, SolverRun<P::dimension>& run, double relative_smoothing) {
   constexpr Index most_factorisations = 220;
   constexpr double least_smoothing = 1e-32;  // smallest t relative to its first value; below it rounding dominates
-  constexpr double newton_from = 1e-4;       // residual from which Newton's method is tried ...
-  constexpr double newton_after = 0.1;       // ... and again at this part of the residual of the last trial
+  constexpr double newton_from = 1e-4;       // residual at which Newton's method is tried first
+  constexpr double newton_after = 0.1;       // residual over that of the last trial, at which it is tried again
   if (run.data.sums.all_zero(run.data.q)) return run.judge(Vector::Zero(run.now.impulses.size()));
   SmoothedCurve<P> curve(problem, run, relative_smoothing);
   CurveWalk<P> walk{curve, curve.start()};

@@ -46,7 +46,7 @@ class SmoothedCurve {
 
   SmoothedCurve(P& problem, SolverRun<D>& run, double relative_smoothing)
       : problem_(problem), run_(run), rho_(run.data.normal.cwiseInverse()) {
-    constexpr double least_start = 0.1;  // of first impulses, over rho q
+    constexpr double least_start = 0.1;  // of the first impulses over rho q
     const ContactSums& sums = data_.sums;
     Vector r = run.now.impulses;
     q_ = rho_.cwiseProduct(data_.q + problem.rest(r));

@@ -15,7 +15,7 @@ constexpr double edge_rounding = D == 3 ? 1e-12 : 0;
 constexpr double largest_impulses = 1e8;  // over those to be expected
 constexpr double drift_of_guess = 1.001;  // growth of a larger guess
 
-constexpr Index checks_looked_back = 10;
+constexpr Index unsettled_checks = 10;
 
 struct ContactCheck {
   double own, siconos;  // squares of the natural maps with rho = 1 / W_nn and with rho = 1
@@ -63,7 +63,7 @@ FrictionState SolverRun<D>::state_of(const ContactData& data, const Vector& impu
   const double unknown = size > believed ? rounding_of_sums * size : 0;
   const double maps = std::sqrt(sums[0]) + unknown, driving = std::max(data.alone, data.momenta);
   state.scale = natural_map_scale(maps, size, data.alone, data.momenta, false, believed);
-  if (maps != 0) {  // nor a number
+  if (maps != 0) {  // NaN included
     state.residual = maps / state.scale;
     state.driven_residual = maps / driving;
   }
@@ -112,7 +112,7 @@ template <int D>
 std::vector<Index> SolverRun<D>::unsettled() const {
   std::vector<Index> contacts;
   for (Index c = 0; c < count(changed_); ++c)  // changes at the first check do not count
-    if (changed_[at(c)] > std::max<Index>(0, checks_ - 1 - checks_looked_back)) contacts.push_back(c);
+    if (changed_[at(c)] > std::max<Index>(0, checks_ - 1 - unsettled_checks)) contacts.push_back(c);
   return contacts;
 }
 

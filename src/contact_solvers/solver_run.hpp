@@ -58,7 +58,7 @@ class SolverRun {
   std::vector<ContactStatus> statuses_;  // at the last check
   std::vector<Index> changed_;           // the check at which each of them was new
   Index checks_ = 0;
-  double expected_ = 0, guessed_ = 0;  // N s: impulses that are to be expected, those of the guess
+  double expected_ = 0, guessed_ = 0;  // norms of impulses to be expected, and of the guess, N s
   double best_maps_ = infinity;        // || m || of the best, N s
   std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
 };

@@ -66,9 +66,9 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
     report.residual.scale = scale;
   };
   std::vector<ContactStatus> statuses;
-  double looking = 0;  // s, for the indicators
-  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - looking; };
-  const auto look = [&](const Vector& shifted) {
+  double observing = 0;  // s, for the indicators
+  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - observing; };
+  const auto observe = [&](const Vector& shifted) {
     const double before = seconds();
     take(shifted);
     std::vector<ContactStatus> now;
@@ -81,7 +81,7 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
               .factorisations = report.factorisations,
               .interface_iterations = interface_iterations(),
               .seconds = before});
-    looking += seconds() - before;
+    observing += seconds() - before;
   };
   const auto observer = [&](const FrictionSolution& check) {
     report.last = {.iteration = report.last.iteration + 1,
@@ -89,13 +89,13 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
                    .zeta = not_a_number,
                    .impulses = held.data.sums.squared_norm(check.impulses)};
     report.factorisations = check.factorisations;
-    if (sink.looks_at(report.last.iteration)) look(check.impulses);
+    if (sink.observes(report.last.iteration)) observe(check.impulses);
     return !sink.goes_on || sink.goes_on();
   };
   const FrictionSolution solution = solve_contacts(held, options_of(solver), shifted_impulses(problem), observer);
   report.solve_seconds = seconds();
   report.factorisations = solution.factorisations;
-  if (sink.row && !sink.looks_at(report.last.iteration)) look(solution.impulses);
+  if (sink.row && !sink.observes(report.last.iteration)) observe(solution.impulses);
   report.status = status_of_step(solution.status);
   report.doubtful = report.status == SolverStatus::converged && !solution.credible;
   take(solution.impulses);

@@ -36,21 +36,21 @@ void iterate(GranularStep<D>& step, GranularTwoStage<D>& iteration, const Simula
   for (Index k = 1; !status; ++k) {
     const auto start = Clock::now();
     iteration.iterate();
-    bool look = sink.looks_at(k);
-    const bool judged = watch.looks_at(k);
-    if (look || judged) report.last = iteration.record();
+    bool observed = sink.observes(k);
+    const bool judged = watch.judges(k);
+    if (observed || judged) report.last = iteration.record();
     report.solve_seconds += seconds_since(start);
-    if (look || (judged && watch.needs_residual())) report.residual = iteration.residual();
+    if (observed || (judged && watch.needs_residual())) report.residual = iteration.residual();
     if (judged) status = watch.judge(report.last, report.residual);
     if (sink.goes_on && !sink.goes_on()) {
       report.status = SolverStatus::given_up;
       return;
     }
-    if (status && sink.row && !look) {
-      look = true;
+    if (status && sink.row && !observed) {
+      observed = true;
       report.residual = iteration.residual();
     }
-    if (!look) continue;
+    if (!observed) continue;
     const Index changes = changes_of(statuses, iteration.statuses());
     sink.row({.step = simulation.state.step + 1,
               .record = report.last,

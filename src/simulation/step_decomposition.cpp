@@ -95,11 +95,11 @@ double best_eta(const Simulation& simulation, const GranularStep<D>& step) {
   const Decomposition all = linear_parts(simulation, step);
   const StepSolver& solver = simulation.dynamics.solver;
   const SpectralOptions options{.inertia = stage_two_inertia(simulation)};
-  const bool relaxed =
-      solver.interface_method == InterfaceMethod::richardson;  // conjugate gradients choose their own steps
+  // Conjugate gradients choose their own steps.
+  const bool relaxed = solver.interface_method == InterfaceMethod::richardson;
   const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0, options);
   if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
-    return std::max(simulation.state.eta, stable);  // contacts have come since it was found
+    return std::max(simulation.state.eta, stable);  // contacts may be new since then
   return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(simulation, step.problem)), options),
                   stable);
 }

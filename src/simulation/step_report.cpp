@@ -54,7 +54,7 @@ bool begins_interval(Index iteration, Index per_decade) {
   return iteration <= 1 || interval(iteration) != interval(iteration - 1);
 }
 
-bool IterationSink::looks_at(Index iteration) const {
+bool IterationSink::observes(Index iteration) const {
   if (!row) return false;
   return every > 0 ? iteration % every == 0 : begins_interval(iteration, 10);
 }
@@ -142,7 +142,7 @@ IterationWatch::IterationWatch(const StepSolver& solver)
 
 std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record, const ContactResidual& residual) {
   const double value = criterion_value(solver_.criterion, record, residual);
-  if (++looks_ <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
+  if (++judged_ <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
   // Contacts may have settled within subdomains while their copies of shared grains still differ.
   const bool glued = record.gluing <= solver_.gluing_tolerance || semi_implicit(solver_);
   const auto status = watch_.judge(record.iteration, std::isfinite(record.gluing) ? value : not_a_number,
@@ -151,7 +151,7 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
   return goes_on && record.iteration >= solver_.maximum_iterations ? SolverStatus::maximum_reached : status;
 }
 
-bool IterationWatch::looks_at(Index iteration) const {
+bool IterationWatch::judges(Index iteration) const {
   return iteration % solver_.criterion_interval == 0 || iteration >= solver_.maximum_iterations;
 }
 

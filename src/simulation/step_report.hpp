@@ -44,7 +44,7 @@ struct IterationSink {
   /// Called after every iteration, or check of a contact solver; may be empty. False gives the step up.
   std::function<bool()> goes_on = {};
 
-  bool looks_at(Index iteration) const;
+  bool observes(Index iteration) const;
 };
 
 /// Results of a solved step: a row of the table of steps.
@@ -79,7 +79,7 @@ class IterationWatch {
  public:
   explicit IterationWatch(const StepSolver& solver);
   /// Whether it judges this iteration, from 1: every criterion_interval-th, and the last one allowed.
-  bool looks_at(Index iteration) const;
+  bool judges(Index iteration) const;
   bool needs_residual() const;  ///< of the contact law, for its criterion
   /// How the iterations ended, or nothing if they go on. `residual` is used only if needed.
   std::optional<SolverStatus> judge(const IterationRecord& record, const ContactResidual& residual);
@@ -87,8 +87,8 @@ class IterationWatch {
  private:
   StepSolver solver_;
   ProgressWatch<SolverStatus> watch_;
-  double first_impulses_ = 0;  // squared, the largest of the first ten looks
-  Index looks_ = 0;
+  double first_impulses_ = 0;  // squared, the largest of the first ten judged
+  Index judged_ = 0;
 };
 
 /// Counts the contacts whose status differs from that in `statuses` (unknown ones: open), which become `now`.

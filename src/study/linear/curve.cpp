@@ -10,7 +10,6 @@
 namespace nscdd {
 namespace {
 
-// A point of a curve.
 struct Known {
   SweepResult result;
   CurvePoint point;
@@ -70,7 +69,7 @@ class Curve {
       if (done) return report_as(proved() ? CurveStatus::proved : CurveStatus::wide);
       const Index k = widest_beside(*worst);
       const double x = place(k, *worst);
-      if (!(x > asked(k) && x < asked(k + 1))) return report_as(CurveStatus::wide);  // neighbours of doubles
+      if (!(x > asked(k) && x < asked(k + 1))) return report_as(CurveStatus::wide);  // adjacent doubles
       add(x, k + 1);
     }
   }

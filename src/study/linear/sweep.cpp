@@ -11,7 +11,7 @@
 namespace nscdd {
 namespace {
 
-// Operators of one family. The last one is kept for the inner loop of a sweep.
+// Operators of one family, the last one kept for the inner loop of a sweep.
 struct OperatorStore {
   InterfaceFamily family;
   std::optional<InterfaceOperator> last = {};
@@ -90,8 +90,8 @@ bool unique_impulses(const ReferenceProblem& problem, const std::vector<Unilater
 
 void set_exact(SweepResult& result, const SpectralRadius& plain, double tolerance) {
   const bool computed = plain.solver != "none";
-  if (!result.point
-           .relaxation)  // 2 / (lambda_min + lambda_max) over the eigenvalues lambda = 1 - mu outside the kernel
+  // The optimal relaxation is 2 / (lambda_min + lambda_max) over the eigenvalues lambda = 1 - mu outside the kernel.
+  if (!result.point.relaxation)
     result.point.relaxation = computed ? 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max) : 1.0;
   result.radius = relaxed(plain, *result.point.relaxation, tolerance);
   const SpectralRadius& radius = result.radius;

@@ -23,7 +23,7 @@ struct FrozenInterface {
 // A step by the two-stage Newton method, and the linear system at its end with each network in Stage 2.
 struct InterfaceIterations {
   StepReport report;
-  Index subdomains = 0, systems = 0;   // systems: linear systems solved
+  Index subdomains = 0;
   Index stick = 0, slide = 0;          // contacts at the end
   FrozenInterface none, all, active;   // at these statuses
   Index undivided_factorisations = 0;  // of the same step on one subdomain
@@ -36,9 +36,9 @@ struct InterfaceIterations {
   Rival admm;               // two-stage ADMM to the tolerance of the case, with an interface solve per iteration
 
   bool known() const { return report.status == SolverStatus::converged; }
-  // 0 if sweeps solved the step.
   double iterations_per_system() const {
-    return systems == 0 ? 0 : static_cast<double>(report.interface_iterations) / static_cast<double>(systems);
+    const auto systems = static_cast<double>(report.interface_systems);
+    return systems == 0 ? 0 : static_cast<double>(report.interface_iterations) / systems;  // 0 if sweeps sufficed
   }
 };
 
@@ -97,7 +97,7 @@ InterfaceIterations by_newton(const Simulation& simulation) {
   InterfaceIterations result;
   result.report = step.report;
   result.subdomains = step.partition.subdomains;
-  result.systems = step.report.interface_systems;
+
   for (const GrainContact<D>& contact : step.contacts) {
     const ContactStatus status = status_of(step.problem.law, contact);
     result.stick += status == ContactStatus::stick;
@@ -171,7 +171,8 @@ const ResultColumns<InterfaceIterations>& cut_columns() {
        [](const Found& f) { return f.report.residual.relative_natural_map(); }},
       {"outer_steps", "1", "matrices factorised in the step", [](const Found& f) { return f.report.factorisations; }},
       {"outer_steps_undivided", "1", "the same on one subdomain", &Found::undivided_factorisations},
-      {"systems", "1", "systems solved at the interface, two for each linear system", &Found::systems},
+      {"systems", "1", "systems solved at the interface, two for each linear system",
+       [](const Found& f) { return f.report.interface_systems; }},
       {"iterations_per_system", "1", "iterations at the interface, mean over these systems",
        &Found::iterations_per_system}};
   static const auto columns =

@@ -99,7 +99,7 @@ PredictedObserved compare_rates(const Simulation& simulation) {
     const IterationRecord record = step.iteration.record();
     stretches.record(step.iteration);
     result.report.last = record;
-    if (!watch.looks_at(record.iteration)) continue;
+    if (!watch.judges(record.iteration)) continue;
     status = watch.judge(record, watch.needs_residual() ? step.iteration.residual() : ContactResidual{});
   }
   result.report.status = *status;
