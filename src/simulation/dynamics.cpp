@@ -8,8 +8,6 @@
 namespace nscdd {
 namespace {
 
-using Place = std::array<double, 3>;
-
 Place along(const BoundarySpec& spec) {
   return {spec.to[0] - spec.from[0], spec.to[1] - spec.from[1], spec.to[2] - spec.from[2]};
 }
@@ -83,7 +81,7 @@ void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index bounda
   }
 }
 
-// The value `with` another parameter has to have for a parameter to have an effect.
+// A parameter has an effect only if the one `with` has an expected value.
 struct Need {
   std::string path, with, expected, found;
   bool met;
