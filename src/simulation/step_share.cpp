@@ -59,7 +59,7 @@ SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
   return std::visit(by, simulation.partitioner);
 }
 
-// Known contacts keep their subdomain. A new one takes that of a known one that shares a free grain.
+// Known contacts stay in their subdomain. A new one goes to the subdomain of a known one that shares a free grain.
 SubdomainOfContact kept_subdomains(const Simulation& simulation) {
   const GranularSystem& system = simulation.system;
   const std::vector<RememberedSubdomain>& known = simulation.state.subdomains;

@@ -41,7 +41,7 @@ GranularStep<D> share_step(const Simulation& simulation);
 template <int D>
 StepProblem<D> whole_step(const Simulation& simulation);
 
-/// Throws the Errors of share_step at less cost, for the first step of a run, before anything is written.
+/// Throws Error as share_step does, at less cost: for the first step of a run, before anything is written.
 void check_next_step(const Simulation& simulation);
 
 /// Whether a step is partitioned afresh, as every `redecompose` steps. In between known contacts keep their subdomain.

@@ -11,10 +11,8 @@
 namespace nscdd {
 namespace {
 
-// Rows per case, if they are known.
 std::optional<Index> rows_per_case(const StudyTable& table) {
-  if (table.observable->rows == nullptr) return std::nullopt;
-  return table.observable->rows(table);
+  return table.observable->rows == nullptr ? std::nullopt : std::optional(table.observable->rows(table));
 }
 
 // The value at a place of a list: a number if all values of the list are numbers, because a column has one type.
