@@ -129,7 +129,7 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
   const GranularSystem& system = simulation.system;
   std::vector<std::vector<Index>> shared(at(subdomains(simulation.partitioner)));
   std::vector<Index> weight(shared.size(), 1);
-  std::vector<std::int32_t> first(at(system.grains()), -1);  // subdomain of each grain
+  std::vector<std::int32_t> first(at(system.grains()), -1);  // subdomain that first met a grain
   const auto meet = [&](Index grain, Index e) {
     if (grain >= system.grains() || !system.free(grain)) return;
     std::int32_t& known = first[at(grain)];

@@ -125,7 +125,7 @@ std::optional<PackingReport> report_packing(const Model& model, const PackingRep
     RadiusGrid& grid = report.grids.emplace_back();
     grid.contacts = contacts;
     grid.choice = choose_contacts(model, contacts);
-    if (contacts == ContactSet::active) report.impulses = report.grids.back().choice.impulses;
+    if (contacts == ContactSet::active) report.impulses = grid.choice.impulses;
   }
   if (report.impulses.size() == 0 && !model.problem.arriving_velocity.isZero(0))
     report.impulses = choose_contacts(model, ContactSet::active).impulses;
