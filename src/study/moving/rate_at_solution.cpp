@@ -2,7 +2,6 @@
 #include "study/moving/rate_at_solution.hpp"
 
 #include "linalg/random.hpp"
-#include "mechanics/contact_blocks.hpp"
 #include "study/moving/moving_tables.hpp"
 #include "study/moving/predicted_observed.hpp"
 #include "two_stage/frozen_iteration.hpp"
@@ -217,31 +216,6 @@ const ResultColumns<RateAtSolution>& solved_rate_columns() {
 }
 
 }  // namespace
-
-template <int D>
-double status_margin(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> velocities) {
-  const LocalVector<D> stop = stopping_impulse<D>(contact, velocities);
-  const double n = stop.n + contact.pull;
-  const bool rubs = contact.friction > 0 && std::visit([](const auto& one) { return one.rubs; }, law);
-  if (n <= 0) return -n;
-  return rubs ? std::min(n, std::abs(contact.friction * n - norm(stop.t))) : n;
-}
-
-template <int D>
-Vector restart_at(GranularTwoStage<D>& iteration, const std::vector<GrainContact<D>>& contacts) {
-  const Index unknowns = iteration.parts().interface_size();
-  Vector z = Vector::Zero(D * count(contacts) + unknowns);
-  for (Index c = 0; c < count(contacts); ++c) set_component<D>(z, c, contacts[at(c)].impulse);
-  iteration.restart(z);
-  z.tail(unknowns) = iteration.parts().generic_interface_solve(iteration.parts().interface_jumps());
-  iteration.restart(z);
-  return z;
-}
-
-template double status_margin(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>);
-template double status_margin(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>);
-template Vector restart_at(GranularTwoStage<2>&, const std::vector<GrainContact<2>>&);
-template Vector restart_at(GranularTwoStage<3>&, const std::vector<GrainContact<3>>&);
 
 RateAtSolution rate_at_solution(const Simulation& simulation) {
   require_comparable(simulation.dynamics, simulation.partitioner);
