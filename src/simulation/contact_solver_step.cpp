@@ -103,15 +103,6 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
 
 }  // namespace
 
-template <int D>
-LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularSystem& system) {
-  LocalFrictionProblem problem = reduce(friction_problem(step.free, step.contacts, system.radius));
-  Vector pull = Vector::Zero(D * problem.contacts());
-  for (Index c = 0; c < problem.contacts(); ++c) pull[D * c] = step.contacts[at(c)].pull;
-  problem.q -= problem.w * pull;
-  return problem;
-}
-
 ContactColours contact_colours(const Simulation& simulation, const std::vector<StepContact>& contacts) {
   const auto ends_of = [](const StepContact& contact) { return std::pair(contact.a, contact.b); };
   ContactColours colours{std::vector<Index>(contacts.size()), 0};
@@ -169,11 +160,9 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   step.report.interface_iterations = work.iterations;
 }
 
-template LocalFrictionProblem contact_problem(const StepProblem<2>&, const GranularSystem&);
 template void solve_whole_contacts(GranularStep<2>&, const Simulation&, const IterationSink&);
 template void solve_divided_contacts(GranularStep<2>&, GranularDecomposition<2>, const Simulation&,
                                      const IterationSink&);
-template LocalFrictionProblem contact_problem(const StepProblem<3>&, const GranularSystem&);
 template void solve_whole_contacts(GranularStep<3>&, const Simulation&, const IterationSink&);
 template void solve_divided_contacts(GranularStep<3>&, GranularDecomposition<3>, const Simulation&,
                                      const IterationSink&);

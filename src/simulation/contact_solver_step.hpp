@@ -9,7 +9,13 @@ namespace nscdd {
 
 /// The contact problem of a prepared step, u = W r + q. Its impulses are r + pull. The contacts of the law must open.
 template <int D>
-LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularSystem& system);
+LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularSystem& system) {
+  LocalFrictionProblem problem = reduce(friction_problem(step.free, step.contacts, system.radius));
+  Vector pull = Vector::Zero(D * problem.contacts());
+  for (Index c = 0; c < problem.contacts(); ++c) pull[D * c] = step.contacts[at(c)].pull;
+  problem.q -= problem.w * pull;
+  return problem;
+}
 
 /// Colours of contacts of the next step of a simulation, ascending by (a, b). Greedy: in the order of detection, each
 /// takes the least colour of no earlier contact on its free grains. Every rank colours all contacts of the step, and

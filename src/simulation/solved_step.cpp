@@ -135,16 +135,6 @@ std::optional<std::string> words_of_first(const Processes& all, double merit, co
 }  // namespace
 
 template <int D>
-ContactResidual residual_of(const GranularStep<D>& step, const Processes& processes) {
-  std::vector<std::vector<GrainContact<D>>> of_subdomain(at(step.partition.subdomains));
-  for (std::size_t k = 0; k < step.contacts.size(); ++k)
-    of_subdomain[at(step.partition.subdomain_of_contact[k])].push_back(step.contacts[k]);
-  std::vector<ContactResidual> residuals;
-  for (const auto& own : of_subdomain) residuals.push_back(contact_residual(step.problem.law, own, step.velocities));
-  return added_up(residuals, processes);
-}
-
-template <int D>
 void finish_solution(GranularStep<D>& step, const Simulation& before) {
   const Processes& all = before.processes;
   StepReport& report = step.report;
@@ -224,8 +214,6 @@ StepReport take_step(Simulation& simulation, const GranularStep<D>& step) {
   return report;
 }
 
-template ContactResidual residual_of(const GranularStep<2>&, const Processes&);
-template ContactResidual residual_of(const GranularStep<3>&, const Processes&);
 template void finish_solution(GranularStep<2>&, const Simulation&);
 template void finish_solution(GranularStep<3>&, const Simulation&);
 template std::string describe_breakdown(const Simulation&, const GranularStep<2>&);

@@ -12,7 +12,14 @@ using AnySolvedStep = std::variant<GranularStep<2>, GranularStep<3>>;
 
 /// The residual of the contact law in a step, added up subdomain by subdomain.
 template <int D>
-ContactResidual residual_of(const GranularStep<D>& step, const Processes& processes);
+ContactResidual residual_of(const GranularStep<D>& step, const Processes& processes) {
+  std::vector<std::vector<GrainContact<D>>> of_subdomain(at(step.partition.subdomains));
+  for (std::size_t k = 0; k < step.contacts.size(); ++k)
+    of_subdomain[at(step.partition.subdomain_of_contact[k])].push_back(step.contacts[k]);
+  std::vector<ContactResidual> residuals;
+  for (const auto& own : of_subdomain) residuals.push_back(contact_residual(step.problem.law, own, step.velocities));
+  return added_up(residuals, processes);
+}
 
 /// Completes a step whose contacts and velocities are found: velocities of all grains, work, overlaps, and whether the
 /// step went wrong. `before`: the simulation that it was solved from.
