@@ -24,7 +24,6 @@ bool at_rest(const std::vector<double>& speeds, double rest_speed) {
          std::ranges::adjacent_find(last, std::ranges::greater_equal()) != last.end();
 }
 
-// Iterates a prepared step to its end.
 template <int D>
 void iterate(GranularStep<D>& step, GranularTwoStage<D>& iteration, const Simulation& simulation,
              const IterationSink& sink) {

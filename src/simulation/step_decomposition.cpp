@@ -67,15 +67,6 @@ std::vector<char> expected_columns(const Simulation& simulation, const StepProbl
 
 }  // namespace
 
-template <int D>
-Decomposition linear_decomposition(const Simulation& simulation, const GranularStep<D>& step) {
-  const std::vector<std::int32_t>& numbers = step.problem.numbers;
-  const auto walls = std::ranges::lower_bound(numbers, static_cast<std::int32_t>(simulation.system.grains()));
-  const std::vector<Index> grains(numbers.begin(), walls);
-  return decompose(reference_problem(step.problem, count(grains)), partition_of_columns(step.partition, D),
-                   GluingShape::chain, {grains, step.process_of_subdomain, simulation.processes});
-}
-
 InertiaMethod stage_two_inertia(const Simulation& simulation) {
   return simulation.inertia.analyse ? simulation.inertia : multifrontal();
 }
@@ -104,8 +95,6 @@ double best_eta(const Simulation& simulation, const GranularStep<D>& step) {
                   stable);
 }
 
-template Decomposition linear_decomposition(const Simulation&, const GranularStep<2>&);
-template Decomposition linear_decomposition(const Simulation&, const GranularStep<3>&);
 template InterfaceOperator enriched_operator(const Simulation&, const GranularStep<2>&, double);
 template InterfaceOperator enriched_operator(const Simulation&, const GranularStep<3>&, double);
 template double best_eta(const Simulation&, const GranularStep<2>&);

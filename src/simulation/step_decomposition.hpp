@@ -9,7 +9,13 @@ namespace nscdd {
 /// M, H and the partition of a step for the linear analysis, with a column for each direction of a contact. Each rank
 /// has its own subdomains, see PackingShare.
 template <int D>
-Decomposition linear_decomposition(const Simulation& simulation, const GranularStep<D>& step);
+Decomposition linear_decomposition(const Simulation& simulation, const GranularStep<D>& step) {
+  const std::vector<std::int32_t>& numbers = step.problem.numbers;
+  const auto walls = std::ranges::lower_bound(numbers, static_cast<std::int32_t>(simulation.system.grains()));
+  const std::vector<Index> grains(numbers.begin(), walls);
+  return decompose(reference_problem(step.problem, count(grains)), partition_of_columns(step.partition, D),
+                   GluingShape::chain, {grains, step.process_of_subdomain, simulation.processes});
+}
 
 /// Factorisation method of Stage 2: that of the simulation, or multifrontal() if it has none.
 InertiaMethod stage_two_inertia(const Simulation& simulation);

@@ -56,7 +56,7 @@ double largest_overlap_of(const Model& model) {
   return largest;
 }
 
-// Rattlers and the coordination number of what remains without them.
+// Counts the rattlers, and finds the coordination number of the other grains.
 void count_rattlers(const ContactNetwork& network, Inspection& result) {
   const std::vector<char> loose = rattlers(network);
   result.rattlers = std::count(loose.begin(), loose.end(), 1);
