@@ -16,7 +16,7 @@ Index local_number(const std::vector<Index>& ascending, Index global) {
   return std::lower_bound(ascending.begin(), ascending.end(), global) - ascending.begin();
 }
 
-// Subdomain-local rows of the columns `contacts` of H.
+// The columns of H of a subdomain's contacts, in its local rows.
 SparseMatrix local_connectivity(const ReferenceProblem& problem, const Subdomain& subdomain) {
   const Index d = problem.dofs_per_grain;
   SparseEntries entries;
@@ -26,7 +26,7 @@ SparseMatrix local_connectivity(const ReferenceProblem& problem, const Subdomain
   return entries.matrix(d * count(subdomain.grains), count(subdomain.contacts));
 }
 
-// The contacts of every subdomain, and the grains that these touch, ascending.
+// The contacts of every subdomain, and the grains that they touch, ascending.
 std::vector<Subdomain> with_contacts(const ReferenceProblem& problem, const Partition& partition) {
   check(partition, problem.contacts());
   std::vector<Subdomain> subdomains(at(partition.subdomains));
@@ -44,7 +44,7 @@ std::vector<Subdomain> with_contacts(const ReferenceProblem& problem, const Part
   return subdomains;
 }
 
-// The numbers that a packing has for some grains of the problem.
+// The numbers in the packing of some grains of the problem.
 std::vector<Index> numbers_of(std::vector<Index> grains, const PackingShare& share) {
   if (!share.numbers.empty())
     for (Index& grain : grains) grain = share.numbers[at(grain)];
@@ -73,7 +73,7 @@ Decomposition cut(const ReferenceProblem& problem, const Partition& partition, G
   return parts;
 }
 
-// METIS may leave a part of a small graph empty: it takes the lightest subdomain of a process that has several.
+// METIS may leave a part of a small graph empty: it gets the lightest subdomain of a process that has several.
 void fill_empty(std::vector<Index>& process_of, const std::vector<idx_t>& weight, Index processes) {
   for (Index process = 0; process < processes; ++process) {
     if (std::ranges::count(process_of, process) > 0) continue;

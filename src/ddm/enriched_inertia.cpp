@@ -9,8 +9,8 @@
 namespace nscdd {
 namespace {
 
-// Where columns are of very unequal lengths, what the short ones can do is small beside rounding. Factors that scale
-// each column are then more exact than a spectrum.
+// If columns have very unequal lengths, the effect of the short ones is small compared with rounding. Factors, which
+// scale each column, are then more exact than a spectrum.
 bool similar_lengths(const SparseMatrix& h) {
   double longest = 0, shortest = infinity;
   for (Index j = 0; j < h.cols(); ++j)
@@ -34,7 +34,7 @@ EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index d
     modes_ = diagonalised();
     return;
   }
-  SparseMatrix zero_diagonal(inertia_.size(), inertia_.size());  // keeps a place for M in the pattern of K
+  SparseMatrix zero_diagonal(inertia_.size(), inertia_.size());  // keeps M in the pattern of K
   zero_diagonal.setIdentity();
   zero_diagonal.coeffs().setZero();
   stiffness_ = SparseMatrix(h_ * h_.transpose()) + zero_diagonal;  // K = H H^T
@@ -49,7 +49,7 @@ EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {
     values.setConstant(inertia_.size(), not_a_number);
     vectors.setConstant(inertia_.size(), inertia_.size(), not_a_number);
   }
-  // There are as many zeros as H has dependent rows. This rank does not depend on masses.
+  // H has as many dependent rows as there are zeros. Its rank does not depend on masses.
   const Index zeros = h_.rows() - rigid_rank(dofs_per_grain_, centres_, inertia_, h_).value;
   Modes modes;
   modes.tilt = zeros > 0 && zeros < values.size() ? values[zeros - 1] / values[zeros] : 0;
@@ -149,7 +149,7 @@ Matrix EnrichedInertia::condense() const {
     const SparseMatrix gluing = selected_columns(a, dofs);  // A_E on these
     condensed = gluing * (ldl.inverse_block(dofs) * gluing.transpose());
   } else {
-    constexpr Index block = 64;  // right-hand sides at a time, so that memory stays that of a few vectors
+    constexpr Index block = 64;  // right-hand sides at a time: the memory of a few vectors
     const SparseMatrix transposed = a.transpose();
     for (Index first = 0; first < a.rows(); first += block) {
       const Index width = std::min(block, a.rows() - first);

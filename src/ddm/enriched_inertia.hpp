@@ -11,7 +11,7 @@
 
 namespace nscdd {
 
-/// A value that is computed when it is first asked for: once, however many threads ask.
+/// A value computed at its first use, once for all threads.
 template <class T>
 class Lazy {
  public:
@@ -26,11 +26,11 @@ class Lazy {
   mutable std::optional<T> value_;
 };
 
-/// Every M_{E,eta} of one subdomain, for a sweep along eta: what does not depend on eta.
-/// Small subdomains are diagonalised once, M_E^-1/2 K_E M_E^-1/2 = Q Lambda Q^T. After that each eta costs
-/// one scaling: the weights eta / (eta + lambda) run from 1 (eta = infinity) to the indicator of lambda = 0.
-/// The rank of H_E tells how many eigenvalues are zero (`sparse_rank`, which does not depend on masses).
-/// Large subdomains keep the pattern of their sparse Cholesky factor; only its numbers are computed again.
+/// Every M_{E,eta} of one subdomain: computes once what does not depend on eta.
+/// Small subdomains are diagonalised, M_E^-1/2 K_E M_E^-1/2 = Q Lambda Q^T. Each eta then costs one scaling by the
+/// weights eta / (eta + lambda), from 1 (eta = infinity) to the indicator of lambda = 0. The number of zero eigenvalues
+/// follows from the rank of H_E, which does not depend on masses. Large subdomains keep the pattern of their sparse
+/// Cholesky factor.
 class EnrichedInertiaFamily {
  public:
   /// Diagonalised up to `dense_limit` unknowns d n_E.
@@ -44,7 +44,7 @@ class EnrichedInertiaFamily {
     Matrix vectors;      // M^-1/2 Q
     Vector eigenvalues;  // Lambda
     Matrix traces;       // on the interface, A M^-1/2 Q
-    double tilt;         // the largest singular value of M^-1/2 H that counts as zero over the smallest that does not
+    double tilt;         // largest singular value of M^-1/2 H that counts as zero, over the smallest other
   };
   Modes diagonalised() const;
   SparseMatrix sum(double eta) const;  // M + K / eta
@@ -61,11 +61,11 @@ class EnrichedInertiaFamily {
   Lazy<SymmetricAnalysis> condensation_;
 };
 
-/// M_{E,eta} = M_E + K_E / eta, K_E = H_E H_E^T ([ADI12] eqs. (23), (24)), ready to be inverted.
-/// eta = infinity is M_E; eta = 0 is the rigid limit, whose "inverse" is
+/// The inverse of M_{E,eta} = M_E + K_E / eta, K_E = H_E H_E^T ([ADI12] eqs. (23), (24)). eta = infinity is M_E. eta =
+/// 0 is the rigid limit, whose "inverse" is
 ///     M_E^inf = M_E^-1/2 (I - Pi) M_E^-1/2,   Pi the projector onto range(M_E^-1/2 H_E)
-/// ([ADI12] eq. (26)). It exists for every network, also for hyperstatic ones. With the motions Z of rigid clusters it
-/// is Z times the same of Z^T M_E Z and Z^T H_E times Z^T.
+/// ([ADI12] eq. (26)). It exists for every network, also for a hyperstatic one. With the motions Z of rigid clusters it
+/// is Z (Z^T M_E Z)^-1/2 (I - Pi) (Z^T M_E Z)^-1/2 Z^T, Pi for Z^T H_E.
 class EnrichedInertia {
  public:
   /// The family must outlive it. Throws Error unless eta is in [0, infinity].
@@ -78,7 +78,7 @@ class EnrichedInertia {
   /// A_E M_{E,eta}^-1 A_E^T on the interface rows that touch E, in the order of the family's `rows`.
   Matrix condense() const;
 
-  /// In the rigid limit: how far Pi may be off, because singular values count as zero that are not (RangeProjector).
+  /// Error estimate of Pi in the rigid limit: singular values that count as zero without being zero (RangeProjector).
   double uncertainty() const;
 
  private:
@@ -96,8 +96,8 @@ class EnrichedInertia {
   Lazy<SparseCholesky> cholesky_;
 };
 
-/// An upper bound of the eigenvalues of all M_E^-1 K_E, 1/kg: with A = M_E^-1/2 H_E,
-/// ||A^T A||_2 <= || |A|^T |A| ||_infinity. 0 without contacts.
+/// An upper bound of the eigenvalues of all M_E^-1 K_E, 1/kg; 0 without contacts. With A = M_E^-1/2 H_E, ||A^T A||_2 <=
+/// || |A|^T |A| ||_infinity.
 double stiffest(const Decomposition& parts);
 
 }  // namespace nscdd

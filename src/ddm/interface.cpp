@@ -163,7 +163,7 @@ std::vector<Vector> Interface::copies_apart(const Vector& g) const {
   return velocities;
 }
 
-// Leaves first: a copy with no row below it feels -F of the row that brought it, and passes the rest on.
+// Leaves first: a copy without rows below feels -F of its row, and passes the rest on.
 Vector Interface::collect(std::vector<Vector> impulses) const {
   Vector f(size());
   for (Index row = count(gluing_) - 1; row >= 0; --row) {
@@ -175,7 +175,7 @@ Vector Interface::collect(std::vector<Vector> impulses) const {
   return f;
 }
 
-// Unknown k of one grain, the rows `first` ... `last` - 1.
+// Unknown k of one grain, rows [first, last).
 void Interface::balance(Index first, Index last, Index k, double inertia, const Vector& g, Vector& f) const {
   const bool chain = shape_ == GluingShape::chain;
   const double q = static_cast<double>(last - first + 1);

@@ -14,7 +14,7 @@
 namespace nscdd {
 namespace {
 
-// The rank of H of the undivided packing, whose rows may lie anywhere.
+// The rank of H of the undivided packing. Its rows may lie on any MPI rank.
 MatrixRank rank_of_whole(const Decomposition& parts) {
   struct Entry {
     Index row, column;
@@ -53,7 +53,7 @@ MatrixRank rank_of_whole(const Decomposition& parts) {
 
 }  // namespace
 
-// Subdomain families and what else does not depend on eta.
+// The subdomain families, and all else that does not depend on eta.
 class InterfaceFamily::Preparation {
  public:
   Preparation(const Decomposition& decomposition, Index limit, InertiaMethod method)
@@ -101,7 +101,7 @@ class InterfaceFamily::Preparation {
   Decomposition parts;
   Index dense_limit;
   InertiaMethod inertia;
-  Vector row_inertia;  // of the copies that a row ties: all copies of a grain have the same
+  Vector row_inertia;  // of the copies that a row ties, equal for all copies of a grain
   Vector scale;
   std::vector<std::optional<EnrichedInertiaFamily>> locals;
   Lazy<SparseMatrix> generic;
@@ -119,7 +119,7 @@ class InterfaceOperator::Implementation {
                          [&](Index e) { locals[nscdd::at(e)].emplace(*preparation->locals[nscdd::at(e)], eta); });
   }
 
-  // What f(e, M_{E,eta}) gives of every subdomain; it is called in parallel.
+  // f(e, M_{E,eta}) of every subdomain, called in parallel.
   template <class Function>
   auto of_each(const Function& f) const {
     std::vector<std::invoke_result_t<Function, Index, const EnrichedInertia&>> results(locals.size());
@@ -131,7 +131,7 @@ class InterfaceOperator::Implementation {
     return local.solve(preparation->parts.interface.distribute(e, f));
   }
 
-  // Of X_0. The ranks do not depend on masses, as the size of an eigenvalue of X_0 does.
+  // Nullity of X_0 by ranks, which do not depend on masses; eigenvalues of X_0 do.
   const MatrixRank& ranks() const {
     return preparation->nullity.get([this] {
       const Decomposition& parts = preparation->parts;
@@ -166,7 +166,7 @@ const Decomposition& InterfaceOperator::decomposition() const { return implement
 Index InterfaceOperator::rows() const { return decomposition().interface_size(); }
 const Vector& InterfaceOperator::scale() const { return implementation_->preparation->scale; }
 
-// sum_E A_E M_E^-1 A_E^T: rows of a grain meet in the copies that both of them tie.
+// sum_E A_E M_E^-1 A_E^T: it couples two rows of a grain through the copies that both tie.
 const SparseMatrix& InterfaceOperator::generic() const {
   return implementation_->preparation->generic.get([this] {
     const std::vector<Gluing>& gluing = decomposition().interface.gluing();
@@ -268,8 +268,8 @@ Vector InterfaceOperator::solve(const Vector& g) const {
   return interface.collect(std::move(copies));
 }
 
-// The pencil S - sigma P at sigma = 0 is S, for any P: the inertia alone costs least. It holds operators of its own,
-// not this one, which holds it.
+// X_eta is the pencil S - sigma P at sigma = 0, for any P; the inertia costs least. The pencil holds operators of its
+// own: this one holds the pencil.
 Vector InterfaceOperator::solve_on_interface(const Vector& g) const {
   const auto preparation = implementation_->preparation;
   if (!preparation->inertia.analyse)

@@ -13,10 +13,10 @@ namespace nscdd {
 namespace {
 
 constexpr double independent = 1e-2;    // least singular value of columns of unit length that clearly are
-constexpr double straight = 1e-9;       // how far a column of H may point beside the line of centres
-constexpr double least_inertia = 1e-8;  // of a cluster, the smallest over the largest: below, the smallest is rounding
+constexpr double straight = 1e-9;       // angle between a column of H and the line of centres
+constexpr double least_inertia = 1e-8;  // of a cluster, smallest over largest: below, the smallest is rounding
 
-// The two grains of a column that is that of a contact without friction, whatever its length.
+// The two grains of a column of a frictionless contact, of any length; nothing for other columns.
 std::optional<Bar> bar_of(const Matrix& centres, const SparseMatrix& h, Index column) {
   const Index d = centres.rows();
   std::array<Index, 2> grain{-1, -1};
@@ -38,7 +38,7 @@ std::optional<Bar> bar_of(const Matrix& centres, const SparseMatrix& h, Index co
   return Bar{grain[0], grain[1]};
 }
 
-// The rotations about the centre of mass along the principal axes, a column each, and what they weigh.
+// The rotations about the principal axes through the centre of mass, a column each, and their inertia.
 struct Rotations {
   Eigen::Vector3d centre;
   Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();  // over the radius of gyration
@@ -72,7 +72,7 @@ Rotations rotations_of(const Matrix& centres, const Vector& inertia, const std::
   return result;
 }
 
-// The grains of each cluster, of which some may have none.
+// The grains of each cluster; some clusters may have none.
 std::vector<std::vector<Index>> members_of(const std::vector<Index>& cluster_of_grain) {
   std::vector<std::vector<Index>> members;
   for (Index i = 0; i < count(cluster_of_grain); ++i)
@@ -83,7 +83,7 @@ std::vector<std::vector<Index>> members_of(const std::vector<Index>& cluster_of_
   return members;
 }
 
-// The cluster of each grain, or -1, and which columns are bars within one.
+// The cluster of each grain, or -1, and a flag for each column that is a bar within one.
 struct Clusters {
   std::vector<Index> of_grain;
   std::vector<char> within;
@@ -92,7 +92,7 @@ struct Clusters {
 Clusters clusters_of(const Matrix& centres, const Vector& inertia, const SparseMatrix& h) {
   const Index d = centres.rows(), grains = centres.cols();
   Clusters result{std::vector<Index>(at(grains), -1), std::vector<char>(at(h.cols()), 0)};
-  for (Index i = 0; i < grains; ++i)  // motions are told apart by masses that are the same in all directions
+  for (Index i = 0; i < grains; ++i)  // only point masses, equal in all directions, form clusters
     if (inertia.segment(d * i, d).maxCoeff() != inertia.segment(d * i, d).minCoeff()) return result;
   std::vector<Bar> bars;
   std::vector<Index> column_of_bar;
@@ -111,8 +111,8 @@ Clusters clusters_of(const Matrix& centres, const Vector& inertia, const SparseM
   for (const Bar& bar : bars)
     if (const Index cluster = cluster_of(bar); cluster >= 0) ++bars_within[at(cluster)];
   for (std::size_t k = 0; k < members.size(); ++k) {
-    // If its bars are all independent, a cluster would spare nothing but unknowns, and hide that its grains can be set
-    // aside. With a few heavy grains in a line among light ones it has next to no inertia about that line.
+    // If all bars of a cluster are independent, it only hides that its grains can be set aside. If a few heavy grains
+    // lie in a line among light ones, it has next to no inertia about that line.
     const std::vector<Index>& own = members[k];
     if (bars_within[k] > d * count(own) - d * (d + 1) / 2) {
       const Eigen::Vector3d moments = rotations_of(centres, inertia, own).inertia;
@@ -136,9 +136,8 @@ SparseMatrix without_rows(const RigidMotions& motions, const std::vector<char>& 
   return entries.matrix(motions.h.rows(), motions.h.cols());
 }
 
-// Sets aside, again and again, each body that has few columns of Z^T H, all of them clearly independent by what they do
-// to this body alone. `grounded`: a flag for each body that does not move, or none; a column of such bodies alone is in
-// neither list.
+// Sets aside, repeatedly, each body that has few columns of Z^T H, all clearly independent by their rows of this body.
+// `grounded`: a flag for each body that does not move, or empty; a column of grounded bodies only is in neither list.
 class Peeling {
  public:
   Peeling(const std::vector<RigidBody>& bodies, const std::vector<char>& grounded, const SparseMatrix& h)

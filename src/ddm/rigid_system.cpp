@@ -27,8 +27,8 @@ RigidSubdomain rigid_subdomain(const Subdomain& subdomain, Index dofs_per_grain)
   const RangeBasis basis = range_basis(motions);
   result.h = columns_of(basis, motions.h);
   result.conclusive = basis.conclusive;
-  // The basis is one whatever the masses. Seen through M^-1/2 an angle may be larger. It was measured on the contacts
-  // that no body was set aside with; these are clearly apart from all others.
+  // The basis serves any masses, but M^-1/2 may enlarge its tilt. It was measured without the columns set aside, which
+  // are clearly apart from all others.
   if (motions.inertia.size() > 0)
     result.tilt = basis.tilt * std::sqrt(motions.inertia.maxCoeff() / motions.inertia.minCoeff());
   std::vector<char> early(at(result.h.cols()), 0);
@@ -81,7 +81,7 @@ void add_rigid(SaddleEntries& entries, const RigidSystem& system, Index next_imp
     }
     for (Index i = 0; i < count(row); ++i)
       if (row[at(i)] >= 0) entries.add(row[at(i)], row[at(i)], own.motions.inertia[i], 0);
-    std::vector<std::vector<std::pair<Index, double>>> acting(row.size());  // impulses on each motion that is condensed
+    std::vector<std::vector<std::pair<Index, double>>> acting(row.size());  // impulses on each condensed motion
     const auto act = [&](Index impulse, Index motion, double value) {
       if (const Index own_row = row[at(motion)]; own_row >= 0)
         entries.add(std::max(impulse, own_row), std::min(impulse, own_row), value, 0);
@@ -100,7 +100,7 @@ void add_rigid(SaddleEntries& entries, const RigidSystem& system, Index next_imp
         for (const auto& [other, other_value] : acting[at(i)]) {
           if (other > one) continue;
           const double product = -value * other_value / own.motions.inertia[i];
-          const bool both_at_interface = other >= interface;  // where `inertia` has the coefficient of sigma
+          const bool both_at_interface = other >= interface;  // there `inertia` has the coefficient of sigma
           entries.add(one, other, both_at_interface ? 0 : product, both_at_interface ? product : 0);
         }
     next_hub += system.hub_rows[e];

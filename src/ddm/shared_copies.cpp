@@ -12,7 +12,7 @@ GrainVelocity<D>& copy_in(CopiesOfGrains<D>& velocities, const typename SharedCo
 template <int D>
 constexpr Index size = unknowns_of_grain<D>;
 template <int D>
-constexpr Index size_with_mark = size<D> + 1;  // of a grain whose copies follow one, and whether there is such a one
+constexpr Index size_with_mark = size<D> + 1;  // of a grain that follows a copy, and a mark that there is one
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void SharedCopies<D>::add_up(CopiesOfGrains<D>& velocities) const {
 
 template <int D>
 void SharedCopies<D>::follow(const std::vector<Index>& changed, CopiesOfGrains<D>& velocities) const {
-  // Zeros without the sign of one would take it from a velocity that has it.
+  // Adding +0.0 would turn a velocity -0.0 into +0.0.
   Vector all = Vector::Constant(size_with_mark<D> * (count(start_) - 1), -0.0);
   for (const Index k : changed) {
     const Copy& copy = own_[at(k)];

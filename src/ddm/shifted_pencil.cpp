@@ -6,7 +6,7 @@
 namespace nscdd {
 namespace {
 
-// Sizes of a whole decomposition. `entries`: at least as many as it adds, as a contact couples its velocities in pairs.
+// Sizes of a decomposition. `entries`: an upper bound, as a contact couples its velocities in pairs.
 struct Sizes {
   Index dofs = 0, contacts = 0, entries = 0;
 
@@ -29,7 +29,7 @@ void add_inertia_and_gluing(SaddleEntries& entries, const Subdomain& subdomain, 
   for_entries(subdomain.a, [&](Index i, Index j, double value) { entries.add(interface + i, first + j, value, 0); });
 }
 
-// The block of one decomposition: M_E and K_E = H_E H_E^T from a row on, and A_E in the interface rows.
+// The block of one decomposition: M_E and K_E = H_E H_E^T from row `first` on, and A_E in the interface rows.
 void add_condensed(SaddleEntries& entries, const Decomposition& parts, Index first, Index interface) {
   for (const Subdomain& subdomain : parts.subdomains) {
     add_inertia_and_gluing(entries, subdomain, first, interface);
@@ -41,7 +41,7 @@ void add_condensed(SaddleEntries& entries, const Decomposition& parts, Index fir
   }
 }
 
-// M_E and A_E, with the contact impulses behind all grains: H_E^T in their rows, -1 to be multiplied by epsilon.
+// M_E and A_E, and behind all grains the contact impulses: H_E^T in their rows, -1 as coefficient of epsilon.
 void add_augmented(SaddleEntries& entries, const Decomposition& parts, Index first_impulse, Index interface) {
   Index first = 0;
   for (const Subdomain& subdomain : parts.subdomains) {
@@ -57,27 +57,26 @@ void add_augmented(SaddleEntries& entries, const Decomposition& parts, Index fir
 
 }  // namespace
 
-// The saddle-point matrices of all shifted pencils of two decompositions, see ShiftedPencil: what is added up in them
-// for given epsilon, eta and sigma. Their rows are, in this order, the velocities of the subdomains of S, its contact
-// impulses (augmented and rigid form), the velocities of the subdomains of P (finite eta only), what is eliminated with
-// the hubs of each subdomain (rigid form), and the interface. The last two are the border.
+// The saddle-point matrices of all shifted pencils of two decompositions (see ShiftedPencil), as coefficients of
+// functions of epsilon, eta and sigma. The order of the rows: velocities of the subdomains of S, its contact impulses
+// (augmented and rigid form), velocities of the subdomains of P (finite eta only), what is eliminated with the hubs of
+// each subdomain (rigid form), the interface. The last two are the border.
 struct SaddlePointFamily {
   SaddlePointFamily(const Contraction& b, SystemForm form, std::shared_ptr<const RigidSystem> rigid);
 
-  // Lower triangle. Rows of the -P block are scaled by sqrt(sigma), so that sigma appears between rows of one
-  // interface grain or of two, and nowhere else.
+  // Lower triangle. Rows of the -P block are scaled by sqrt(sigma): then sigma appears only between rows of one or two
+  // interface grains.
   SparseMatrix matrix(double epsilon, double eta, double sigma) const;
 
-  // One pattern for all. For infinite eta the gluing is a group by itself for each grain: all velocities are then
-  // eliminated before, once for all sigma. For finite eta sqrt(sigma) A_E ties them to it, and all copies of a grain
-  // and the gluing of these copies are eliminated together. A contact impulse goes with the later of its grains
-  // where their velocities are rows.
+  // One pattern for all. For infinite eta the gluing of each grain is a group of its own: all velocities are eliminated
+  // before it, once for all sigma. For finite eta sqrt(sigma) A_E ties them to it, so all copies of a grain are
+  // eliminated with its gluing. A contact impulse goes with the later of its grains if their velocities are rows.
   InertiaPattern pattern() const;
 
-  // What Response has, of a solution x for these epsilon, eta and sigma.
+  // The Response that belongs to a solution x for these epsilon, eta and sigma.
   ShiftedPencil::Response response(const Vector& x, double epsilon, double eta, double sigma) const;
 
-  // A vector of the interface as one of the border, and back.
+  // Extends a vector of the interface to the border; `of_interface` is the way back.
   Vector on_border(const Vector& g) const {
     Vector all = Vector::Zero(border_size());
     all.tail(g.size()) = g;
@@ -96,11 +95,11 @@ struct SaddlePointFamily {
   bool generic;                              // eta is infinite
   Index grain_rows = 0;                      // first contact impulse of S
   Index system_size = 0;                     // first row of the block of P
-  Index border = 0;                          // first row that is eliminated with the hubs, or the first interface row
+  Index border = 0;                          // first row eliminated with the hubs, or `interface` without any
   Index interface = 0;                       // first interface row
-  Index negative = 0;                        // all rows of all processes but the velocities of S
-  // Lower triangles of one pattern: coefficients of 1, and of 1/epsilon or 1/eta (in rows of contact impulses of
-  // epsilon); between interface rows coefficients of sigma, and of 1.
+  Index negative = 0;                        // all rows on all ranks except the velocities of S
+  // Lower triangles of one pattern: coefficients of 1, and of 1/epsilon or 1/eta (of epsilon in rows of contact
+  // impulses). Between interface rows: coefficients of sigma, and of 1.
   SparseMatrix inertia, stiffness;
 };
 
@@ -127,7 +126,7 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
   border = system_size + (generic ? 0 : of_preconditioner.dofs);
   interface = border + (rigid ? std::accumulate(rigid->hub_rows.begin(), rigid->hub_rows.end(), Index{0}) : 0);
   SaddleEntries entries;
-  for (SparseEntries* one : {&entries.inertia, &entries.stiffness})  // growing would copy gigabytes
+  for (SparseEntries* one : {&entries.inertia, &entries.stiffness})  // growth would copy gigabytes
     if (!rigid)
       one->reserve(
           at(of_system.entries + (generic ? b.preconditioner.generic().nonZeros() : of_preconditioner.entries)));
@@ -140,7 +139,7 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
   }
   if (generic) {
     const Interface& tied = system.interface;
-    const auto here = [&](Index i) {  // X is there once: each row of it with the first copy
+    const auto here = [&](Index i) {  // each row of X belongs to the rank of its first copy
       return tied.process_of(tied.gluing()[nscdd::at(i / tied.dofs_per_grain())].first.subdomain) == processes().rank;
     };
     for_entries(b.preconditioner.generic(), [&](Index i, Index j, double value) {
@@ -178,7 +177,7 @@ SparseMatrix SaddlePointFamily::matrix(double epsilon, double eta, double sigma)
 InertiaPattern SaddlePointFamily::pattern() const {
   const Decomposition& system = contraction.system.decomposition();
   const Index grains = system.interface.grains();
-  std::vector<Index> group;  // at first by keys: grains, and behind them copies that are groups of their own
+  std::vector<Index> group;  // at first keys: grains, then copies that are groups of their own
   group.reserve(at(rows()));
   Index keys = grains;
   const auto add = [&](Index key) { group.insert(group.end(), at(system.dofs_per_grain()), key); };
@@ -207,7 +206,7 @@ InertiaPattern SaddlePointFamily::pattern() const {
   if (rigid)
     for (const Index size : rigid->hub_rows) group.insert(group.end(), at(size), keys++);
   for (const Gluing& row : system.interface.gluing()) add(row.grain);
-  std::vector<Index> number(at(keys), -1);  // of a key, as it is met
+  std::vector<Index> number(at(keys), -1);  // of a key, in the order of appearance
   Index next = 0;
   for (Index& g : group) {
     if (g < 0) continue;
@@ -232,7 +231,7 @@ ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsi
           .preconditioner = generic ? 0.0 : processes().sum(energy(system_size, border)) / (eta * sigma)};
 }
 
-// Without an eigenvalue below the shift all rows but the velocities of S are negative; each one takes one away.
+// Without eigenvalues below the shift all rows but the velocities of S are negative; each eigenvalue takes one away.
 Index ShiftedPencil::below() const { return matrices_->negative - factor_.negative_eigenvalues; }
 
 Vector ShiftedPencil::solve(const Vector& g) const {
@@ -277,7 +276,7 @@ ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma, 
   pencil.factor_ = factors_.factorise(matrix, {epsilon, eta});
   if (!pencil.regular()) return pencil;
   pencil.inexactness_ = inexactness(pencil.factor_, matrix, matrices_->border_size(), matrices_->processes());
-  // One step of refinement takes as long as three solutions more.
+  // A step of refinement costs three more solutions.
   const double refined_above = accuracy == SolutionAccuracy::refined ? 1e-10 : 1e-6;
   if (pencil.inexactness_ > refined_above) pencil.refinement_ = std::move(matrix);
   return pencil;

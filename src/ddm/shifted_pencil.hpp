@@ -7,7 +7,7 @@
 
 namespace nscdd {
 
-/// How a ShiftedPencil holds the subdomains of S.
+/// How a ShiftedPencil represents the subdomains of S.
 enum class SystemForm {
   condensed,  ///< M_E + K_E/epsilon
   augmented,  ///< with the contact impulses, for epsilon near 0
@@ -22,8 +22,8 @@ enum class SolutionAccuracy {
 
 struct SaddlePointFamily;  // the matrices of a family, in shifted_pencil.cpp
 
-/// The pencil S f = lambda P f of a contraction operator seen from a shift sigma >= 0: one sparse symmetric
-/// factorisation of the saddle-point matrix
+/// The pencil S f = lambda P f of a contraction operator at a shift sigma >= 0: one sparse symmetric factorisation of
+/// the saddle-point matrix
 ///     [ M_E + K_E/epsilon                                A_E^T ]
 ///     [                    -(M_E + K_E/eta)  sqrt(sigma) A_E^T ]
 ///     [ A_E                 sqrt(sigma) A_E              0     ]
@@ -33,33 +33,33 @@ struct SaddlePointFamily;  // the matrices of a family, in shifted_pencil.cpp
 /// whose Schur complement on the interface is sigma P - S. Hence (Sylvester, Haynsworth) it has as many negative
 /// eigenvalues as its -P block has rows, plus n_Gamma, minus the number of eigenvalues lambda below sigma.
 ///
-/// For epsilon near 0 the block M_E + K_E/epsilon loses the digits of M_E: `SystemForm::augmented` keeps the contact
-/// impulses, [M_E H_E; H_E^T -epsilon I] in its place, with as many more negative eigenvalues as contacts. For
-/// epsilon = 0 `SystemForm::rigid` has [Z^T M_E Z, Z^T H_E; H_E^T Z, 0] and A_E Z with the independent ones of the
-/// contacts that are not within a rigid cluster.
+/// For epsilon near 0 the block M_E + K_E/epsilon loses digits of M_E. `SystemForm::augmented` replaces it by [M_E H_E;
+/// H_E^T -epsilon I] with the contact impulses, which adds one negative eigenvalue per contact. For epsilon = 0
+/// `SystemForm::rigid` has [Z^T M_E Z, Z^T H_E; H_E^T Z, 0] and A_E Z, with the independent contacts outside rigid
+/// clusters.
 class ShiftedPencil {
  public:
-  /// False if the factorisation broke down; nothing else may then be asked.
+  /// False if the factorisation broke down; then nothing else may be called.
   bool regular() const { return factor_.regular; }
 
-  /// ||d|| / ||x|| on the interface, where d is the correction of a solution x by one step of iterative refinement. The
-  /// factors are exact for some A + E, and the ratio estimates the size of (A + E)^-1 E. While that is below 1, no
-  /// eigenvalue changes its sign on the way from A to A + E, so the count below holds for A itself.
+  /// ||d|| / ||x|| on the interface, d the correction of a solution x by one step of iterative refinement. The factors
+  /// are exact for some A + E, and the ratio estimates the size of (A + E)^-1 E. While it is below 1, no eigenvalue
+  /// changes sign between A and A + E, so `below` holds for A itself.
   double inexactness() const { return inexactness_; }
 
-  /// Whether the inexactness is small enough for counts and solutions to be used. If it is not, sigma is too near to an
-  /// eigenvalue of the pencil or of a part of the packing, and a shift a little to the side serves as well.
+  /// Whether counts and solutions may be used. If not, sigma is too near to an eigenvalue of the pencil or of a part of
+  /// the packing, and a nearby shift serves as well.
   bool reliable() const { return regular() && inexactness() < reliable_inexactness; }
 
-  /// The inexactness of what `solve` returns, which takes a step of refinement if that is worth it.
+  /// The inexactness of `solve`, which takes a step of refinement if it pays.
   double solution_error() const { return refinement_ ? inexactness_ * inexactness_ : inexactness_; }
 
   double shift() const { return shift_; }
   Index below() const;                  ///< eigenvalues lambda of (S, P) below the shift, with multiplicity
   Vector solve(const Vector& g) const;  ///< (S - sigma P)^-1 g
 
-  /// A solution f = (S - sigma P)^-1 g and how f^T S f and f^T P f change with the flexibilities, from the
-  /// velocities V = (M_E + K_E/epsilon)^-1 A_E^T f and V' = (M_E + K_E/eta)^-1 A_E^T f that come with it:
+  /// A solution f = (S - sigma P)^-1 g, and how f^T S f and f^T P f change with the flexibilities, from the velocities
+  /// V = (M_E + K_E/epsilon)^-1 A_E^T f and V' = (M_E + K_E/eta)^-1 A_E^T f of that solution.
   struct Response {
     Vector f;
     double system = 0;          ///< d f^T S f / d log epsilon = V^T K_E V / epsilon
@@ -74,29 +74,30 @@ class ShiftedPencil {
   std::shared_ptr<const SaddlePointFamily> matrices_;
   double epsilon_ = 1, eta_ = 1, shift_ = 1, inexactness_ = infinity;
   InertiaFactor factor_;
-  std::optional<SparseMatrix> refinement_;  // the matrix, if solutions take a step of refinement
+  std::optional<SparseMatrix> refinement_;  // the matrix, if solutions are refined
 };
 
-/// Every shifted pencil of one pair of decompositions: the elimination order and its fronts serve all epsilon, eta
-/// (finite, or all infinite) and sigma; what is eliminated apart from the interface is kept from shift to shift.
+/// Every shifted pencil of one pair of decompositions. The elimination order and its fronts serve all epsilon, eta
+/// (finite, or all infinite) and sigma. Factors of rows that do not depend on sigma are kept from shift to shift.
 class ShiftedPencilFamily {
  public:
-  /// S and P from the operators of `b`; their flexibilities do not matter but for eta being infinite or not.
-  /// `method`: what factorises the saddle-point matrices. `rigid`: the limit of S, for `SystemForm::rigid` only.
+  /// S and P of `b`; of their flexibilities only matters whether eta is infinite. `method`: factorises the saddle-point
+  /// matrices. `rigid`: the limit of S, for `SystemForm::rigid` only.
   explicit ShiftedPencilFamily(const Contraction& b, SystemForm form = SystemForm::condensed,
                                const InertiaMethod& method = multifrontal(),
                                std::shared_ptr<const RigidSystem> rigid = {});
 
-  /// Whether the family was made for the decompositions, the kind of eta of `b`, this form and this method.
+  /// Whether the family was made for the decompositions and the kind of eta (finite or infinite) of `b`, for this form
+  /// and this method.
   bool serves(const Contraction& b, SystemForm form = SystemForm::condensed,
               const InertiaMethod& method = multifrontal()) const;
 
-  /// epsilon > 0 (not used in the rigid limit), eta > 0 (infinite if and only if the family's is), sigma >= 0; at 0 it
-  /// is S by itself.
+  /// epsilon > 0 (not used in the rigid limit), eta > 0 (infinite if and only if the family's is), sigma >= 0; sigma =
+  /// 0 gives S itself.
   ShiftedPencil at(double epsilon, double eta, double sigma,
                    SolutionAccuracy accuracy = SolutionAccuracy::enough_next_to_an_end) const;
 
-  /// Frees the numbers that are kept for another shift at the last epsilon and eta.
+  /// Frees the factors that are kept for another shift at the last epsilon and eta.
   void release() const { factors_.release(); }
 
  private:

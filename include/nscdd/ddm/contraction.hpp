@@ -12,7 +12,7 @@ namespace nscdd {
 /// Stage 2 of the generic algorithm ([ADI12] Algorithm 1): X F' = f + sum_E A_E M_E^-1 H_E r_E, inertia only.
 struct Generic {
   static constexpr std::string_view name = "generic";
-  double flexibility() const { return infinity; }  ///< of the network that Stage 2 sees: no network
+  double flexibility() const { return infinity; }  ///< Stage 2 sees no network
 };
 
 /// Stage 2 of the enriched algorithm ([ADI12] eqs. (15)-(17)): X_eta, the interface operator of the contact
@@ -54,8 +54,8 @@ inline Contraction contraction(const Decomposition& parts, const Scheme& scheme,
   return {family.at(flexibility(scheme)), family.at(flexibility(law))};
 }
 
-/// The same if Stage 1 works on the active contacts only (G_E) and Stage 2 on all of them (H_E). At epsilon = 0 this is
-/// the local analysis of [ADI12] sections 4.3 and 4.4. `active`: one flag per contact of the packing.
+/// The same with Stage 1 on the active contacts only (G_E) and Stage 2 on all (H_E). At epsilon = 0 this is the local
+/// analysis of [ADI12] sections 4.3 and 4.4. `active`: one flag per contact of the packing.
 inline Contraction contraction(const Decomposition& parts, const Scheme& scheme, const Law& law,
                                const std::vector<char>& active) {
   return {InterfaceFamily(parts).at(flexibility(scheme)),

@@ -29,7 +29,7 @@ struct Subdomain {
 /// sum_E A_E V_E = 0 glues the copies of shared grains.
 struct Decomposition {
   Index contacts = 0;       ///< of the undivided packing
-  Index first_contact = 0;  ///< number of the first one that this process knows, see PackingShare
+  Index first_contact = 0;  ///< number of the first contact of this rank, see PackingShare
   std::vector<Subdomain> subdomains;
   Interface interface;
 
@@ -37,46 +37,45 @@ struct Decomposition {
   Index interface_size() const { return interface.size(); }            ///< n_Gamma
 };
 
-/// What a process knows of the others if no process holds the whole packing. Each holds the problem and the partition
-/// of the contacts of its own subdomains.
+/// The share of a packing that a rank holds: the problem and the partition of the contacts of its own subdomains. By
+/// default one rank has the whole packing.
 struct PackingShare {
-  std::vector<Index> numbers = {};  ///< of the grains of the problem in the packing, ascending; empty where it has all
-  std::vector<Index> process_of_subdomain = {};  ///< see `deal_out`; empty where one process has all subdomains
+  std::vector<Index> numbers = {};  ///< numbers in the packing of the problem's grains, ascending; empty: all
+  std::vector<Index> process_of_subdomain = {};  ///< see `deal_out`; empty: one rank has all subdomains
   Processes processes = {};
 };
 
-/// Cuts M and H along a partition of the contacts. The contacts of a process that shares a packing have numbers of
-/// their own, behind those of the processes before it; all processes take part. Throws Error if the partition does not
-/// fit the problem.
+/// Cuts M and H along a partition of the contacts. Collective on ranks that share a packing: the contacts of a rank are
+/// numbered behind those of lower ranks. Throws Error if the partition does not fit the problem.
 Decomposition decompose(const ReferenceProblem& problem, const Partition& partition,
                         GluingShape shape = GluingShape::chain, const PackingShare& share = {});
 
-/// The two halves of `decompose`, for a packing that every process has. `cut` makes all but H_E and A_E;
-/// `with_matrices` adds these to the subdomains that have their grains. A process that keeps only some of the
-/// subdomains drops the others in between (`of_process`), so that it never holds their matrices.
+/// The two halves of `decompose` for a packing that every rank has. `cut` makes all but H_E and A_E, and
+/// `with_matrices` adds these. A rank that drops the subdomains of others in between (`of_process`) never holds their
+/// matrices.
 Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape = GluingShape::chain);
 Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem);
 
-/// The same subdomains, grains and gluing with only some contacts kept: G_E in place of H_E
-/// ([ADI12] eq. (28), G_E = H_E C_E). `kept`: one flag per contact that this process knows, which are those of the
-/// packing unless several processes share it. Throws Error for too few or too many.
+/// The same subdomains, grains and gluing with only some contacts: G_E = H_E C_E in place of H_E ([ADI12] eq. (28)).
+/// `kept`: one flag per contact that this rank knows, of the whole packing unless ranks share it (PackingShare). Throws
+/// Error for too few or too many flags.
 Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept);
 
-/// What a process holds of a decomposition that several share: the interface, and its own subdomains. Those of other
-/// processes are empty. `process_of_subdomain`: as `deal_out` has them.
+/// The part of a shared decomposition that a rank holds: the interface and its own subdomains. The others are empty.
+/// `process_of_subdomain`: see `deal_out`.
 Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain,
                          const Processes& processes);
 
 /// Throws Error for more processes than subdomains.
 void require_subdomains(Index subdomains, Index processes);
 
-/// Deals subdomains out to processes: parts of about equal weight of the graph of subdomains (METIS), whose edges weigh
-/// what the two exchange. `weight`: of each subdomain. Throws Error for more processes than subdomains.
+/// The rank of each subdomain. METIS cuts the graph of subdomains, whose edges weigh what two of them exchange, into
+/// parts of about equal `weight` (one number per subdomain). Throws Error for more processes than subdomains.
 std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>& weight, Index processes);
-/// The same, each subdomain with the weight of its unknowns.
+/// The same with the number of unknowns of a subdomain as its weight.
 std::vector<Index> deal_out(const Decomposition& parts, Index processes);
 
-/// The undivided packing again: one subdomain with whole masses, no interface and the grains that touch something.
+/// The undivided packing: one subdomain with whole masses and the grains that have contacts, without an interface.
 Subdomain reassemble(const Decomposition& parts);
 
 }  // namespace nscdd

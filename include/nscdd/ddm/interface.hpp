@@ -11,53 +11,50 @@ struct GrainCopy {
   Index grain = 0;  ///< local number
 };
 
-/// d rows of the gluing condition: V_first - V_second = 0. The rows of a grain span its copies as a tree:
-/// within a grain the second copy of a row is always a new one, and the root is the first copy met.
+/// d rows of the gluing condition, V_first - V_second = 0. The rows of a grain form a tree of its copies: the root is
+/// the first copy, and every row adds its second copy.
 struct Gluing {
   Index grain = 0;  ///< global number
   GrainCopy first, second;
 };
 
-/// A row of A_E in blocks of d x d: the copy with the local number `grain` enters the row block `row` with
-/// `sign` (1 for the first copy of the row, -1 for the second).
+/// A d x d block of A_E: sign times I, in row block `row` and at the copy with local number `grain`. The sign is 1 for
+/// the first copy of the row, -1 for the second.
 struct Tie {
   Index row = 0, grain = 0;
   double sign = 1;
 };
 
-/// How the q copies of a shared grain are tied by q - 1 equalities. Every choice has full rank and gives the
-/// same spectra; the chain is the one used throughout.
+/// How q - 1 equalities tie the q copies of a shared grain. Every choice has full rank and gives the same spectra.
 enum class GluingShape {
   chain,  ///< each copy to the next
   star,   ///< each copy to the first
 };
 
-/// Where the subdomains of a packing meet ([ADI12] section 2): the copies of each grain, the rows that glue
-/// the copies of a shared one, and all that crosses from one subdomain to another. A grain has d unknowns,
-/// whatever they are: 2 or 3 in the plane. Vectors of the interface have n_Gamma = d x rows entries, row
-/// block k those from d k on. Rows ascend by grain, copies by subdomain.
+/// Where the subdomains of a packing meet ([ADI12] section 2): the copies of each grain, the rows that glue the copies
+/// of a shared one, and every exchange between subdomains. A grain has d unknowns, 2 or 3 in the plane. Vectors of the
+/// interface have n_Gamma = d x rows entries, those of row block k from d k on. Rows ascend by grain, copies by
+/// subdomain.
 ///
-/// Where several processes share the subdomains, each has the same rows and holds the ties of its own subdomains only:
-/// `exchange` adds up over the processes, and vectors of the interface that come of it are the same in all of them.
-/// `exchange_with_neighbours` exchanges with neighbours only: its vectors are right only in the rows of grains of which
-/// this process has a copy.
+/// If ranks share the subdomains, each has all rows, but the ties of its own subdomains only. `exchange` sums over all
+/// ranks; its result is the same on each. `exchange_with_neighbours` sums over neighbours only; its result is right in
+/// the rows of grains of which this rank has a copy.
 class Interface {
  public:
   Interface() = default;
 
-  /// `held`: global numbers of the grains each subdomain holds, in its own order; `grains`: how many there are in all;
-  /// `tied`: one flag per grain whether its copies are glued (driven ones are not), empty for all.
+  /// `held`: global numbers of the grains of each subdomain, in its order; `grains`: the number of all grains; `tied`:
+  /// one flag per grain whether its copies are glued (driven ones are not), empty for all.
   Interface(Index dofs_per_grain, Index grains, const std::vector<std::span<const Index>>& held,
             const std::vector<char>& tied = {}, GluingShape shape = GluingShape::chain);
 
-  /// The interface as one of the processes sees it.
+  /// The interface as one rank sees it.
   Interface of_process(const std::vector<Index>& process_of_subdomain, Processes processes) const;
   const Processes& processes() const { return processes_; }
-  /// Prepares messages to the processes that have copies of the same grains; copies of this object share them.
+  /// Prepares messages between ranks that have copies of the same grains; copies of this object share them.
   void meet_neighbours();
-  /// A function that adds up, of arrays of all processes, the entries of the grains of which this process and another
-  /// one have copies. `entries(row, k)`: the first such entry, and that behind the last, of the k-th glued grain of
-  /// which this process has a copy, `row` its first row.
+  /// A function that sums entries of an array over the ranks that have copies of the same grain. `entries(row, k)`:
+  /// begin and end of the entries of the k-th glued grain of which this rank has a copy; `row` is its first row.
   using Entries = std::pair<Index, Index>;
   std::function<void(std::span<double>)> between_neighbours(const std::function<Entries(Index, Index)>& entries) const;
   Index process_of(Index subdomain) const { return process_of_.empty() ? 0 : process_of_[at(subdomain)]; }
@@ -67,53 +64,53 @@ class Interface {
   Index grains() const { return count(start_) - 1; }
   const std::vector<Gluing>& gluing() const { return gluing_; }
 
-  /// Copies of a grain; none of one that touches nothing. See shared_interface for grains of other processes.
+  /// Copies of a grain, none if it touches nothing. For grains of other ranks see shared_interface.
   std::span<const GrainCopy> copies(Index grain) const;
-  /// Their number, which is also the number of parts its mass is cut into.
+  /// Their number, by which its mass is divided.
   Index multiplicity(Index grain) const { return start_[at(grain + 1)] - start_[at(grain)]; }
 
   const std::vector<Tie>& ties(Index subdomain) const { return ties_[at(subdomain)]; }  ///< rows ascending
   std::vector<Index> neighbours(Index subdomain) const;  ///< subdomains it is glued to, ascending
   SparseMatrix matrix(Index subdomain) const;            ///< A_E, n_Gamma x d n_E, signed boolean
 
-  /// Whether both glue the same grains in the same subdomains, whatever the local numbers.
+  /// Whether both glue the same grains of the same subdomains. Local numbers may differ.
   bool same_rows(const Interface& other) const;
 
-  /// The jumps sum_E A_E V_E. `velocity(e, i)`: the d unknowns of the grain with local number i of subdomain e, with
-  /// []. It is called by several threads at once.
+  /// The jumps sum_E A_E V_E. `velocity(e, i)[k]`: unknown k of the grain with local number i of subdomain e. Several
+  /// threads call it at once.
   template <class Velocity>
   Vector exchange(const Velocity& velocity) const {
     Vector jumps = own_jumps(velocity);
     processes_.add_up({jumps.data(), at(jumps.size())});
     return jumps;
   }
-  /// The same where this process has a copy of the grain; other rows are 0. Requires `meet_neighbours`. No bit depends
-  /// on the processes: an entry has two terms at most.
+  /// The same in the rows of grains of which this rank has a copy, 0 in others. Requires `meet_neighbours`. No bit
+  /// depends on the number of ranks: an entry has two terms at most.
   template <class Velocity>
   Vector exchange_with_neighbours(const Velocity& velocity) const {
     Vector jumps = own_jumps(velocity);
     if (between_neighbours_) between_neighbours_({jumps.data(), at(jumps.size())});
     return jumps;
   }
-  /// The same of velocities V_E, d n_E entries each.
+  /// The same for velocities V_E, d n_E entries each.
   Vector exchange(const std::vector<Vector>& velocities) const;
 
-  /// A_E^T F: what interface impulses F come to on the grains of a subdomain, d n_E.
+  /// A_E^T F: interface impulses F as impulses on the grains of a subdomain, d n_E.
   Vector distribute(Index subdomain, const Vector& f) const;
 
-  /// Inner product of two vectors of the interface: every unknown counts once, however many copies it ties.
+  /// Inner product of two vectors of the interface. Every unknown counts once.
   double dot(const Vector& f, const Vector& g) const { return f.dot(g); }
-  /// The part of it that the rows have whose first copy is in a subdomain: these parts add up to the whole.
+  /// Its part from rows whose first copy is in a subdomain. The parts of all subdomains add up to it.
   double part_of_dot(Index subdomain, const Vector& f, const Vector& g) const;
 
   /// Velocities o_E of the copies with the jumps g, sum_E A_E o_E = g. The first copy of each grain is at rest.
   std::vector<Vector> copies_apart(const Vector& g) const;
-  /// The interface impulses F with A_E^T F = `impulses` of every subdomain; on each grain these must balance.
+  /// Interface impulses F with A_E^T F = `impulses` of every subdomain, which must balance on each grain.
   Vector collect(std::vector<Vector> impulses) const;
 
-  /// X_inf^-1 g,  X_inf = sum_E A_E M_E^-1 A_E^T,  in closed form grain by grain: for copies at o_j with the
-  /// jumps g, each of inertia M/q, a chain has F_k = (M/q) sum_{j <= k} (o_j - mean o).
-  /// `inertia(row, k)`: of unknown k of the copies that a row ties; all copies of a grain have the same.
+  /// X_inf^-1 g,  X_inf = sum_E A_E M_E^-1 A_E^T,  in closed form grain by grain: with copies at o_j that have the
+  /// jumps g, each of inertia M/q, a chain has F_k = (M/q) sum_{j <= k} (o_j - mean o). `inertia(row, k)`: of unknown k
+  /// of the copies that a row ties, equal for all copies of a grain.
   template <class Inertia>
   Vector solve_generic(const Inertia& inertia, const Vector& g) const {
     Vector f(g.size());
@@ -143,7 +140,7 @@ class Interface {
     });
     return jumps;
   }
-  /// Calls work(begin, end) for blocks of rows, in parallel if there are many. Rows of a grain are in one block.
+  /// Calls work(begin, end) for blocks of rows, in parallel if there are many. A block holds all rows of its grains.
   void for_blocks_of_rows(const std::function<void(Index, Index)>& work) const;
   void balance(Index first, Index last, Index k, double inertia, const Vector& g, Vector& f) const;
 
@@ -159,11 +156,10 @@ class Interface {
   std::function<void(std::span<double>)> between_neighbours_;
 };
 
-/// The interface if each process knows only its own subdomains: `held` is empty for the others, and `tied` is right for
-/// own grains only. All processes take part and exchange which grains they share. Each then knows the copies of these
-/// and of its own grains; other grains have no copies here, and local numbers of copies in other processes mean
-/// nothing. Besides, a process needs only a number for each grain. `process_of_subdomain`: as deal_out has them; empty
-/// where one process has all subdomains.
+/// The interface if each rank knows only its own subdomains: `held` is empty for the others, and `tied` is right for
+/// own grains only. Collective: ranks exchange which grains they share. Each then knows the copies of these and of its
+/// own grains, and stores one number for every other grain. Local numbers of copies on other ranks mean nothing.
+/// `process_of_subdomain`: see deal_out; empty: one rank has all subdomains.
 Interface shared_interface(Index dofs_per_grain, Index grains, std::vector<std::vector<Index>> held,
                            const std::vector<char>& tied, const std::vector<Index>& process_of_subdomain,
                            const Processes& processes, GluingShape shape = GluingShape::chain);

@@ -8,10 +8,10 @@ namespace nscdd {
 
 struct KernelSplit;  // linalg/pencil.hpp, beside its source
 
-/// The interface operator  X_eta = sum_E A_E (M_E + K_E / eta)^-1 A_E^T  ([ADI12] eq. (17)), n_Gamma x
-/// n_Gamma, s.p.d. for eta > 0: velocity jumps caused by interface impulses F_Gamma while the contact network
-/// acts as links of flexibility eta. eta = infinity is the X of the generic algorithm; eta = 0 its rigid
-/// limit, semidefinite; on restricted contacts (G_E) it is the X-bar of the nonsmooth analysis.
+/// The interface operator  X_eta = sum_E A_E (M_E + K_E / eta)^-1 A_E^T  ([ADI12] eq. (17)), n_Gamma x n_Gamma, s.p.d.
+/// for eta > 0: velocity jumps caused by interface impulses F_Gamma if contacts act as links of flexibility eta. eta =
+/// infinity is the X of the generic algorithm. eta = 0 is the rigid limit, semidefinite; on restricted contacts (G_E)
+/// it is the X-bar of the nonsmooth analysis.
 class InterfaceOperator {
  public:
   double flexibility() const;  ///< 1/kg; eta, or the epsilon of the system of a Contraction
@@ -28,24 +28,23 @@ class InterfaceOperator {
 
   /// dim ker X_eta: 0 for eta > 0; in the rigid limit sum_E rank H_E - rank H, the self-stresses across the interface.
   Index nullity() const;
-  /// False where these ranks are in doubt: a singular value of contacts lies next to the tolerance of a rank, 10^-6 of
-  /// the length of a column, or the ranks contradict each other. Radii of the rigid limit then are no better than that,
-  /// and do not count as converged.
+  /// False if these ranks are in doubt: a singular value of contacts is close to the tolerance of a rank, 10^-6 of the
+  /// length of a column, or the ranks contradict each other. Radii of the rigid limit then do not count as converged.
   bool nullity_is_clear() const;
-  /// In the rigid limit, how far X_0 may be off, in units of X_infinity: singular values of contacts that count as zero
-  /// without being zero tilt what contacts span. An estimate, rounding over the smallest singular value that counts
-  /// where contacts depend on each other exactly; infinity where `nullity_is_clear` is false. 0 for eta > 0.
+  /// Error estimate of X_0 in the rigid limit, in units of X_infinity. Singular values of contacts that count as zero
+  /// without being zero tilt the range of H_E. Where contacts depend on each other exactly, it is the rounding over the
+  /// smallest singular value that counts. Infinity if `nullity_is_clear` is false; 0 for eta > 0.
   double uncertainty() const;
 
   /// Orthonormal bases of the kernel of D^-1/2 X_eta D^-1/2 and of its complement, D = diag(scale()). Computed once.
   const KernelSplit& kernel() const;
 
-  /// X_eta^-1 g for eta > 0. For eta = infinity it is known in closed form (Interface::solve_generic). A family with an
-  /// InertiaMethod factorises the saddle point [M_{E,eta} A_E^T; A_E 0] once and solves on the interface alone; several
-  /// processes may share the factor, and g and the result are whole in each. Without one, a solve with the assembled
-  /// M + K/eta of the undivided packing finds copies V_E = R_E U + o_E of jumps g whose impulses M_{E,eta} V_E balance
-  /// on every grain; no Schur complement is formed. All NaN if X_eta is not positive definite in double precision.
-  /// Throws Error for eta = 0, and on several processes without a method.
+  /// X_eta^-1 g for eta > 0; for eta = infinity in closed form (Interface::solve_generic). A family with an
+  /// InertiaMethod factorises the saddle point [M_{E,eta} A_E^T; A_E 0] once and solves on the interface only; ranks
+  /// may share the factor, and g and the result are whole on each. Without a method, a solve with the assembled M +
+  /// K/eta of the undivided packing finds copies V_E = R_E U + o_E of jumps g whose impulses M_{E,eta} V_E balance on
+  /// every grain; no Schur complement is formed. All NaN if X_eta is not positive definite in double precision. Throws
+  /// Error for eta = 0, and on several processes without a method.
   Vector solve(const Vector& g) const;
   Vector solve_generic(const Vector& g) const;  ///< X_inf^-1 g, whatever eta
 
@@ -61,12 +60,12 @@ class InterfaceOperator {
   std::shared_ptr<const Implementation> implementation_;
 };
 
-/// Every X_eta of one decomposition, for sweeps along eta (or epsilon): what does not depend on the
-/// flexibility is computed once. Operators own what they need and outlive the family.
+/// Every X_eta of one decomposition, for sweeps along eta or epsilon: computes once what does not depend on the
+/// flexibility. Operators own what they need and outlive the family.
 class InterfaceFamily {
  public:
-  /// Subdomains of up to `dense_limit` unknowns d n_E are diagonalised, the larger ones factorised at each eta.
-  /// `inertia`: see InterfaceOperator::solve; many solutions with one eta are then cheap.
+  /// Subdomains of up to `dense_limit` unknowns d n_E are diagonalised, larger ones factorised at each eta. `inertia`:
+  /// see InterfaceOperator::solve; it makes many solutions with one eta cheap.
   explicit InterfaceFamily(const Decomposition& parts, Index dense_limit = default_dense_limit,
                            InertiaMethod inertia = {});
   static constexpr Index default_dense_limit = 300;

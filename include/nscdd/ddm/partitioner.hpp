@@ -12,11 +12,11 @@ namespace nscdd {
 ///   name, summary   the key of that name in [partition] chooses it
 ///   key_form        how [partition] has that key
 ///   option_form     how --subdomains has it; `value_of_option` reads the value of the key from there
-///   needs_geometry  whether it looks at centres and midpoints, or at the graph of contacts alone
+///   needs_geometry  whether it needs centres and midpoints, or only the graph of contacts
 /// and functions `subdomains`, `partition` and, where it needs geometry, `subdomain_of_midpoint`.
 using Partitioner = std::variant<GridPartitioner, MetisPartitioner>;
 
-/// Calls f with one of each, with its defaults.
+/// Calls f with each partitioner, with its default fields.
 template <class Function>
 void for_each_partitioner(Function&& f) {
   [&]<std::size_t... I>(std::index_sequence<I...>) { (f(std::variant_alternative_t<I, Partitioner>{}), ...); }
@@ -31,8 +31,8 @@ inline Index subdomains(const Partitioner& partitioner) {
   return std::visit([](const auto& one) { return subdomains(one); }, partitioner);
 }
 
-/// Distributes contacts. `geometry()` gives a pair of Packing and ContactNetwork, `graph()` a
-/// ReferenceProblem of the same contacts; only what the partitioner looks at is asked for.
+/// Distributes contacts. `geometry()` gives a pair of Packing and ContactNetwork, `graph()` a ReferenceProblem of the
+/// same contacts. Only the one that the partitioner needs is called.
 template <class Geometry, class Graph>
 Partition distribute(const Partitioner& partitioner, Geometry&& geometry, Graph&& graph) {
   return std::visit(

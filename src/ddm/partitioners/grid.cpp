@@ -10,7 +10,7 @@ namespace {
 
 constexpr Index most_cells = 1'000'000;
 
-// The cells along one coordinate, and the centres that they reach over.
+// The cells along one coordinate, and the range of the centres.
 struct Direction {
   double low, high;
   Index cells;
@@ -22,13 +22,13 @@ Direction direction_over(const Packing& packing, const std::vector<double>& cent
   const Index cells = std::max<Index>(asked, 1);  // a grid of one cell may leave z out
   constexpr double of_arithmetic = 1e-9;
   if (cells == 1 || *high <= *low) return {*low, *high, cells, of_arithmetic};
-  // Of a midpoint and of the two ends.
+  // Twice, for a midpoint and for the ends.
   const double of_numbers = 2 * certain_offset(packing, centres) / (*high - *low) * static_cast<double>(cells);
   return {*low, *high, cells, std::clamp(of_numbers, of_arithmetic, 0.5)};
 }
 
-// Cell 0 ... cells-1 of a coordinate; lines belong to the cell below them. Rounding must not send a midpoint
-// that lies on a line to the upper cell, hence the allowance.
+// Cell 0 ... cells-1 of a coordinate; lines belong to the cell below. The allowance keeps rounding from sending a
+// midpoint on a line to the upper cell.
 Index cell(double coordinate, const Direction& along) {
   if (along.high <= along.low) return 0;
   const double position = (coordinate - along.low) / (along.high - along.low) * static_cast<double>(along.cells);
@@ -40,7 +40,7 @@ Index cell(double coordinate, const Direction& along) {
 Index subdomains(const GridPartitioner& partitioner) {
   Index cells = 1;
   bool fits = true;
-  for (const Index along : partitioner.grid) {  // at the most 10^6 before each product: none overflows
+  for (const Index along : partitioner.grid) {  // at most 10^6 before each product: no overflow
     fits = fits && along >= 1 && along <= most_cells && cells * along <= most_cells;
     if (fits) cells *= along;
   }

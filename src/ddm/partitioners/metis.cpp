@@ -41,7 +41,7 @@ Graph contact_graph(const ReferenceProblem& problem, Index contacts) {
   return graph;
 }
 
-// The vertices of one part in breadth-first order from one that is far from the first: a half of them is in one piece.
+// The vertices of one part in breadth-first order from one far from the first, so that a half of them is connected.
 std::vector<idx_t> in_breadth(const Graph& graph, const std::vector<idx_t>& part, idx_t one) {
   std::vector<char> taken(part.size(), 0);
   std::vector<idx_t> order;
@@ -70,7 +70,7 @@ std::vector<idx_t> in_breadth(const Graph& graph, const std::vector<idx_t>& part
   return order;
 }
 
-// METIS may leave parts empty where they are to be small. Each of these takes half of the largest part.
+// Each part that METIS leaves empty, as it may leave small ones, takes half of the largest part.
 void fill_empty_parts(const Graph& graph, idx_t parts, std::vector<idx_t>& part) {
   std::vector<Index> size(at(parts), 0);
   for (const idx_t one : part) ++size[at(one)];
@@ -90,7 +90,7 @@ void fill_empty_parts(const Graph& graph, idx_t parts, std::vector<idx_t>& part)
 Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem& problem) {
   Partition result{.subdomains = partitioner.metis,
                    .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
-  // METIS takes neither an empty graph nor more parts than vertices; one contact per part is then as good.
+  // METIS refuses an empty graph and more parts than vertices; one contact per part is then as good.
   if (partitioner.metis == 1 || problem.contacts() == 0) return result;
   const Index columns = problem.columns_per_contact, contacts = problem.contacts() / columns;
   if (partitioner.metis >= contacts) {

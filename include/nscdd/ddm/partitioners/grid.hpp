@@ -11,8 +11,8 @@
 namespace nscdd {
 
 /// Regular grid of grid[0] x grid[1] cells, in space x grid[2], over the bounding box of the grain centres. A contact
-/// goes to the cell (i, j, k) of its midpoint, counted from 0 along x, y and z; subdomain = i + grid[0] (j + grid[1]
-/// k). A midpoint on a line, or on a plane in space, goes to the lower cell.
+/// goes to the cell (i, j, k) of its midpoint, counted from 0; subdomain = i + grid[0] (j + grid[1] k). A midpoint on a
+/// grid line (a plane in space) goes to the lower cell.
 struct GridPartitioner {
   static constexpr std::string_view name = "grid";
   static constexpr std::string_view summary = "contact midpoints on a regular grid";
@@ -41,7 +41,7 @@ Index subdomains(const GridPartitioner& partitioner);
 /// grid has a number of cells for each direction of the packing; a grid of a single cell fits any.
 Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network);
 
-/// The subdomain of a contact by its midpoint, m, for a process without all contacts. Throws Error as `partition` does.
+/// The subdomain of a contact from its midpoint, m, for a rank without all contacts. Throws Error as `partition` does.
 std::function<Index(const std::array<double, 3>&)> subdomain_of_midpoint(const GridPartitioner& partitioner,
                                                                          const Packing& packing);
 

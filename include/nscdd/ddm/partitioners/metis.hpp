@@ -7,9 +7,9 @@
 
 namespace nscdd {
 
-/// METIS k-way partition of the contact graph: its vertices are the contacts, joined where they share a grain, so that
-/// a cut edge is a grain to be split. The columns of a contact stay together. Equal sizes, few cuts, no geometry. Parts
-/// that METIS leaves empty, as it may where they are small, take half of the largest part each.
+/// METIS k-way partition of the contact graph. Its vertices are the contacts, its edges join contacts of one grain, so
+/// a cut edge splits a grain. Columns of a contact stay together. Parts are of equal size with few cuts, without
+/// geometry. Each part that METIS leaves empty, as it may leave small ones, takes half of the largest part.
 struct MetisPartitioner {
   static constexpr std::string_view name = "metis";
   static constexpr std::string_view summary = "METIS k-way partition of the contact graph";
@@ -32,7 +32,7 @@ struct MetisPartitioner {
 
 inline Index subdomains(const MetisPartitioner& partitioner) { return partitioner.metis; }
 
-/// Subdomains are empty only if there are fewer contacts. Throws Error where METIS fails.
+/// Leaves a subdomain empty only if there are fewer contacts than subdomains. Throws Error if METIS fails.
 Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem& problem);
 
 }  // namespace nscdd
