@@ -9,8 +9,8 @@
 namespace nscdd {
 namespace {
 
-// P, S, their scaled copy and difference, and the Cholesky factor and reduced matrix of LAPACK. In the rigid limit
-// there may also be a kernel with its complement, a basis, and the restricted pencil.
+// P, S, their scaled copy and difference, and LAPACK's Cholesky factor and reduced matrix. The rigid limit adds a
+// kernel with its complement, a basis, and the restricted pencil.
 constexpr double matrices_at_once = 6, rigid_matrices_at_once = 10;
 
 // The pencil (A, P) on the P-orthogonal complement of the span of `kernel`: with P = L L^T and Q an orthonormal basis
@@ -27,7 +27,7 @@ PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel,
   if (!ends.failure.empty()) return ends;
   ends.low_vectors = y * ends.low_vectors;
   ends.high_vectors = y * ends.high_vectors;
-  const Matrix lower = cholesky.matrixL();  // the residual is that of the whole pencil
+  const Matrix lower = cholesky.matrixL();  // residual of the whole pencil
   ends.residual = std::max(pair_residual(a, p, lower, ends.low, ends.low_vectors),
                            pair_residual(a, p, lower, ends.high, ends.high_vectors));
   return ends;
@@ -43,11 +43,11 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   require_memory((b.system.flexibility() == 0 ? rigid_matrices_at_once : matrices_at_once) * bytes_of_matrix(n, n),
                  fmt::format("matrices of {} interface unknowns", n),
                  "fewer subdomains or grains, or the solver arpack");
-  // Both matrices are scaled by D^-1/2 from both sides, D = diag(X): unequal masses no longer spoil the condition.
+  // Scaling both matrices by D^-1/2 from both sides, D = diag(X), keeps unequal masses from spoiling the condition.
   const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
   const Matrix p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
   look();
-  // P B. The pencil (P B, P) has the eigenvalues mu themselves, so that small radii keep their digits.
+  // P B. The pencil (P B, P) has the eigenvalues mu themselves: small radii keep their digits.
   const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
   const Index unit_multiplicity = b.system.nullity();
   const double tilt = b.system.uncertainty();
@@ -64,12 +64,12 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   const auto margin = [&] {  // backward errors of LAPACK grow with the size and with the largest eigenvalue
     const double largest = std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
     return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest) + lost_to_rounding(b) * (1 + largest) +
-           uncertain();  // of S and P as they were assembled
+           uncertain();
   };
   const auto may_converge = [&] {
     return uncertain() <= options.tolerance * std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
   };
-  if (options.certify && ends.failure.empty() && may_converge())  // until the list has all copies of both ends
+  if (options.certify && ends.failure.empty() && may_converge())  // until the lists hold all copies of both ends
     while (ends.failure.empty() && wanted < most &&
            (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
       ends = ends_of(wanted = std::min(2 * wanted, most));
@@ -83,7 +83,7 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   result.mode_max = root.asDiagonal() * ends.high_vectors.col(0);
   result.residual = ends.residual + uncertain();
   result.converged = accurate(result, options.tolerance);
-  if (options.certify && result.converged) {  // Sturm counts miss no eigenvalue, nor does the QR iteration
+  if (options.certify && result.converged) {  // neither Sturm counts nor the QR iteration miss an eigenvalue
     result.certified = true;
     result.interval_min = {ends.low[0] - margin(), ends.low[0] + margin()};
     result.interval_max = {ends.high[0] - margin(), ends.high[0] + margin()};

@@ -34,8 +34,8 @@ class Spectra {
     return {1 - radius.subdominant_max, 1 - radius.subdominant_min, radius.converged};
   }
 
-  // The same at a point that is reported, whose residual counts. (A search also looks at flexibilities so
-  // small that X_eta is numerically singular. Residuals do not matter there.)
+  // At a point that is reported, whose residual counts. A search also tries flexibilities so small that X_eta is
+  // numerically singular; residuals do not matter there.
   Ends reported(double eta) {
     const Ends ends = at(eta);
     best.residual = std::max(best.residual, last_residual_);
@@ -56,7 +56,7 @@ class Spectra {
   std::string last_failure_;
 };
 
-// The flexibilities that are searched.
+// The range of flexibilities to search.
 struct Range {
   double low, high;
 
@@ -83,7 +83,7 @@ void find_relaxed(Spectra& spectra, const Range& range) {
   const int samples = 4 * static_cast<int>(2 * decades) + 1;
   const auto radius = [&](double x) {
     const Ends ends = spectra.at(std::exp(x));
-    return ends.converged ? ends.relaxed_radius() : 1.0;  // relaxed radii are below 1 where they are known
+    return ends.converged ? ends.relaxed_radius() : 1.0;  // known relaxed radii are below 1
   };
   const double first = std::log(range.low), length = std::log(range.high) - first;
   const auto point = [&](int i) { return first + length * i / (samples - 1); };
@@ -94,7 +94,7 @@ void find_relaxed(Spectra& spectra, const Range& range) {
   const auto lowest = static_cast<int>(least - values.begin());
   const bool falls_to_zero = lowest == 0 || values.front() <= *least * (1 + 1e-6);
   double x = point(lowest);
-  if (!falls_to_zero && best.generic_relaxed_radius <= *least * (1 + 1e-6)) {  // nor does it pay to enrich
+  if (!falls_to_zero && best.generic_relaxed_radius <= *least * (1 + 1e-6)) {  // enriching does not pay
     best.relaxed_status = OptimumStatus::eta_to_infinity;
     best.relaxed_eta = infinity;
     best.relaxed_radius = best.generic_relaxed_radius;
@@ -134,7 +134,7 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
   if (!(best.generic_radius > 1e-14)) return finish(OptimumStatus::already_exact);
 
   Range range(system);
-  if (epsilon > 0) {  // the root of the linear case is eta = epsilon: the range must reach it
+  if (epsilon > 0) {  // the root of the linear case is eta = epsilon: the range must contain it
     range.low = std::min(range.low, epsilon / 100);
     range.high = std::max(range.high, epsilon * 100);
   }

@@ -6,7 +6,7 @@ namespace {
 
 constexpr double share_of_margin = 0.2;  // accepted error of Lanczos over the distance of the last shift
 constexpr Index few = 16;                // eigenvalues beyond a shift that are searched from it
-constexpr Index most_reaches = 6;        // such attempts before the search restarts from further out
+constexpr Index most_reaches = 6;        // then the search restarts from further out
 
 class EndSearch {
  public:
@@ -60,7 +60,7 @@ class EndSearch {
   double rounding(double lambda) const { return side_.rounding(lambda); }
   Index beyond(const ShiftedPencil& pencil) const { return side_.beyond(pencil); }
 
-  // Proved bound of the spectrum, by a count or known beforehand; infinite if nothing is proved.
+  // Proved bound of the spectrum, by a count or known beforehand; infinite without any.
   double proved() const {
     const double known = smallest_ ? point_.low : point_.high;
     if (point_.kernel > 0 && smallest_) return outer_.value_or(-infinity);
@@ -85,11 +85,11 @@ class EndSearch {
 
   double beyond_guess() const {
     if (!smallest_) return std::min(guess_ + distance_, point_.high * (1 + 1e-3));
-    return std::max(guess_ / (1 + distance_ / guess_), point_.low * (1 - 1e-3));  // positive, however uncertain
+    return std::max(guess_ / (1 + distance_ / guess_), point_.low * (1 - 1e-3));  // always positive
   }
 
-  // A shift further out than one that has eigenvalues beyond it. If a value is known, its near-copies lie
-  // within its bound, so clear of that; or else halfway to what is proved, on a logarithmic scale.
+  // A shift further out than one that has eigenvalues beyond it. It clears the bound of a known value, within which
+  // near-copies lie. Otherwise it is halfway to the proved bound, on a logarithmic scale.
   double step_out(double shift) {
     if (found()) {
       const double clear = value() - inward(4 * (bound_ + solution_error_));
@@ -183,7 +183,7 @@ class EndSearch {
     sloped_ = true;
   }
 
-  // The next shift: a tenth of the tolerance beyond the value, or if the error may be larger, beyond its proved bound.
+  // The next shift: a tenth of the tolerance beyond the value or, if its error may be larger, beyond its bound.
   double closer_shift() const {
     const double beyond_value = margin(value());
     if (error_ + solution_error_ <= 2 * share_of_margin * beyond_value)
@@ -193,8 +193,8 @@ class EndSearch {
     return std::max(value() - inward(std::min(step, 0.3 * distance_to_proof())), 0.5 * value());
   }
 
-  // A count just outside proves the end, another just inside gives its multiplicity. The first is known if the last
-  // shift was near enough, but not too near.
+  // A count just outside proves the end, one just inside gives its multiplicity. The last shift may serve as the first,
+  // if it was near but not too near.
   void certify() {
     const double keep_away = std::max(tolerance(), 4 * rounding(value()));
     const double distance = outer_ ? std::abs(value() - *outer_) : infinity;

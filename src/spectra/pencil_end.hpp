@@ -6,14 +6,14 @@
 
 namespace nscdd {
 
-/// A point of a sweep, for the search for an end of the spectrum.
+/// A point of a sweep where an end of the spectrum is searched, with bounds that are known beforehand.
 struct PencilPoint {
   double epsilon = 1;
   double eta = infinity;
-  Index kernel = 0;        ///< skipped eigenvalues at the low end: the zeros of the rigid limit
+  Index kernel = 0;        ///< eigenvalues to skip at the low end: the zeros of the rigid limit
   double low = 0;          ///< no other eigenvalue is below; >= 0
   double high = infinity;  ///< no eigenvalue is above
-  /// Lost digits may move an eigenvalue by this times max(1, |lambda|). Certificates keep this distance.
+  /// Lost digits move an eigenvalue by up to this times max(1, |lambda|). Certificates keep this distance.
   double rounding = 0;
 };
 
@@ -28,7 +28,7 @@ struct EndOptions {
   Index eigenvalues = 1;    ///< wanted, from the end inwards
   bool certify = false;
   Index maximum_factorisations = 40;
-  Index steps = 24;  ///< of Lanczos from one shift; beyond, a closer shift is worth its factorisation
+  Index steps = 24;  ///< of Lanczos from one shift; then a closer shift is worth its factorisation
 };
 
 /// One end of the spectrum of (S, P).
@@ -36,36 +36,35 @@ struct PencilEnd {
   Vector values;   ///< from the end inwards; empty if none was found
   Matrix vectors;  ///< n_Gamma x k, interface impulses
   /// The end lies within this distance of the first value, and an eigenvalue within it of each other value. It is the
-  /// distance between two proved bounds of the end: the first value, a Rayleigh quotient, is never beyond the end, and
-  /// no eigenvalue lies beyond a certain shift, by an inertia count or a bound known beforehand. An estimate of the
-  /// error of the solves is added.
+  /// distance between two proved bounds of the end, plus an estimate of the error of the solves. One bound is the first
+  /// value: a Rayleigh quotient is never beyond the end. The other is a shift beyond which an inertia count or prior
+  /// knowledge excludes eigenvalues.
   double residual = infinity;
   bool converged = false;  ///< residual <= tolerance, and no copy of a value is missing
-  /// Inertia counts prove that no eigenvalue lies beyond `outside`, and how many lie between it and `inside`.
+  /// Inertia counts prove that no eigenvalue lies beyond `outside`, and that `within` lie between it and `inside`.
   bool certified = false;
   double outside = not_a_number, inside = not_a_number;
-  Index within = 0;  ///< eigenvalues between the two, with multiplicity
+  Index within = 0;  ///< with multiplicity
   /// d lambda / d log epsilon and d lambda / d log eta of the first value (Hellmann and Feynman).
   double slope_epsilon = 0, slope_eta = 0;
   Index factorisations = 0, solves = 0;
 };
 
-/// Finds one end of the spectrum by shifts that close in on it from outside.
-/// 1. Choose a shift beyond the expected end and factorise there. The inertia proves that no eigenvalue lies
-///    further out; if some do, step out and begin again.
-/// 2. Run shift-inverted Lanczos from this shift. If the end is not crowded, a few steps bring it to within a
-///    fraction of the tolerance.
-/// 3. Place the next shift a tenth of the tolerance beyond the value found. If no eigenvalue lies beyond that one
-///    either, the end is proved, and one solve completes the vector. If some do, the end is among these few:
-///    search from there, and repeat from step 2.
-/// A crowded end costs some factorisations more, not thousands of products.
-/// `start`: initial vector, or empty. No convergence is data: see PencilEnd::converged.
+/// Finds one end of the spectrum by shifts that approach it from outside.
+/// 1. Factorise at a shift beyond the expected end. The inertia proves that no eigenvalue lies further out; if some do,
+///   step out and begin again.
+/// 2. Run shift-inverted Lanczos from this shift. Unless the end is crowded, a few steps bring it to within a fraction
+///   of the tolerance.
+/// 3. Factorise a tenth of the tolerance beyond the value found. If no eigenvalue lies beyond, the end is proved, and
+///   one solve completes the vector. If some do, the end is among these few: search from there, and repeat from step 2.
+/// A crowded end costs some more factorisations, not thousands of products. `start`: initial vector, or empty. No
+/// convergence is data: see PencilEnd::converged.
 PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner, const PencilPoint& point,
                    SpectrumEnd end, const std::optional<EndGuess>& guess, const Vector& start,
                    const EndOptions& options);
 
-/// One side of the spectrum at a point of a sweep: its direction, tolerances, factorisations, solves and results. The
-/// search for the end and the list of eigenvalues behind it share it.
+/// One side of the spectrum at a point of a sweep: direction, tolerances, factorisations, solves and results, shared by
+/// the search for the end and the list of eigenvalues behind it.
 struct PencilSide {
   const ShiftedPencilFamily& family;
   const InterfaceOperator& p;
@@ -83,11 +82,11 @@ struct PencilSide {
   double rounding(double lambda) const { return point.rounding * std::max(1.0, std::abs(lambda)); }
 
   /// Distance of the last shift beyond an eigenvalue. Within the rounding of the matrix a count would be meaningless. A
-  /// tenth of the tolerance, because a relaxation multiplies the distance to give its residual.
+  /// tenth of the tolerance, because a relaxation multiplies it.
   double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
 
-  /// The pencil at the shift, or at a nearby one with a reliable factorisation; nothing if there is none. `side`: the
-  /// direction of steps from an unreliable shift, inwards (1) or outwards (-1).
+  /// The pencil at the shift or, if that is unreliable, at a nearby one inwards (`side` = 1) or outwards (-1); nothing
+  /// if none is reliable.
   std::optional<ShiftedPencil> factorise(double shift, double side = -1);
 
   /// Number of eigenvalues beyond the shift.
@@ -104,13 +103,13 @@ struct PencilSide {
                             const ShiftInvertOptions& lanczos_options, const Vector& start, const Matrix& locked = {});
 
   /// Adds the eigenvalues behind the end to the result, as many as the options want, from a shift far enough out to
-  /// reach them all. The result stays converged if they all are and a count proves that none is missing.
+  /// reach them. The result stays converged if all are and a count proves that none is missing.
   void list_behind();
 
  private:
   struct Added {
     bool any = false;            // whether the list has grown
-    std::optional<double> seen;  // the eigenvalue nearest to the shift, accurate or not
+    std::optional<double> seen;  // nearest to the shift, accurate or not
   };
   void polish(const ShiftedPencil& pencil);
   bool extend_list(const ShiftedPencil& pencil);

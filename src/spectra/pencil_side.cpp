@@ -4,8 +4,8 @@
 namespace nscdd {
 
 std::optional<ShiftedPencil> PencilSide::factorise(double shift, double side) {
-  // The first steps stay within the tolerance of the end. Later ones go far enough to leave the cause of the unreliable
-  // factorisation, usually an eigenvalue of a part of the packing.
+  // The first steps stay within the tolerance of the end. Later ones leave the cause of the unreliable factorisation,
+  // usually an eigenvalue of a part of the packing.
   for (const double step : {0.2, 0.5, 3.0, 30.0, 300.0}) {
     ++result.factorisations;
     ShiftedPencil pencil = family.at(point.epsilon, point.eta, shift, accuracy);
@@ -31,7 +31,7 @@ void PencilSide::list_behind() {
       pencil && (polish(*pencil), extend_list(*pencil)) && result.residual <= tolerance(result.values[0]);
 }
 
-// Inverse iteration: components of other vectors in a locked one disturb their values, more so nearer to the shift.
+// Inverse iteration: components of other vectors in a locked one disturb values, the more the nearer to the shift.
 void PencilSide::polish(const ShiftedPencil& pencil) {
   Vector x = result.vectors.col(0);
   for (int k = 0; k < 2; ++k) {
@@ -42,11 +42,11 @@ void PencilSide::polish(const ShiftedPencil& pencil) {
   if (x.allFinite()) result.vectors.col(0) = x;
 }
 
-// Lanczos may find only one copy of a multiple eigenvalue. So the search goes on until an inertia count beyond the last
-// wanted eigenvalue equals the length of the list. False if it cannot be reached.
+// Lanczos may find only one copy of a multiple eigenvalue, so the search goes on until an inertia count beyond the last
+// wanted eigenvalue equals the length of the list. False if it never does.
 bool PencilSide::extend_list(const ShiftedPencil& pencil) {
   const Index wanted = std::min(options.eigenvalues, p.rows() - point.kernel);
-  std::optional<ShiftedPencil> nearer;  // behind a gap that is too wide for the first shift
+  std::optional<ShiftedPencil> nearer;  // behind a gap too wide for the first shift
   while (result.values.size() < wanted) {
     const Added added = add_to_list(nearer ? *nearer : pencil, wanted - result.values.size());
     if (added.any) continue;
@@ -62,7 +62,8 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
     return counted - std::count_if(result.values.begin(), result.values.end(),
                                    [&](double lambda) { return inward(lambda - outside->shift()) < 0; });
   };
-  // Copies of the last values, or of those before a gap: from the shift of the others, then from next to the last.
+  // Missing copies are of the last values, or of those before a gap: search from the shifts used, then next to the last
+  // value.
   bool next_to_last = false;
   while (missing() > 0) {
     if (add_to_list(nearer ? *nearer : pencil, missing()).any || (nearer && add_to_list(pencil, missing()).any))
@@ -78,8 +79,8 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
   return true;
 }
 
-// Second-order error of an eigenvalue due to inexact locked vectors: the image y of its vector under (S - sigma P)^-1 P
-// then has parts c along them. With nu = 1 / (lambda - sigma) it is the sum of c^2 / |nu - nu_j|, over nu^2.
+// Second-order error of an eigenvalue due to inexact locked vectors. The image of its vector under (S - sigma P)^-1 P
+// has parts c_j along them; with nu = 1 / (lambda - sigma) the error is sum_j c_j^2 / |nu - nu_j|, over nu^2.
 double PencilSide::disturbance(const ShiftedPencil& pencil, const Vector& x, double lambda, const Matrix& locked,
                                const Vector& known) {
   ++result.solves;
@@ -98,7 +99,7 @@ PencilSide::Added PencilSide::add_to_list(const ShiftedPencil& pencil, Index wan
   const Vector known = result.values;
   const ShiftInvertResult run =
       lanczos(pencil, end, wanted, {.maximum_steps = list_steps, .tolerance = 0.1 * options.tolerance}, {}, locked);
-  // The rounding of the matrix grows with the distance from the shift, over that of the nearest eigenvalue.
+  // Rounding grows with the distance from the shift, relative to that of the nearest eigenvalue.
   double nearest = run.values.size() > 0 ? std::abs(run.values[0] - pencil.shift()) : 0;
   for (const double value : known) nearest = std::min(nearest, std::abs(value - pencil.shift()));
   for (Index k = 0; k < run.values.size(); ++k) {

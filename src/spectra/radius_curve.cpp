@@ -9,12 +9,12 @@ namespace {
 
 enum Side { low = 0, high = 1 };
 
-// The concave function F of one end over its coordinate u, and how both follow from lambda and x.
+// The concave function F of one end over its coordinate u, with F and u as functions of lambda and x.
 struct Concave {
   const CurveLaw& law;
   Side side;
 
-  double stiffest() const { return law.stiffest > 0 ? law.stiffest : 1; }  // every bound will do
+  double stiffest() const { return law.stiffest > 0 ? law.stiffest : 1; }  // any bound will do
   bool saturates() const { return (law.axis == CurveAxis::epsilon) == (side == low); }
   double u(double x) const { return saturates() ? x / (x + stiffest()) : 1 / x; }
   double du(double x) const {  // d u / d log x
@@ -38,7 +38,7 @@ struct Concave {
     return {constant, slope, 1, 0};
   }
 
-  // The part of rho that a bound of F makes.
+  // The bound of rho that follows from a bound of F.
   Moebius part(const Moebius& bound) const {
     return side == low ? one_minus(law.relaxation, bound) : over_minus_one(law.relaxation, bound);
   }
@@ -94,7 +94,7 @@ struct Extreme {
   double value = -infinity, x = 1;
 
   void include(double other, double at) {
-    if (std::isnan(other)) other = infinity;  // no bound can be computed
+    if (std::isnan(other)) other = infinity;  // no bound
     if (other > value) *this = {other, at};
   }
 };
@@ -118,8 +118,8 @@ Extreme above_line(const std::vector<Moebius>& upper, const Line& line, double f
   return extreme;
 }
 
-// Between two crossings one lower bound is the best. (Any other holds as well: if rounding moves a crossing, the bound
-// is less sharp there.)
+// Between two crossings one lower bound is the best. If rounding moves a crossing, the bound there is less sharp but
+// holds.
 Extreme below_line(const std::vector<Moebius>& lower, const Line& line, double from, double to) {
   std::vector<double> cuts{from, to};
   for (std::size_t i = 0; i < lower.size(); ++i)
@@ -144,10 +144,9 @@ CurveEnd end_of(const Contraction& b, double mu, const std::array<double, 2>& in
   return {.lambda = lambda, .error = error + rounding * std::max(1.0, lambda)};
 }
 
-// The slope of a quotient that belongs to the vector f found. With the residual r = |S f - lambda P f| in the norm of
-// P^-1, over |f| in that of P, this slope is exact up to r^2 / lambda^2 of itself; but for the low end along eta. There
-// the quotient is that of S f for P^-1, whose slope differs by at most 2 r + r^2 / lambda, because d P / d log eta <=
-// P.
+// The slope of the Rayleigh quotient of the mode f. With the residual r = |S f - lambda P f|_{P^-1} / |f|_P it is exact
+// up to r^2 / lambda^2 of itself, except for the low end along eta. There the quotient is that of S f for P^-1, whose
+// slope differs by at most 2 r + r^2 / lambda, because d P / d log eta <= P.
 void set_slope(CurveEnd& end, const Contraction& b, const Vector& mode, CurveAxis axis) {
   if (mode.size() == 0) return;
   const Vector pf = b.preconditioner.apply(mode), residual = b.system.apply(mode) - end.lambda * pf;

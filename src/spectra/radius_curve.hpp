@@ -5,13 +5,13 @@
 
 namespace nscdd {
 
-/// Flexibility along a curve: that of the law in S = X_epsilon, or that of Stage 2 in P = X_eta.
+/// The flexibility that varies along a curve: that of the law in S = X_epsilon, or that of Stage 2 in P = X_eta.
 enum class CurveAxis { epsilon, eta };
 
 /// One end of the spectrum of (S, P) outside ker S at a point of a curve.
 struct CurveEnd {
   double lambda = 1, error = 0;  ///< the end lies within `error` of `lambda`
-  /// d lambda / d log x of the Rayleigh quotient of one vector, whose value lies within `error` of `lambda` too.
+  /// d lambda / d log x of the Rayleigh quotient of a vector; the quotient, too, lies within `error` of `lambda`.
   double slope = not_a_number, slope_error = 0;  ///< NaN without a vector
 };
 
@@ -29,15 +29,15 @@ struct CurveLaw {
   double relaxation = 1;  ///< omega
 };
 
-/// The ends at x for a contraction operator with omega = 1 and its converged spectrum: the intervals of its certificate
-/// or, without one, its residual; the slopes for each end by a product with S and P, a bound of the residual of the
-/// vector, and one local solve per subdomain.
+/// The ends at x of a contraction operator with omega = 1 and a converged spectrum. Errors come from the intervals of
+/// its certificate or, without one, from its residual. The slope of each end takes a product with S and P, a bound of
+/// the residual of its vector, and one local solve per subdomain.
 CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveAxis axis);
 
 /// An upper bound of g^T X_eta^-1 g, eta > 0, without a solve with X_eta: X_inf^-1 times `generic_at_most`.
 double inverse_at_most(const InterfaceOperator& x, const Vector& g);
 
-/// Uncertainty of the radius at a point, from its ends. No band is narrower there.
+/// Uncertainty of the radius at a point, from its ends; no band is narrower there.
 double uncertainty(const CurveLaw& law, const CurvePoint& point);
 
 /// Largest deviation of the radius from the straight line, over log x, between two neighbouring points.
@@ -47,10 +47,10 @@ struct Deviation {
 };
 
 /// Proved deviations of rho = max(1 - omega lambda_low, omega lambda_high - 1) between two points (docs/theory.md,
-/// section 12). Four functions F(u) are concave, so they lie above their chords and below their tangents:
+/// section 12). Four functions F(u) are concave: they lie above their chords and below their tangents.
 ///     along epsilon   lambda_low over  x / (x + L)       1 / lambda_high over  1 / x
 ///     along eta       lambda_low over  1 / x             1 / lambda_high over  x / (x + L)
-/// with L = law.stiffest. Every chord and tangent gives a bound of rho that is a Moebius function of x, so the
+/// with L = law.stiffest. Every chord and tangent gives a bound of rho that is a Moebius function of x. So the
 /// deviations are exact, not sampled: they occur at the ends, at crossings of bounds and at stationary points.
 Deviation deviation(const CurveLaw& law, const CurvePoint& from, const CurvePoint& to);
 

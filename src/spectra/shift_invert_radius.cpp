@@ -36,21 +36,21 @@ struct Known {
   double move(const Step& step) const { return slope * (end.slope_epsilon * step.epsilon + end.slope_eta * step.eta); }
 };
 
-// Hermite's cubic through both points, if they and the step are on one line. `back`: from the last to the one before.
+// Hermite's cubic through both points, if these and the step lie on one line. `back`: from the last point to the one
+// before.
 std::optional<EndGuess> cubic(const Known& before, const Known& last, const Step& back, const Step& step) {
   const double length = back.epsilon + back.eta;
   const bool along_one = (step.epsilon == 0 && back.epsilon == 0) || (step.eta == 0 && back.eta == 0);
   if (!along_one || length == 0 || !std::isfinite(length)) return std::nullopt;
-  const double t = (step.epsilon + step.eta) / length;  // from the last point, towards the one before
+  const double t = (step.epsilon + step.eta) / length;  // from the last point to the one before
   const double chord = before.value - last.value, slope = last.move(back), far_slope = before.move(back);
   const double quadratic = chord - slope, cubic = far_slope + slope - 2 * chord;
   return EndGuess{(last.value + last.move(step)) + t * t * (quadratic + (t - 1) * cubic),
                   0.5 * std::abs(t * t * (t - 1) * cubic)};
 }
 
-// Above this many contacts the rank of the whole packing takes too much memory; every rank of MPI computes it. The zero
-// eigenvalues of the rigid limit are then those below the first of these two shifts, provided that none lies between
-// the two.
+// With more contacts the rank of the whole packing, which every MPI rank computes, takes too much memory. The zero
+// eigenvalues of the rigid limit are then those below the first of these two shifts, if none lies between the two.
 constexpr Index ranks_up_to = 1000000;
 constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
 
@@ -69,9 +69,9 @@ bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
   return !all.interface.processes().any(misses);
 }
 
-// Bounds of the spectrum without a factorisation. If S and P have the same contacts, both are functions of M^-1 K. An
-// eigenvalue kappa of that gives the ratio (1 + kappa/eta) / (1 + kappa/epsilon), which runs from 1 at kappa = 0 to its
-// value at the largest kappa. Fewer contacts in S make S larger. If S has contacts that P has not, nothing is known.
+// Bounds of the spectrum without a factorisation. If S and P have the same contacts, both are functions of M^-1 K: an
+// eigenvalue kappa of it gives the ratio (1 + kappa/eta) / (1 + kappa/epsilon), which runs from 1 at kappa = 0 to its
+// value at the largest kappa. Fewer contacts make S larger. If S has contacts that P has not, nothing is known.
 PencilPoint known_bounds(const Contraction& b) {
   const double epsilon = b.system.flexibility();
   PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.flexibility(), .rounding = lost_to_rounding(b)};
@@ -96,7 +96,7 @@ void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) 
   visited.push_back({point.epsilon, point.eta, kept(ends.smallest), kept(ends.largest)});
 }
 
-// The family of this problem. What another problem has left in the memory is thrown away.
+// The family of this problem. A memory of another problem is cleared.
 const ShiftedPencilFamily& family_for(const Contraction& b, const InertiaMethod& method, PencilMemory& memory,
                                       SystemForm form, const std::shared_ptr<const RigidSystem>& rigid = {}) {
   std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(b.preconditioner.flexibility()) ? 1 : 0];
@@ -121,7 +121,7 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOpt
   return ends;
 }
 
-// Uses the condensed form or, if that has lost the digits for a proof, the slower augmented form. A shift is reliable
+// Uses the condensed form or, if that has too few digits for a proof, the slower augmented form. Shifts are reliable
 // beyond about a thousand times the rounding, see ShiftedPencil::reliable.
 Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& options,
                         PencilMemory& memory) {
@@ -169,7 +169,7 @@ SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multipl
   return result;
 }
 
-// The number of eigenvalues lambda below a shift next to 0. It is unknown if no factorisation there is reliable.
+// The number of eigenvalues lambda below a shift next to 0; nothing if no factorisation there is reliable.
 std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta, double zero, Index& factorisations) {
   for (const double shift : {zero, 2 * zero, 5 * zero}) {
     ++factorisations;
@@ -179,16 +179,16 @@ std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta
   return std::nullopt;
 }
 
-// The number of eigenvalues lambda of the rigid limit that are 0, by inertia. An eigenvalue may be as small as 1e-8
-// without being 0, so two shifts must count the same. The number is unknown if they do not, or if one is unreliable.
+// The number of zero eigenvalues lambda of the rigid limit, by inertia. An eigenvalue may be as small as 1e-8 without
+// being 0, so two shifts must count the same; else, or if one is unreliable, there is no number.
 std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double eta, Index& factorisations) {
   const std::optional<Index> count = counted_below(family, eta, rigid_zero, factorisations);
   const std::optional<Index> again = counted_below(family, eta, rigid_zero_again, factorisations);
   return count == again ? count : std::nullopt;
 }
 
-// Whether `kernel` eigenvalues lie below the first reliable shift next to 0, which is beyond the values that rounding
-// gives to the zeros. A small eigenvalue that lies below it, too, is counted, and nothing is then confirmed.
+// Whether `kernel` eigenvalues lie below the first reliable shift next to 0, beyond what rounding makes of zeros. A
+// small eigenvalue below it is counted, too, and then nothing is confirmed.
 bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index kernel, Index& factorisations) {
   const double zero = std::max(rigid_zero_again, 10 * point.rounding);
   for (const double times : {1.0, 1e1, 1e2, 1e3, 1e4})
@@ -196,9 +196,9 @@ bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index
   return false;
 }
 
-// Interface impulses that the networks can carry in more than one way give lambda = 0, a unit eigenvalue
-// each. Their number comes from ranks, which small eigenvalues do not disturb. A shift next to 0 must count
-// the same number; if it does not, one of the two is wrong and nothing is proved.
+// Interface impulses that the networks carry in more than one way give lambda = 0, a unit eigenvalue each. Ranks, which
+// small eigenvalues do not disturb, give their number. A shift next to 0 must count the same number: otherwise one of
+// the two is wrong, and nothing is proved.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
   std::optional<RigidLimit>& limit = memory.limit;
   if (!limit || &limit->met.decomposition() != &b.system.decomposition())
@@ -256,7 +256,7 @@ std::optional<EndGuess> PencilMemory::expected(const PencilPoint& point, End Vis
   double lambda = coordinate.lambda(guess.value);
   double side = std::max(std::abs(coordinate.lambda(guess.value + guess.uncertainty) - lambda),
                          std::abs(lambda - coordinate.lambda(guess.value - guess.uncertainty)));
-  // X_epsilon grows with epsilon, by no more than epsilon does, which bounds what a jump may extrapolate to.
+  // X_epsilon grows with epsilon, and not faster: this bounds the extrapolation of a jump.
   const double least = last.end.lambda * std::exp(std::min(0.0, step.epsilon) + std::min(0.0, -step.eta));
   const double most = last.end.lambda * std::exp(std::max(0.0, step.epsilon) + std::max(0.0, -step.eta));
   lambda = std::clamp(lambda, least, most);

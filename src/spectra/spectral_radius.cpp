@@ -12,7 +12,7 @@
 namespace nscdd {
 namespace {
 
-// The map, with a call of the checkpoint before each product.
+// The map, calling the checkpoint before each product.
 LinearMap watched(LinearMap map, const std::function<void()>& checkpoint) {
   if (!checkpoint) return map;
   return [map = std::move(map), checkpoint](const Vector& x) {
@@ -21,8 +21,8 @@ LinearMap watched(LinearMap map, const std::function<void()>& checkpoint) {
   };
 }
 
-// An eigenvalue lambda of the pencil (S, P) from its vector, and the bound of its residual: infinite if P is so close
-// to singular that a solution with it does not give its right side back.
+// An eigenvalue lambda of the pencil (S, P) from its vector, with its residual bound: infinite if P is so nearly
+// singular that a solution with it does not reproduce its right-hand side.
 std::pair<double, double> rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p) {
   const Vector sx = s(x), px = p.apply(x);
   const double norm = x.dot(px);
@@ -52,8 +52,8 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   if (unit_multiplicity == n) return all_unit(n, "arpack", std::isfinite(tilt));
   if (unit_multiplicity > 0) {
     require_memory(5 * bytes_of_matrix(n, n), fmt::format("the kernel of S of {} interface unknowns", n));
-    // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma. This is a Rayleigh quotient
-    // of the complement, so it lies between its ends.
+    // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma, a Rayleigh quotient of the complement,
+    // which lies between its ends.
     const Vector root = b.system.scale().cwiseSqrt();
     const KernelSplit& split = b.system.kernel();  // in coordinates scaled by the root
     const Matrix z = root.cwiseInverse().asDiagonal() * split.kernel;
@@ -66,8 +66,8 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
       return s(x) + sigma * (pz * cholesky.solve(pz.transpose() * x));
     };
   }
-  // Products that have lost digits (small epsilon or eta) may keep Ritz values from the accuracy that ARPACK is asked
-  // for. What the residual needs is less.
+  // Products that have lost digits (small epsilon or eta) may keep Ritz values from ARPACK's tolerance. The residual
+  // needs less.
   const auto find = [&](const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse, SpectrumEnd end,
                         const Vector& start) {
     ArpackOptions accuracy = options.arpack;
@@ -77,12 +77,12 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
     return lanczos(n, a, m, m_inverse, end, accuracy, start);
   };
   const LanczosResult high = find(s_apply, p_apply, p_solve, SpectrumEnd::largest, memory.largest);
-  // For small epsilon the low end crowds at 0, and Lanczos on P^-1 S stalls there. On S^-1 P it is isolated.
+  // For small epsilon the low end crowds at 0, and Lanczos on P^-1 S stalls. On S^-1 P it is isolated.
   const LinearMap s_solve = counting([&](const Vector& x) { return b.system.solve(x); });
   const LanczosResult low = b.system.flexibility() == 0
                                 ? find(s_apply, p_apply, p_solve, SpectrumEnd::smallest, memory.smallest)
                                 : find(p_apply, s_apply, s_solve, SpectrumEnd::largest, memory.smallest);
-  // If an end was not found, the next point starts from the vector of the point before.
+  // If an end was not found, the vector of the point before stays the start of the next.
   if (high.vector.size() > 0) memory.largest = high.vector;
   if (low.vector.size() > 0) memory.smallest = low.vector;
   if (high.vector.size() == 0 || low.vector.size() == 0) {
@@ -123,7 +123,7 @@ void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_m
   result.subdominant_max = mu_max;
   result.subdominant = std::max(std::abs(mu_min), std::abs(mu_max));
   result.unit_multiplicity = unit_multiplicity;
-  const bool unit = unit_multiplicity > 0;  // an eigenvalue 1 of B stays 1 whatever omega
+  const bool unit = unit_multiplicity > 0;  // an eigenvalue 1 of B stays 1 for any omega
   result.eigenvalue_min = unit ? std::min(mu_min, 1.0) : mu_min;
   result.eigenvalue_max = unit ? std::max(mu_max, 1.0) : mu_max;
   result.value = std::max(std::abs(result.eigenvalue_min), std::abs(result.eigenvalue_max));
@@ -169,7 +169,7 @@ SpectralRadius relaxed(const SpectralRadius& plain, double omega, double toleran
   for (auto* interval : {&result.interval_min, &result.interval_max})
     for (double& mu : *interval) mu = shift(mu);
   result.residual = omega * plain.residual;
-  // What the solver found is as good as before; the accuracy asked for may be another.
+  // The result is as good as before, but the tolerance may differ.
   result.converged = plain.converged && accurate(result, tolerance);
   if (plain.converged && !result.converged)
     result.failure =
@@ -199,7 +199,7 @@ SolverChoice choose_solver(Index size, const SpectralOptions& options, bool alon
 
 SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options) {
   using enum SpectralSolver;
-  constexpr Index dense_limit = 400, fallback_limit = 2500;  // the latter: what may be waited for
+  constexpr Index dense_limit = 400, fallback_limit = 2500;  // the latter bounds the waiting time
   if (size < arpack_smallest_size || options.solver == dense) return {dense};
   if (options.solver != automatic) return {arpack};
   if (size <= dense_limit) return {dense, {arpack}};
@@ -217,7 +217,7 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
   }
   const SolverChoice choice = choose_solver(n, options, b.system.decomposition().interface.processes().alone());
   const auto solve = [&](SpectralSolver solver) {
-    SpectrumMemory none;  // what a fallback finds does not depend on the points before
+    SpectrumMemory none;  // a fallback does not depend on the points before
     SpectrumMemory& known = memory != nullptr && solver == choice.solver ? *memory : none;
     if (solver == SpectralSolver::dense) return dense_radius(b, options);
     if (solver == SpectralSolver::arpack) return arpack_radius(b, options, known);

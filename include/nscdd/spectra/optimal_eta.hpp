@@ -21,15 +21,15 @@ constexpr auto names_of(OptimumStatus) {
       {"interior", "eta_to_zero", "eta_to_infinity", "no_interface", "already_exact", "not_converged"});
 }
 
-/// The best flexibility eta of Stage 2. With lambda_min(eta) <= lambda_max(eta) the ends of the spectrum of
-/// X_eta^-1 S outside ker S, both decreasing in eta:
+/// The best flexibility eta of Stage 2. With lambda_min(eta) <= lambda_max(eta) the ends of the spectrum of X_eta^-1 S
+/// outside ker S, both decreasing in eta:
 ///   best:        lambda_min + lambda_max = 2, ends equal and opposite, rho = (lambda_max - lambda_min) / 2
 ///   convergent:  lambda_max < 2
 ///   better than the generic algorithm:  lambda_max < 1 + rho(infinity)
 ///   relaxed:     min over eta of (kappa - 1)/(kappa + 1), kappa = lambda_max/lambda_min,
 ///                reached with omega = 2/(lambda_min + lambda_max)
-/// All three conditions hold from a threshold on up to infinity. Radii are subdominant ones: the unit
-/// eigenvalues of a hyperstatic rigid limit, which no eta changes, are left out.
+/// The second and third condition hold from a threshold up to infinity. Radii are subdominant: they leave out the unit
+/// eigenvalues of a hyperstatic rigid limit, which no eta changes.
 struct Optimum {
   OptimumStatus status = OptimumStatus::interior;
   Index unit_multiplicity = 0;
@@ -49,20 +49,20 @@ struct Optimum {
   std::string failure = {};          ///< not_converged: at which eta there is no spectrum, and why
 };
 
-/// Searches 16 decades around the mean of diag(X), and two on either side of epsilon, by Brent's method on
-/// log eta. S = X_epsilon of `stage_one`, which has the contacts that Stage 1 works with and the same gluing.
+/// Searches 16 decades around the mean of diag(X), and two on either side of epsilon, by Brent's method on log eta. S =
+/// X_epsilon of `stage_one`, which has the contacts of Stage 1 and the same gluing.
 Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, double epsilon,
                 const SpectralOptions& options = {});
 
-/// The eta in [1e-8, 1e8] x mean of diag(X) where the ends of X_eta^-1 S are equal and opposite about 1, S =
-/// X_0 of `active` (the same gluing on fewer contacts), to a relative 1e-3, which is enough for a run. It is
-/// the largest eta of the range if their sum is still at least 2 there. If the radius falls down to eta = 0,
-/// it is the eta that has nine tenths of the gain over the generic algorithm.
+/// The eta in [1e-8, 1e8] x mean of diag(X) where the ends of X_eta^-1 S are equal and opposite about 1, to a relative
+/// 1e-3, enough for a run. S = X_0 of `active`, the same gluing on fewer contacts. If their sum is still at least 2 at
+/// the largest eta, the result is this eta. If the radius falls down to eta = 0, it is the eta that has nine tenths of
+/// the gain over the generic algorithm.
 double optimal_eta(const Decomposition& parts, const Decomposition& active, const SpectralOptions& options = {});
 
-/// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 if it stays
-/// below 2 throughout. From this eta up Stage 2 is stable whichever contacts open or slide: with an exact Stage 1 and
-/// any set of active contacts S <= X, so omega lambda_max(S, X_eta) <= 2. Needs 0 < omega < 2.
+/// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 if it is below
+/// 2 throughout. From this eta up Stage 2 is stable whichever contacts open or slide: with an exact Stage 1 and any set
+/// of active contacts S <= X, so omega lambda_max(S, X_eta) <= 2. Requires 0 < omega < 2.
 double stable_eta(const Decomposition& parts, double relaxation = 1, const SpectralOptions& options = {});
 
 }  // namespace nscdd

@@ -15,7 +15,7 @@ enum class SpectralSolver {
   dense,         ///< both ends of the dense pencil (LAPACK)
   arpack,        ///< both ends by Lanczos on P^-1 S and S^-1 P, matrix-free (ARPACK)
   shift_invert,  ///< both ends by Lanczos on (S - sigma P)^-1 P from shifts beyond them
-  slepc,         ///< another program's: see SpectralOptions::slepc
+  slepc,         ///< Krylov-Schur of SLEPc, see SpectralOptions::slepc
 };
 
 constexpr auto names_of(SpectralSolver) {
@@ -24,22 +24,22 @@ constexpr auto names_of(SpectralSolver) {
 
 struct SpectralOptions;
 struct SpectralRadius;
-/// Another way to find the ends of a spectrum: the lists of a result, of one eigenvalue each (empty if an end is not
-/// found), modes, residual and counts. What follows from these is worked out elsewhere.
+/// An external solver for the ends of a spectrum. It sets the lists of a result (one eigenvalue each, empty if an end
+/// was not found), modes, residual and counts; `spectral_radius` derives the rest.
 using SpectrumSolver = std::function<SpectralRadius(const Contraction&, const SpectralOptions&)>;
 
 struct SpectralOptions {
   Choice<SpectralSolver> solver = SpectralSolver::automatic;
   Index dense_limit = 800;  ///< for `automatic`
   double tolerance = 1e-8;  ///< largest residual / max(1, rho) that counts as converged
-  Index eigenvalues = 1;    ///< wanted at each end (not by the matrix-free `arpack`, which finds one)
+  Index eigenvalues = 1;    ///< at each end (`arpack` finds one)
   bool certify = false;     ///< prove by inertia counts that no eigenvalue was missed (dense, shift_invert)
   ArpackOptions arpack = {};
-  InertiaMethod inertia = multifrontal();  ///< what factorises and counts for shift_invert
-  SpectrumSolver slepc = {};               ///< Krylov-Schur of SLEPc, which nscdd-mpi has (nscdd/mpi/slepc.hpp)
-  /// Called between two products or solves of a matrix-free solver, between two columns of a map that is written out,
-  /// and between the assembly of a dense pencil and its eigenvalues; may be empty. What it throws ends the work and is
-  /// passed on. It is called by the thread that asked for the spectrum.
+  InertiaMethod inertia = multifrontal();  ///< factorises and counts for shift_invert
+  SpectrumSolver slepc = {};               ///< set by nscdd-mpi (nscdd/mpi/slepc.hpp)
+  /// Called between products or solves of a matrix-free solver, between columns of a map made dense, and between the
+  /// assembly of a dense pencil and its eigenvalues; may be empty. It runs in the thread of the caller. An exception
+  /// from it ends the work and is passed on.
   std::function<void()> checkpoint = {};
 
   template <class Self, class Visitor>
@@ -56,8 +56,8 @@ struct SpectralOptions {
   }
 };
 
-/// Throws Error where a solver that finds the ends alone (arpack, slepc) shall certify or find more eigenvalues.
-/// `dashes`: what stands before the names of options.
+/// Throws Error if a solver that finds only the ends (arpack, slepc) shall certify or find more eigenvalues. `dashes`:
+/// prefix of option names.
 void check(const SpectralOptions& options, std::string_view dashes = "");
 
 /// How one spectrum is computed.
@@ -66,52 +66,51 @@ struct SolverChoice {
   std::vector<SpectralSolver> fallbacks = {};     ///< tried in this order if the one before has no proved answer
 };
 
-/// For the pencil of `size` interface unknowns. `automatic` takes the dense pencil up to `dense_limit` unknowns and
-/// shift-invert above. It falls back on the other of these two and on ARPACK: on the dense pencil up to
-/// `dense_fallback_limit` unknowns, on ARPACK if one process has all subdomains (`alone`). Up to 4 unknowns, too few
-/// for Lanczos, every solver is dense.
+/// The solver of a pencil of `size` interface unknowns. `automatic` takes the dense pencil up to `dense_limit` unknowns
+/// and shift-invert above. It falls back on the other of these two (dense up to `dense_fallback_limit`) and, if one
+/// rank has all subdomains (`alone`), on ARPACK. Up to 4 unknowns, too few for Lanczos, every solver is dense.
 SolverChoice choose_solver(Index size, const SpectralOptions& options, bool alone = true);
 
-/// The same for the unsymmetric map of `size` unknowns of an inexact Stage 1: dense on request or, by `automatic`, up
-/// to 400 unknowns, else ARPACK. `automatic` falls back on the other one, on dense up to 2 500 unknowns.
+/// The solver of the unsymmetric map of an inexact Stage 1 with `size` unknowns: dense on request or, by `automatic`,
+/// up to 400 unknowns; else ARPACK. `automatic` falls back on the other one, on dense up to 2 500 unknowns.
 SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options);
 
-/// Interface unknowns up to which a failing solver is followed by the dense pencil: what may be waited for.
+/// Largest dense pencil, in interface unknowns, after another solver has failed: bounds the waiting time.
 inline constexpr Index dense_fallback_limit = 4000;
 
-/// Interface unknowns up to which the matrix-free solver computes ker S, densely, in the rigid limit.
+/// Largest S, in interface unknowns, of which the matrix-free solver computes the kernel densely in the rigid limit.
 inline constexpr Index dense_kernel_limit = 4000;
 
-/// Spectral radius of a contraction operator with its certificate. Every eigenvalue of B is real, because it
-/// is 1 - omega lambda for an eigenvalue lambda of the symmetric pencil (S, P).
+/// Spectral radius of a contraction operator with its certificate. The eigenvalues of B are real: 1 - omega lambda for
+/// the eigenvalues lambda of the symmetric pencil (S, P).
 struct SpectralRadius {
   double value = 0;                      ///< rho(B) = max(|eigenvalue_min|, |eigenvalue_max|); 0 for an empty interface
   double eigenvalue_min = not_a_number;  ///< smallest eigenvalue of B (NaN for an empty interface)
   double eigenvalue_max = not_a_number;  ///< largest eigenvalue of B
   Index unit_multiplicity = 0;  ///< of the eigenvalue 1 in the rigid limit, n_Gamma - rank X_0; 0 for epsilon > 0
-  /// Largest modulus among the other eigenvalues, the rate at which the iteration converges on the
-  /// complement of ker S; equals `value` where unit_multiplicity is 0, and is 0 where B = I.
+  /// Largest modulus of the other eigenvalues, the rate of convergence on the complement of ker S. Equals `value` if
+  /// unit_multiplicity is 0; 0 if B = I.
   double subdominant = 0;
   double subdominant_min = not_a_number;  ///< ends of the spectrum without the unit eigenvalues
   double subdominant_max = not_a_number;
-  /// "dense", "arpack", "shift-invert", "slepc", or "none" for an empty interface. If no solver has the answer that was
-  /// asked for, all that were tried, such as "shift-invert+dense+arpack".
+  /// "dense", "arpack", "shift-invert", "slepc", or "none" for an empty interface. If no solver answers: all that were
+  /// tried, such as "shift-invert+dense+arpack".
   std::string solver = "none";
-  Index applications = 0;  ///< products with interface operators or solves; 0 where they were assembled
-  /// max over both ends of ||S x - lambda P x||_{P^-1} / ||x||_P, times omega: an eigenvalue of B lies within
-  /// this distance of each end given. For shift-invert the distance of the end from a shift with no
-  /// eigenvalue beyond it, times omega: the end itself lies within it. In the rigid limit, by how much S may be off is
-  /// added (InterfaceOperator::uncertainty).
+  Index applications = 0;  ///< products with interface operators, or solves; 0 if they were assembled
+  /// The larger over both ends of omega ||S x - lambda P x||_{P^-1} / ||x||_P: an eigenvalue of B lies within this
+  /// distance of each end given. For shift-invert: omega times the distance of the end from a shift with no eigenvalue
+  /// beyond it, so the end itself lies within it. In the rigid limit the error of S (InterfaceOperator::uncertainty) is
+  /// added.
   double residual = 0;
-  bool converged = true;  ///< the solver says so and residual <= tolerance x max(1, rho)
-  /// If no solver has the answer that was asked for: why each failed, such as "shift-invert: ...; dense: ...".
+  bool converged = true;  ///< the solver converged, and residual <= tolerance x max(1, rho)
+  /// If no solver answers: why each failed, such as "shift-invert: ...; dense: ...".
   std::string failure = {};
 
   std::vector<double> low, high;  ///< eigenvalues of B from each end inwards, without the unit eigenvalues
   bool certified = false;         ///< inertia counts leave no eigenvalue outside the intervals given
-  std::array<double, 2> interval_min{not_a_number, not_a_number};  ///< that hold subdominant_min ...
-  std::array<double, 2> interval_max{not_a_number, not_a_number};  ///< ... and subdominant_max
-  /// Eigenvalues in these intervals, with multiplicity, but for what S may be off in the rigid limit.
+  std::array<double, 2> interval_min{not_a_number, not_a_number};  ///< holds subdominant_min
+  std::array<double, 2> interval_max{not_a_number, not_a_number};  ///< holds subdominant_max
+  /// Eigenvalues in these intervals, with multiplicity; in the rigid limit up to the error of S.
   Index within_min = 0, within_max = 0;
   Index factorisations = 0;   ///< of the shifted pencil
   Vector mode_min, mode_max;  ///< interface impulses of the two ends (empty where unknown)
@@ -119,14 +118,15 @@ struct SpectralRadius {
 
 struct SpectrumMemory;  // warm start of the next point of a sweep: spectra/spectrum_memory.hpp
 
-/// In the rigid limit shift-invert works on the contacts that are independent within their subdomain; the unit
-/// eigenvalues are counted from ranks (by shifts near 0 above 10^6 contacts); the matrix-free solver finds the unit
-/// eigenspace densely (up to 4 000 unknowns). What was not reached is reported with converged = false.
+/// Computes the spectral radius with its certificate; see SpectralRadius::converged for failures. In the rigid limit
+/// shift-invert works on the contacts that are independent within their subdomain. It counts the unit eigenvalues by
+/// ranks, above 10^6 contacts by shifts near 0. The matrix-free solver finds the unit eigenspace densely (up to 4 000
+/// unknowns).
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
                                SpectrumMemory* memory = nullptr);
 
-/// The same spectrum under another relaxation omega: eigenvalues 1 - omega (1 - mu) for the mu of `plain`
-/// (omega = 1), unit eigenvalues of the rigid limit excepted.
+/// The spectrum `plain` (omega = 1) under another relaxation omega: eigenvalues 1 - omega (1 - mu) for its mu, except
+/// unit eigenvalues of the rigid limit.
 SpectralRadius relaxed(const SpectralRadius& plain, double omega, double tolerance);
 
 }  // namespace nscdd
