@@ -12,7 +12,7 @@ std::uint32_t hilbert_place(std::uint32_t x, std::uint32_t y) {
   for (std::uint32_t side = 1U << 15; side > 0; side /= 2) {
     const bool right = (x & side) != 0, up = (y & side) != 0;
     place += side * side * ((right ? 3U : 0U) ^ (up ? 1U : 0U));
-    if (!up) {  // turn the quadrant into the position of the first
+    if (!up) {  // rotate the quadrant into the first one
       if (right) {
         x = ~x;
         y = ~y;
@@ -23,8 +23,8 @@ std::uint32_t hilbert_place(std::uint32_t x, std::uint32_t y) {
   return place;
 }
 
-// Place of a cell of a grid of 2^16 cubes a side along Hilbert's curve in space: the bits of its transposed coordinates
-// (J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707 (2004) 381-387).
+// The same for a grid of 2^16 cubes a side: the bits of its transposed coordinates (J. Skilling, Programming the
+// Hilbert curve, AIP Conf. Proc. 707 (2004) 381-387).
 std::uint64_t hilbert_place(std::array<std::uint32_t, 3> cell) {
   constexpr std::uint32_t top = 1U << 15;
   for (std::uint32_t bit = top; bit > 1; bit /= 2)
@@ -67,11 +67,11 @@ std::vector<Index> along_curve(std::span<const std::array<double, 3>> points, in
   return order;
 }
 
-// The contacts in the given order, by blocks, those of a block by colours. No two of one colour share a free grain.
+// The contacts in the given order by blocks, each sorted by colours. No two of one colour share a free grain.
 template <int D>
 std::vector<Index> by_colour(std::vector<Index> order, const std::vector<GrainContact<D>>& contacts,
                              const std::vector<GrainVelocity<D>>& bodies, Index block) {
-  constexpr Index last_turn = 63;  // all further colours share it: those of a grain with more than 64 contacts
+  constexpr Index last_turn = 63;  // shared by all further colours, of grains with more than 64 contacts
   GreedyColours taken(count(bodies));
   std::vector<Index> colours(contacts.size()), ends;
   for (Index place = 0; place < count(order); ++place) {

@@ -13,8 +13,8 @@
 namespace nscdd {
 namespace {
 
-// The root of what Stage 2 sees of a block of E: of its diagonal and, in space, of the symmetric part of its tangential
-// block.
+// The root of the part of a block of E that Stage 2 sees: the diagonal and, in space, the symmetric part of the
+// tangential block.
 template <int D>
 Eigen::Matrix<double, D, D> root_of(const Eigen::Matrix<double, D, D>& e) {
   Eigen::Matrix<double, D, D> root = e.diagonal().cwiseMax(0.0).cwiseSqrt().asDiagonal();
@@ -36,7 +36,7 @@ template <int D>
 CutContacts<D>::CutContacts(Decomposition parts, const CutOptions& options)
     : parts_(std::move(parts)), options_(options), lu_(parts_.subdomains.size()) {
   if (parts_.contacts % D != 0) fail("contacts: expected {} columns for each, met {} columns", D, parts_.contacts);
-  Index first = std::numeric_limits<Index>::max();  // of the columns of this process
+  Index first = std::numeric_limits<Index>::max();  // of the columns of this rank
   for (const Subdomain& subdomain : parts_.subdomains)
     if (!subdomain.contacts.empty()) first = std::min(first, subdomain.contacts.front());
   for (const Subdomain& subdomain : parts_.subdomains) {
@@ -44,10 +44,10 @@ CutContacts<D>::CutContacts(Decomposition parts, const CutOptions& options)
     for (Index& column : own_.back()) column -= first;
   }
   if (parts_.interface_size() > 0 && options_.network == InterfaceNetwork::none)
-    preconditioner_ = InterfaceFamily(parts_, 0).at(infinity);  // X, whatever the relations are
+    preconditioner_ = InterfaceFamily(parts_, 0).at(infinity);  // X, for all relations
 }
 
-// Blocks of contacts on the columns of a subdomain.
+// The blocks of a subdomain's contacts, on its columns.
 template <int D>
 SparseMatrix CutContacts<D>::blocks_of(Index subdomain, const Blocks& blocks, Zeros zeros) const {
   const std::vector<Index>& own = own_[at(subdomain)];
@@ -61,11 +61,11 @@ SparseMatrix CutContacts<D>::blocks_of(Index subdomain, const Blocks& blocks, Ze
   return entries.matrix(count(own), count(own));
 }
 
-// The contacts that Stage 2 sees, as links of flexibility 1: the columns of H times the roots of their conductances.
+// The contacts of Stage 2 as links of flexibility 1: columns of H times the roots of their conductances.
 template <int D>
 Decomposition CutContacts<D>::stage_two() const {
   const bool all = options_.network == InterfaceNetwork::all;
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(2, count(own_));  // of contacts that carry: their sum and their number
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(2, count(own_));  // sum and number, of contacts that carry
   for (Index i = 0; i < count(own_); ++i)
     for (Index k = 0; k < count(own_[at(i)]); k += D)
       if (const double e = e_[at(own_[at(i)][at(k)] / D)](0, 0); e > 0) normal.col(i) += Eigen::Vector2d(e, 1);
@@ -92,8 +92,8 @@ bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
   std::vector<char> regular(parts_.subdomains.size(), 1);
   for_each_in_parallel(count(parts_.subdomains), [&](Index i) {
     const Subdomain& subdomain = parts_.subdomains[at(i)];
-    if (subdomain.grains.empty()) return;  // it has no contact, or another process has it
-    // Zeros are stored, so that all matrices have one pattern.
+    if (subdomain.grains.empty()) return;  // without contacts, or of another rank
+    // Stored zeros give all matrices one pattern.
     SparseMatrix k = subdomain.h * blocks_of(i, e_, Zeros::stored) * SparseMatrix(subdomain.h.transpose());
     k.diagonal() += subdomain.inertia;
     k.makeCompressed();

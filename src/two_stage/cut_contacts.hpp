@@ -11,10 +11,10 @@ namespace nscdd {
 
 struct CutOptions {
   InterfaceNetwork network = InterfaceNetwork::active;
-  double flexibility = 10;  ///< c: links of Stage 2 are so many times as flexible as those of Stage 1
-  double tolerance = 1e-6;  ///< on the jumps that a solution leaves, relative to those without interface impulses
+  double flexibility = 10;  ///< c: links of Stage 2 are c times as flexible as those of Stage 1
+  double tolerance = 1e-6;  ///< largest jump of a solution, relative to jumps without interface impulses
   Index maximum_iterations = 500;
-  InertiaMethod inertia = {};  ///< what factorises for P, see InterfaceOperator::solve
+  InertiaMethod inertia = {};  ///< factorises P, see InterfaceOperator::solve
 };
 
 /// Linear systems  P r + Q W r = b  of the contacts of a step (see ContactMatrix) cut in the FETI way, with grains as
@@ -36,11 +36,11 @@ class CutContacts {
 
   /// As ContactMatrix::factorise.
   bool factorise(std::vector<ContactRelation<D>> relations);
-  /// As ContactMatrix::solve; the iterations may end before their tolerance, see `work`.
+  /// As ContactMatrix::solve. The iterations may end before their tolerance, see `work`.
   Vector solve(const Vector& b);
 
-  /// As ContactMatrix::determinant_sign, once something has been solved: that of Stage 1 times that of P^-1 S on the
-  /// largest Krylov space of Stage 2. An eigenvalue is missed if no right-hand side has a component along its vector.
+  /// As ContactMatrix::determinant_sign, after a solve: the sign of Stage 1 times that of P^-1 S on the largest Krylov
+  /// space of Stage 2. It misses an eigenvalue if no right-hand side has a component along its vector.
   int determinant_sign() const;
   /// As ContactMatrix::take_operations, of Stage 1.
   double take_operations();
@@ -52,11 +52,11 @@ class CutContacts {
   Matrix dense() const;                                                             ///< S
   const std::optional<InterfaceOperator>& preconditioner() const { return preconditioner_; }
 
-  /// Counts since the beginning.
+  /// Totals since construction.
   struct Work {
     Index factorisations = 0, solves = 0, iterations = 0, most_iterations = 0, failures = 0;
-    double flops = 0;       ///< of Stage 1 in this process, when they were taken last
-    double path_flops = 0;  ///< the sum of the largest of all processes, as often as they were taken
+    double flops = 0;       ///< of Stage 1 on this rank, at the last take_operations
+    double path_flops = 0;  ///< on the critical path: the sum over take_operations of the maximum over ranks
   };
   const Work& work() const { return work_; }
 
@@ -65,20 +65,20 @@ class CutContacts {
   std::vector<Vector> velocities(const std::vector<Vector>& impulses) const;  // K_E^-1 of them
 
   using Blocks = std::vector<Eigen::Matrix<double, D, D>>;
-  // Which zeros off the diagonal of blocks are stored.
+  // Zeros off the diagonal of blocks.
   enum class Zeros { stored, left_out };
   SparseMatrix blocks_of(Index subdomain, const Blocks& blocks, Zeros zeros) const;
   Decomposition stage_two() const;
 
   Decomposition parts_;
   CutOptions options_;
-  std::vector<std::vector<Index>> own_;  // for each column of H_E the component of the vectors of this process
+  std::vector<std::vector<Index>> own_;  // component of this rank's vectors, for each column of H_E
   std::vector<ContactRelation<D>> relations_;
   Blocks e_;
   std::vector<std::optional<SparseLu>> lu_;
   std::optional<InterfaceOperator> preconditioner_;
   bool symmetric_ = false;
-  IteratedSolution longest_;  // of the relations given last
+  IteratedSolution longest_;  // of the last relations
   Work work_;
 };
 

@@ -8,9 +8,9 @@
 namespace nscdd {
 namespace {
 
-constexpr Index contacts_for_threads = 4096;  // fewer take no longer than waking a thread does
+constexpr Index contacts_for_threads = 4096;  // fewer are done before a thread wakes
 
-// Calls visit(contacts of a colour, k) for all contacts of a subdomain.
+// Calls visit(colour, k) for all contacts of a subdomain.
 template <class Colours, class Visit>
 void for_each_contact_of(Colours& colours, const Visit& visit) {
   for (auto& colour : colours)
@@ -51,9 +51,9 @@ DividedContacts<D>::DividedContacts(const StepProblem<D>& problem, const Partiti
     }
     bodies_.push_back(std::move(subdomain.bodies));
     subdomain = {};
-    for (Coloured& own : coloured_[e]) own = Coloured(own);  // what grew has room for twice as much, a copy has not
+    for (Coloured& own : coloured_[e]) own = Coloured(own);  // a copy frees the spare capacity
   }
-  std::vector<std::vector<Index>> copy_of;  // of each body of a subdomain, -1 where there is but one
+  std::vector<std::vector<Index>> copy_of;  // of each body of a subdomain, -1 for the only copy
   for (const auto& bodies : bodies_) copy_of.emplace_back(bodies.size(), -1);
   for (Index k = 0; k < count(shared_.own()); ++k)
     copy_of[at(shared_.own()[at(k)].subdomain)][at(shared_.own()[at(k)].grain)] = k;
@@ -81,8 +81,8 @@ void DividedContacts<D>::set_data(const Partition& partition) {
     data.normal.template segment<D>(D * c).setConstant(1 / contact.inverse_w.inverse_n);
     speeds[c] = meeting_speed<D>(contact, problem_.free);
   }
-  // A column of H has 2 x 5 entries for both directions in the plane and 2 x 15 in space, where a spin about the normal
-  // does nothing; H^T and H each take two operations for an entry.
+  // The columns of H of a contact have 2 x 5 entries in the plane and 2 x 15 in space, where a spin about the normal
+  // does nothing. H^T and H each take two operations per entry.
   data.product_operations = 2.0 * 2 * (D == 2 ? 10 : 30) * processes_.sum(static_cast<double>(number));
   data.sums = ContactSums(partition.subdomain_of_contact, partition.subdomains, processes_);
   const auto diagonal = [&](Index c) -> FullDelassus<D> {

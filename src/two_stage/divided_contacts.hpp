@@ -10,28 +10,28 @@ namespace nscdd {
 
 /// Colours of the contacts of a step. No two contacts of one colour share a free grain, also across ranks.
 struct ContactColours {
-  std::vector<Index> of_contact;  ///< of the contacts of this process
-  Index number = 0;               ///< of colours, in all processes
+  std::vector<Index> of_contact;  ///< of the contacts of this rank
+  Index number = 0;               ///< number of colours on all ranks
 };
 
 /// Whether solutions get a step of iterative refinement. Impulses are velocities divided by P, so a small P amplifies
 /// errors.
 enum class Refinement { none, one_step };
 
-/// The ContactProblem of a step cut into subdomains, with the linear systems of a CutContacts. W is never formed:
-/// W r = H^T M^-1 H r  is computed from the velocities of grains. Each subdomain keeps a copy, with full mass, of every
-/// grain it touches. A sweep visits the contacts colour by colour. Contacts of one colour are independent, so a sweep
-/// is the same for any cut.
+/// The ContactProblem of a step cut into subdomains, with the linear systems of a CutContacts. W is never formed: W r =
+/// H^T M^-1 H r  is computed from the velocities of grains. Each subdomain keeps a copy, with full mass, of every grain
+/// it touches. A sweep visits the contacts colour by colour; those of one colour are independent, so a sweep is the
+/// same for any cut.
 ///
 /// With a law that pulls, r + pull obeys Coulomb's law: impulses here are r + pull, and q is shifted accordingly. Each
-/// process has the contacts of its own subdomains; no bit of a product, a sweep or a sum depends on the number of
-/// processes or threads.
+/// rank has the contacts of its own subdomains. No bit of a product, a sweep or a sum depends on the number of ranks or
+/// threads.
 template <int D>
 class DividedContacts {
  public:
   static constexpr int dimension = D;
 
-  /// `partition`: of the contacts of `problem`, which must outlive this. `parts`: its cut. `cut`: that of its H.
+  /// `problem` must outlive this; `partition`: of its contacts; `parts`: its cut; `cut`: the cut of its H.
   DividedContacts(const StepProblem<D>& problem, const Partition& partition, GranularDecomposition<D> parts,
                   const ContactColours& colours, CutContacts<D> cut, Refinement refinement);
 
@@ -43,9 +43,9 @@ class DividedContacts {
       return swept(r, many, omega);
     };
   }
-  /// Gauss-Seidel sweeps, so many, on impulses r, which it returns; relaxed by omega.
+  /// The impulses after so many Gauss-Seidel sweeps from r, relaxed by omega.
   Vector swept(const Vector& r, Index sweeps, double omega);
-  /// Velocities of the bodies of the problem under impulses r of all contacts, those of other processes too.
+  /// Velocities of the bodies of the problem under impulses r of all contacts, also of other ranks.
   std::vector<GrainVelocity<D>> velocities(const Vector& r) const;
 
   Vector symmetric_product(const Vector& r) const { return product(r); }
@@ -58,14 +58,14 @@ class DividedContacts {
   const typename CutContacts<D>::Work& work() const { return cut_.work(); }
 
  private:
-  // The contacts of a subdomain that have one colour.
+  // The contacts of one colour in a subdomain.
   struct Coloured {
     std::vector<Index> numbers;  // in the problem
     ContactRows<D> contacts;
   };
 
   CopiesOfGrains<D> caused(const Vector& r) const;                        // M^-1 H r of the whole packing in every copy
-  CopiesOfGrains<D> moved(const Vector& r) const;                         // the same in addition to the free velocities
+  CopiesOfGrains<D> moved(const Vector& r) const;                         // the same plus the free velocities
   Vector relative_velocities(const CopiesOfGrains<D>& velocities) const;  // H^T V
   void set_data(const Partition& partition);
   void for_each_subdomain(const std::function<void(Index)>& work) const;
@@ -74,9 +74,9 @@ class DividedContacts {
   Processes processes_;
   std::vector<std::vector<Index>> bodies_;       // of each subdomain
   std::vector<std::vector<Coloured>> coloured_;  // of each subdomain, by colours
-  std::vector<std::vector<Index>> changed_;      // copies that contacts of each colour change, see SharedCopies
+  std::vector<std::vector<Index>> changed_;      // copies that each colour changes, see SharedCopies
   SharedCopies<D> shared_;
-  Vector pull_;  // N s, at the normal components
+  Vector pull_;  // N s, in the normal components
   CutContacts<D> cut_;
   Refinement refinement_;
 };

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double radius_tolerance = 1e-6;
 
-// One subdomain in y, and what its contacts and its neighbours add.
+// One subdomain in y: what its contacts and its neighbours add.
 struct LocalMaps {
   FrozenNetwork network;
   SparseMatrix gluing;  // M^-1/2 A^T
@@ -34,7 +34,7 @@ LocalMaps local_maps(const GranularDecomposition<D>& parts, Index e, const std::
   return maps;
 }
 
-// Calls each(contact) for the contacts of a subdomain whose direction of sliding turns, by their places in it.
+// Calls each(k) for the contacts of a subdomain with a turning impulse, by their places in it.
 template <int D, class Each>
 void for_each_turning(const GranularSubdomain<D>& subdomain, const std::vector<FrozenContact<D>>& frozen,
                       const Each& each) {
@@ -42,7 +42,7 @@ void for_each_turning(const GranularSubdomain<D>& subdomain, const std::vector<F
     if (frozen[at(subdomain.numbers[k])].turning > 0) each(k);
 }
 
-// `across`: the impulses across the directions of sliding that turn, N s.
+// `across`: the turning impulses across the directions of sliding, N s.
 template <int D>
 void sweep(const GranularSubdomain<D>& subdomain, const std::vector<FrozenContact<D>>& frozen,
            std::vector<GrainVelocity<D>>& v, Vector& across) {

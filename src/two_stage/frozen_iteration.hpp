@@ -8,44 +8,44 @@
 
 namespace nscdd {
 
-/// Algorithm 1 near a solution. The statuses of the contacts are frozen (open: no impulse; stick: v = 0; slide: v_n = 0
-/// and an impulse on the edge of the cone). In the plane this edge is a line, n - s friction t with v_t of sign s. In
-/// space it is round, and what is meant is the tangent to first order: along n + friction d, and across d the impulse
-/// turns with the velocity. What remains is a linear iteration for the error of the velocities. `apply` is one
-/// iteration of the algorithm itself, without loads. So its spectral radius is the rate of convergence of a run, in the
-/// plane as long as the statuses stay, in space in the limit of small errors.
+/// Algorithm 1 near a solution, linearised: the statuses of the contacts are frozen (open: no impulse; stick: v = 0;
+/// slide: v_n = 0 and an impulse on the edge of the cone). In the plane this edge is a line, n - s friction t with v_t
+/// of sign s. In space it is round, and the tangent to first order takes its place: along n + friction d, and across d
+/// the impulse turns with the velocity. `apply` is one iteration of the algorithm without loads, a linear map of the
+/// error of the velocities. Its spectral radius is the rate of convergence of a run: in the plane as long as the
+/// statuses stay, in space in the limit of small errors.
 ///
-/// Errors are y = M^1/2 V of all subdomains (an entry for each unknown of a free body). In space a sweep does not renew
-/// a turning impulse completely: a part of its error across d remains. So y is followed by W_tt^1/2 times that
-/// component of every contact that slides.
+/// Errors are y = M^1/2 V of all subdomains, one entry for each unknown of a free body. In space a sweep renews a
+/// turning impulse only in part, so y continues with W_tt^1/2 times its error across d, one entry for each contact that
+/// turns.
 ///
-/// Errors lie in the range of M^-1/2 [G, A^T], which impulses can cause. Velocities that no impulse causes
-/// (mechanisms) would be eigenvalues 1 that no run meets, so every image is projected on that range. As n_GS
-/// grows, the radius tends to that of frozen_contraction.
+/// Errors lie in the range of M^-1/2 [G, A^T], which impulses can cause. Velocities that no impulse causes (mechanisms)
+/// would be eigenvalues 1 that no run meets, so every image is projected on that range. As n_GS grows, the radius tends
+/// to that of frozen_contraction.
 template <int D>
 class FrozenIteration {
  public:
-  /// `parts`: the decomposition of the step (its velocities and impulses are not used); `frozen`: the contacts of the
-  /// step problem, see frozen_contacts; `sweeps`: n_GS; `enriched`: X_eta, empty for the generic algorithm.
+  /// `parts`: the decomposition of the step, without use of its velocities and impulses; `frozen`: the contacts of the
+  /// step, see frozen_contacts; `sweeps`: n_GS; `enriched`: X_eta, empty for the generic algorithm.
   FrozenIteration(GranularDecomposition<D> parts, std::vector<FrozenContact<D>> frozen, Index sweeps,
                   std::optional<InterfaceOperator> enriched, double relaxation = 1);
   Index rows() const { return root_.size(); }
-  /// So many iterations. The image is projected once: that costs as much as dozens of sweeps.
+  /// So many iterations. The image is projected once, as a projection costs as much as dozens of sweeps.
   Vector apply(const Vector& y, Index iterations = 1) const;
   Vector project(const Vector& y) const { return range_->apply(y); }
-  /// y of the velocities and impulses of the same decomposition. It is linear in both: an error is a difference of two.
+  /// y of the velocities and impulses of the same decomposition; linear in both, so an error is a difference of two.
   Vector coordinates(const GranularDecomposition<D>& parts) const;
 
  private:
   void iterate(GranularDecomposition<D>& work, std::vector<Vector>& across) const;
 
   GranularDecomposition<D> parts_;
-  GranularDecomposition<D> resting_;  // the same at rest and without contacts: what an application changes
+  GranularDecomposition<D> resting_;  // the same at rest and without contacts: copied by `apply`
   std::vector<FrozenContact<D>> frozen_;
   Index sweeps_;
   std::optional<InterfaceOperator> enriched_;
   double relaxation_;
-  Vector root_;  // what every velocity, then every component of an impulse, is multiplied by in y
+  Vector root_;  // weights in y: of velocities, then of impulses
   std::shared_ptr<const RangeProjector> range_;
 };
 
@@ -57,9 +57,10 @@ template <int D>
 Matrix frozen_contraction(const GranularDecomposition<D>& parts, const std::vector<FrozenContact<D>>& frozen,
                           const std::optional<InterfaceOperator>& enriched, double relaxation = 1);
 
-/// The rate of a frozen map: its radius without unit eigenvalues, which are impulses that the networks carry
-/// either way. It is converged if its residual is at most 1e-6. Where moduli crowd at 1, a power of the map tells them
-/// apart sooner: `value` is the root of its radius, all else is of the power. An odd one keeps real eigenvalues apart.
+/// The rate of a frozen map: its radius without unit eigenvalues, which are impulses that the networks can carry in
+/// more than one way. Converged if the residual is at most 1e-6. If moduli crowd at 1, a power of the map separates
+/// them sooner: `value` is then the root of the power's radius, all else is of the power. An odd power keeps the signs
+/// of real eigenvalues.
 template <int D>
 MapRadius frozen_radius(const FrozenIteration<D>& iteration, const ArpackOptions& options = {}, Index power = 1);
 MapRadius frozen_radius(const Matrix& contraction);

@@ -64,7 +64,7 @@ FrozenNetwork frozen_network(const GranularSubdomain<D>& subdomain, const std::v
     }
     put({1, now.slope}, {1, {}});
     if constexpr (D == 3)
-      if (now.turning > 0) {  // both columns by the same factor, so that contacts that slide fast stay of size 1
+      if (now.turning > 0) {  // the same factor on both keeps fast sliding contacts of size 1
         network.turning.push_back(count(flexibility));
         const LocalVector<3> side{0, std::sqrt(now.turning) * side_of(now)};
         put(side, side, (1 - now.turning) / c.inverse_w.inverse_t);

@@ -10,8 +10,8 @@
 namespace nscdd {
 namespace {
 
-// Puts the contacts of one subdomain in sweep order and numbers its bodies in the order in which the sweep
-// meets them. Neighbours in the sweep are then neighbours in memory, however the packing numbers its grains.
+// Puts the contacts of one subdomain in sweep order and numbers its bodies as the sweep meets them: neighbours in the
+// sweep are neighbours in memory, whatever the numbers of the packing.
 template <int D>
 void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice<ContactOrder> order,
           std::uint64_t seed, std::vector<std::int32_t>& local) {
@@ -51,7 +51,7 @@ void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice
   }
 }
 
-// The grains of the subdomains by their numbers, and which of these are free.
+// The interface of the free grains of all subdomains.
 template <int D>
 Interface interface_of(const GranularDecomposition<D>& parts, const StepProblem<D>& problem,
                        const std::vector<Index>& process_of, const Processes& processes) {
@@ -97,7 +97,7 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
                                    Choice<ContactOrder> order, std::uint64_t seed,
                                    const std::vector<Index>& process_of_subdomain, const Processes& processes) {
   check(partition, count(problem.contacts));
-  // Of each contact its number, its row and its impulse, and in turn for each subdomain its copy and its point.
+  // Number, row and impulse of each contact; copies and points are made for one subdomain at a time.
   constexpr double of_contact = sizeof(Index) + sizeof(ContactRow<D>) + sizeof(SweptVector<D>);
   require_memory(of_contact * static_cast<double>(problem.contacts.size()) +
                      sizeof(GrainVelocity<D>) * static_cast<double>(problem.free.size()),
@@ -150,7 +150,7 @@ template <int D>
 double GranularDecomposition<D>::glued_speed_squared(Index subdomain) const {
   double sum = 0;
   Index before = -1;
-  for (const Tie& tie : interface.ties(subdomain)) {  // two of them in a row have the same copy
+  for (const Tie& tie : interface.ties(subdomain)) {  // two successive ties may have the same copy
     if (tie.grain == std::exchange(before, tie.grain)) continue;
     const GrainVelocity<D>& v = copy_of(*this, {subdomain, tie.grain});
     sum += squared_velocity(v) + squared_rim(v);

@@ -16,17 +16,17 @@ void add(GrainVelocity<D>& v, const Change& change) {
   v = with_unknowns(sum, v.inverse_mass);
 }
 
-/// One subdomain E of a step: its contacts in the order in which a sweep visits them, and the bodies that
-/// they touch. A shared grain has its share of mass.
+/// One subdomain E of a step: its contacts in sweep order, and the bodies they touch. A shared grain has its share of
+/// mass.
 template <int D>
 struct GranularSubdomain {
   std::vector<Index> bodies;   ///< of the step problem, in the order the sweep meets them
-  std::vector<Index> numbers;  ///< of the contacts in the step problem
+  std::vector<Index> numbers;  ///< of the contacts, in the step problem
   ContactRows<D> contacts;
   std::vector<GrainVelocity<D>> velocities;
 
   GrainContact<D> contact(std::size_t k) const { return contacts.contact(k, velocities); }
-  /// Open, stick or slide: each contact at its present impulse.
+  /// Open, stick or slide for each contact, at its present impulse.
   std::vector<ContactStatus> statuses(const ContactLaw& law) const {
     std::vector<ContactStatus> result;
     for (std::size_t k = 0; k < contacts.size(); ++k) result.push_back(status_of(law, contact(k)));
@@ -34,41 +34,40 @@ struct GranularSubdomain {
   }
 };
 
-/// A step cut in the FETI way: contacts are distributed, and shared free grains are split and glued by a
-/// chain of equalities. Driven bodies are not glued, because every subdomain knows their motion.
+/// A step cut in the FETI way: contacts are distributed, and shared free grains are split and glued by a chain of
+/// equalities. Driven bodies are not glued: every subdomain knows their motion.
 template <int D>
 struct GranularDecomposition {
-  Index contacts = 0;  ///< of the step problem, all its subdomains together
+  Index contacts = 0;  ///< of the step problem
   std::vector<GranularSubdomain<D>> subdomains;
-  Interface interface;  ///< of StepProblem::numbers; unknowns are those of a grain, see GrainUnknowns
-  /// kg, for each row of the gluing that of either copy, the share of its grain; 0 of grains of other processes
+  Interface interface;  ///< in StepProblem::numbers, with GrainUnknowns per grain
+  /// kg, of either copy in each row of the gluing: the share of its grain; 0 for grains of other ranks
   std::vector<double> copy_mass;
-  ImpulseScale scale;  ///< of all contacts, of other processes too; of whole grains
+  ImpulseScale scale;  ///< of all contacts on all ranks, with whole grains
 
   Index interface_size() const { return interface.size(); }  ///< n_Gamma
 
-  /// The scale of the impulses of a step, added up subdomain by subdomain: no bit depends on the processes.
+  /// The scale of the impulses of a step, summed by subdomains: no bit depends on the ranks.
   static ImpulseScale scale_of(const StepProblem<D>& problem, const Partition& partition, const Processes& processes);
 
-  /// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy; its neighbours take
-  /// part.
+  /// Jumps sum_E A_E V_E, n_Gamma, in rows of grains of which this rank has a copy. Neighbours exchange them.
   Vector interface_jumps() const;
-  /// The same of all grains; all processes take part.
+  /// The same in all rows; collective.
   Vector all_interface_jumps() const;
-  /// Velocities x, y and rim of the free bodies of one subdomain after the other, m/s.
+  /// Unknowns of the free bodies, subdomain by subdomain, m/s.
   Vector free_velocities() const;
-  /// Sum over the copies of shared grains in a subdomain of |V|^2, rim speed included.
+  /// Sum of |V|^2, rim speed included, over the copies of shared grains in a subdomain.
   double glued_speed_squared(Index subdomain) const;
-  /// X_inf^-1 g, see Interface::solve_generic; the rims have their own inertia.
+  /// X_inf^-1 g, see Interface::solve_generic. Rims have their own inertia.
   Vector generic_interface_solve(const Vector& g) const;
   /// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma.
   void apply_interface_impulses(const Vector& change);
 };
 
-/// Splits a step along a partition of its contacts; velocities start at V_free, impulses at those of the step.
-/// `order`, `seed`: see contact_order. If several processes share the step, each passes the contacts of its own
-/// subdomains and gets these subdomains and the whole gluing; the subdomains of others are empty.
-/// `process_of_subdomain`: as `deal_out` has them. Throws Error if the partition does not fit.
+/// Splits a step along a partition of its contacts; velocities start at V_free, impulses at those of the step. `order`,
+/// `seed`: see contact_order. Ranks that share the step each pass the contacts of their own subdomains and get these
+/// subdomains and the whole gluing; the subdomains of others are empty. `process_of_subdomain`: see `deal_out`. Throws
+/// Error if the partition does not fit.
 template <int D>
 GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,
                                    Choice<ContactOrder> order, std::uint64_t seed,
@@ -76,12 +75,12 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
                                    const Processes& processes = {});
 
 /// M and H of a step for the linear analysis. A grain has the rows of its unknowns (a disk x, y, rim with inertia m, m,
-/// m/2), empty ones in H if it is driven. Columns D c, ... are the normal and the tangential directions of contact
-/// c. The arriving velocity is V_free. The bodies of walls, which come after the disks, are left out.
+/// m/2), empty ones in H if it is driven. Columns D c, ... are the normal and the tangential directions of contact c.
+/// The arriving velocity is V_free. The bodies of walls, which come after the grains, are left out.
 template <int D>
 ReferenceProblem reference_problem(const StepProblem<D>& problem, Index disks);
 
-/// The partition of the columns of reference_problem, of which a contact has as many as there are dimensions.
+/// The partition of the columns of reference_problem, `dimension` for each contact.
 Partition partition_of_columns(const Partition& of_contacts, Index dimension);
 
 }  // namespace nscdd

@@ -9,10 +9,10 @@
 namespace nscdd {
 namespace {
 
-// The larger of both, but a value that is not a number remains: it must not pass for converged.
+// The larger of both; NaN remains, because it must not pass for converged.
 double at_least(double floor, double value) { return value < floor ? floor : value; }
 
-// F over the mass of a copy, of each row of the gluing, m/s.
+// F over the mass of a copy in each row of the gluing, m/s.
 template <int D>
 Vector speeds_of_interface_impulses(const GranularDecomposition<D>& parts, const Vector& f) {
   Vector speeds = Vector::Zero(f.size());
@@ -120,10 +120,10 @@ std::vector<ContactStatus> GranularTwoStage<D>::statuses() const {
   return result;
 }
 
-// n_GS sweeps; the change is that of all of them together.
+// n_GS sweeps; the change is that of all together.
 template <int D>
 SweepSums GranularTwoStage<D>::sweeps(GranularSubdomain<D>& subdomain) const {
-  if (subdomain.contacts.size() == 0) return {};  // another process has them
+  if (subdomain.contacts.size() == 0) return {};  // of another rank
   const bool compare = solver_.gauss_seidel_sweeps > 1;
   std::vector<SweptVector<D>> before;
   if (compare) before = subdomain.contacts.impulses;
@@ -183,15 +183,15 @@ void GranularTwoStage<D>::correct(const Vector& change) {
   parts_.apply_interface_impulses(change);
 }
 
-// One step of preconditioned conjugate gradients (Polak-Ribiere) on jumps = g_0 - S F. A trial Stage 1 at F +
-// d shows the curvature d.S d. The direction is reset if it is not conjugate.
+// One step of preconditioned conjugate gradients (Polak-Ribiere) on jumps = g_0 - S F. A trial Stage 1 at F + d gives
+// the curvature d.S d. A direction that is not conjugate is reset.
 template <int D>
 Vector GranularTwoStage<D>::conjugate_step(const Vector& g, std::vector<SweepSums>& sums) {
   const Vector z = preconditioned(g);
   double beta = 0;
   if (direction_.size() == g.size()) {
     const double before = dot(last_jumps_, last_preconditioned_);
-    // With an inexact Stage 1 jumps may grow; then the last direction is forgotten.
+    // With an inexact Stage 1 jumps may grow: then beta = 0.
     if (before > 0 && dot(g, z) < before) beta = std::max(0.0, dot(g - last_jumps_, z) / before);
   }
   Vector d = z;
@@ -200,7 +200,7 @@ Vector GranularTwoStage<D>::conjugate_step(const Vector& g, std::vector<SweepSum
   correct(d);
   sums = stage_one();
   const double curvature = dot(d, g - parts_.interface_jumps());
-  // If statuses change, there may be no curvature at all. The plain step is safe.
+  // If statuses change, the curvature may vanish; the plain step is safe.
   const double length = curvature > 0 ? std::clamp(dot(d, g) / curvature, 0.1, 10.0) : 1.0;
   correct((length - 1) * d);
   direction_ = d;
@@ -221,7 +221,7 @@ void GranularTwoStage<D>::iterate() {
     const Vector g = enriched_now() ? parts_.all_interface_jumps() : parts_.interface_jumps();
     for_each_in_parallel(subdomains, [&](Index e) {
       terms(jumps, e) = interface.part_of_dot(e, g, g);
-      // Where copies rest, their velocities are what rounding leaves of M_E^-1 A_E^T F.
+      // Velocities of resting copies are the rounding of M_E^-1 A_E^T F.
       terms(speeds, e) = std::max(parts_.glued_speed_squared(e),
                                   ImpulseScale::squared_rounding * interface.part_of_dot(e, pushed, pushed));
     });
@@ -253,7 +253,7 @@ template <int D>
 IterationRecord GranularTwoStage<D>::record() const {
   const Vector sum = parts_.interface.processes().sum_of_parts(last_terms_);
   const double interface = at_least(impulse_floor_squared_, sum[interface_squares]);
-  // Copies may come to rest, or an impact may set them going: the larger speed is the scale.
+  // Copies may come to rest, or start in an impact: the larger speed is the scale.
   return {.iteration = iteration_,
           .sweeps = sweeps_,
           .zeta = ratio(sum[changes], at_least(impulse_floor_squared_, sum[impulses])),

@@ -6,10 +6,10 @@
 
 namespace nscdd {
 
-/// How one iteration went, [ADI12] eqs. (39), (40). |r| and |F| count as at least 1e-12 times the momenta of the bodies
-/// that meet (ImpulseScale): if contacts exchange less than that, nothing is left to converge.
+/// Indicators of one iteration, [ADI12] eqs. (39), (40). |r| and |F| count as at least 1e-12 times the momenta of the
+/// bodies that meet (ImpulseScale): if contacts exchange less, nothing is left to converge.
 struct IterationRecord {
-  Index iteration = 0, sweeps = 0;  ///< from 1; Gauss-Seidel sweeps per subdomain so far
+  Index iteration = 0, sweeps = 0;  ///< from 1; sweeps per subdomain so far
   double zeta = 0;                  ///< |r_i - r_{i-1}| / |r_i| over all contacts
   double interface_change = 0;      ///< Z = |F_i - F_{i-1}| / |F_i|; 0 without an interface
   /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|. If self-stresses drift at a constant rate, Z stagnates, but this falls.
@@ -18,64 +18,65 @@ struct IterationRecord {
   double impulses = 0;  ///< |r_i|^2, (N s)^2
 };
 
-/// The residual of all subdomains from that of each, added up in their order; those of other processes are empty.
+/// The residual of all subdomains from that of each, summed in their order; those of other ranks are empty.
 ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, const Processes& processes);
 
 /// Algorithm 1 of [ADI12] on the contact problem of one step; without an interface nonlinear Gauss-Seidel, bit by bit.
 ///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
 ///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
-/// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched). This is the paper's
-/// (16) for any law, see TwoStageIteration. No bit depends on the number of threads. Processes that share the
-/// subdomains construct it, iterate and ask for sums together: in the generic Stage 2 neighbours exchange jumps, and no
-/// bit depends on the number of processes; in the enriched one all do, and the factor that they share rounds otherwise.
-/// With conjugate gradients an iteration has a second, trial Stage 1: `sweeps` counts both, zeta is the change in the
-/// second alone.
+/// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched). This is the paper's (16) for
+/// any law, see TwoStageIteration. With conjugate gradients an iteration has a second, trial Stage 1: `sweeps` counts
+/// both, zeta is the change in the second.
+///
+/// No bit depends on the number of threads. Construction, iterations and sums are collective on ranks that share the
+/// subdomains. In the generic Stage 2 neighbours exchange jumps, and no bit depends on the number of ranks. In the
+/// enriched one all ranks do, and the rounding of the shared factor depends on their number.
 template <int D>
 class GranularTwoStage {
  public:
-  /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))), or
-  /// nothing for the generic algorithm. Velocities must be those of the impulses: see `start`. Throws Error
-  /// if the operator was made for another gluing.
+  /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))), or nothing
+  /// for the generic algorithm. Velocities must be those of the impulses, see `start`. Throws Error for an operator of
+  /// another gluing.
   GranularTwoStage(GranularDecomposition<D> parts, const ContactLaw& law, const StepSolver& solver,
                    std::optional<InterfaceOperator> enriched);
 
-  /// Sets V_E = M_E^-1 (F^d_E + H_E r_E - A_E^T F) for the impulses of the contacts and the gluing impulses
-  /// of the step before. A grain that other subdomains share now starts from zero.
+  /// Sets V_E = M_E^-1 (F^d_E + H_E r_E - A_E^T F) for the impulses of the contacts and the gluing impulses of the last
+  /// step. A grain that other subdomains share now starts from zero.
   void start(const std::vector<RememberedGluing>& gluing);
 
-  /// What the algorithm goes on from, z = (r, F_Gamma): D impulses of each contact in the numbers of the step problem,
-  /// then n_Gamma numbers. The velocities follow from it as in `start`. Conjugate gradients restart. Requires a single
-  /// process.
+  /// The state z = (r, F_Gamma) from which the algorithm continues: D impulses of each contact in the order of the step
+  /// problem, then n_Gamma numbers. `restart` sets the velocities as `start` does; conjugate gradients restart.
+  /// Requires a single rank.
   Vector state() const;
   void restart(const Vector& z);
 
-  /// Lets subdomains become linear once their statuses have stood still, see ModelSwitch; after `start`. `state`: the
-  /// grains before the step and, for a warm start, the models of the step before. `scale`: W, 1/kg.
+  /// Lets subdomains become linear once their statuses stand still, see ModelSwitch; call after `start`. `state`: the
+  /// grains before the step and, for a warm start, the models of the last step. `scale`: W, 1/kg.
   void switch_models(const GranularSystem& system, const GranularState& state, double scale);
 
   void iterate();
 
-  /// Record of the last iteration, summed over all subdomains. Iterations need no such global sum: if it is formed less
-  /// often, processes wait less often.
+  /// Record of the last iteration, summed over all subdomains. Iterations need no such global sum: ranks that ask less
+  /// often wait less often.
   IterationRecord record() const;
 
   /// Sums over all subdomains at the present velocities.
   ContactResidual residual() const;
 
-  /// Of single contacts, in all sweeps so far of the subdomains of this process.
+  /// Updates of single contacts in all sweeps so far, on this rank.
   Index contact_updates() const;
 
-  /// Status of every contact of the step problem, in its numbers.
+  /// Status of every contact, in the order of the step problem.
   std::vector<ContactStatus> statuses() const;
 
-  /// Contacts of the step problem with their impulses, and velocities of its bodies. The velocity of a shared grain is
-  /// the mean of its copies.
+  /// Contacts of the step problem with their impulses, and velocities of its bodies: of a shared grain the mean of its
+  /// copies.
   struct Solution {
     std::vector<GrainContact<D>> contacts;
     std::vector<GrainVelocity<D>> velocities;
   };
-  /// Gathers the results of the subdomains; processes exchange the copies of shared grains. Until the next iteration,
-  /// gluing and interface impulses are then those of all processes.
+  /// Gathers the results of the subdomains. Collective: ranks exchange the copies of shared grains. Until the next
+  /// iteration, gluing and interface impulses are then known on all ranks.
   Solution gather(const StepProblem<D>& problem);
 
   std::vector<RememberedGluing> gluing() const;
@@ -85,7 +86,7 @@ class GranularTwoStage {
   const GranularDecomposition<D>& parts() const { return parts_; }
 
  private:
-  // What a record sums over the subdomains, squares all of them.
+  // Sums of squares over the subdomains for a record.
   enum Quantity {
     changes,
     impulses,
@@ -96,7 +97,7 @@ class GranularTwoStage {
     interface_squares,
     quantities
   };
-  // The sum of term(e) over the subdomains in their order, whoever has them: no bit depends on the processes.
+  // The sum of term(e) over the subdomains in their order: no bit depends on the ranks.
   template <class Term>
   double summed(const Term& term) const {
     Eigen::MatrixXd terms(1, count(parts_.subdomains));
@@ -124,12 +125,12 @@ class GranularTwoStage {
   std::optional<InterfaceOperator> enriched_;
   Vector interface_impulses_ = Vector::Zero(parts_.interface_size()), last_change_ = interface_impulses_;
   Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
-  std::vector<ModelSwitch<D>> switches_;                 // of the subdomains; empty unless models are switched
+  std::vector<ModelSwitch<D>> switches_;                 // of each subdomain; empty unless models are switched
   // |V_free|^2 over the copies of shared grains
   double free_speed_squared_ = summed([this](Index e) { return parts_.glued_speed_squared(e); });
-  double impulse_floor_squared_ = 0;  // impulses below it are rounding of the momenta
+  double impulse_floor_squared_ = 0;  // below it impulses are rounding of the momenta
   Index iteration_ = 0, sweeps_ = 0;
-  // Of the last record, a row per Quantity and a column per subdomain.
+  // Terms of the last record: a row per Quantity, a column per subdomain.
   Eigen::MatrixXd last_terms_ = Eigen::MatrixXd::Zero(quantities, count(parts_.subdomains));
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the iterations of a step leave: impulses, velocities and gluing of all subdomains.
+// Results of the iterations of a step: impulses, velocities and gluing of all subdomains.
 #include "two_stage/granular_two_stage.hpp"
 
 namespace nscdd {
@@ -8,19 +8,19 @@ namespace {
 constexpr auto other_steps =
     "processes: expected the same step in all of them, met others: their processors may differ";
 
-// The copy of a shared grain as processes send it.
+// The copy of a shared grain in messages.
 template <int D>
 struct SentCopy {
   Index subdomain, grain;
   GrainUnknowns<D> velocity;
 };
 
-// Adds to the velocity of a shared grain, at first V_free, its part of what one of its copies has gained.
+// Adds to the velocity of a shared grain, at first V_free, its share of the change of one copy.
 template <int D>
 void take_in_copy(const SentCopy<D>& copy, const StepProblem<D>& problem, const Interface& interface,
                   std::vector<GrainVelocity<D>>& velocities) {
   const Index body = body_of(problem, copy.grain);
-  if (body < 0) return;  // a grain of other processes
+  if (body < 0) return;  // a grain of other ranks
   const double part = 1 / static_cast<double>(interface.multiplicity(copy.grain));
   const GrainUnknowns<D> start = unknowns(problem.free[at(body)]);
   add(velocities[at(body)], [&](std::size_t k) { return part * (copy.velocity[k] - start[k]); });
@@ -28,7 +28,7 @@ void take_in_copy(const SentCopy<D>& copy, const StepProblem<D>& problem, const 
 
 }  // namespace
 
-// Each process has the rows whose first copy is its own.
+// Each rank sends the rows whose first copy is its own.
 template <int D>
 void GranularTwoStage<D>::gather_interface_impulses() {
   const Interface& interface = parts_.interface;
@@ -71,7 +71,7 @@ typename GranularTwoStage<D>::Solution GranularTwoStage<D>::gather(const StepPro
     }
   }
   copies = all.gather(copies);
-  // What copies gained adds up in the order of their subdomains, whoever has them.
+  // In the order of subdomains: no bit depends on the ranks.
   std::ranges::stable_sort(copies, {}, &SentCopy<D>::subdomain);
   for (const SentCopy<D>& copy : copies) take_in_copy(copy, problem, interface, result.velocities);
   return result;
@@ -82,7 +82,7 @@ std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
   constexpr Index size = unknowns_of_grain<D>;
   std::vector<RememberedGluing> result;
   const auto& rows = parts_.interface.gluing();
-  for (Index row = 0; row < count(rows);) {  // A_E^T F: along a chain, F of the row after a copy less that before it
+  for (Index row = 0; row < count(rows);) {  // A_E^T F: along a chain, F of the row after a copy minus that before it
     const Index grain = rows[at(row)].grain, first = row, last = row + parts_.interface.multiplicity(grain) - 1;
     for (const GrainCopy& copy : parts_.interface.copies(grain)) {
       RememberedGluing one{grain, copy.subdomain};

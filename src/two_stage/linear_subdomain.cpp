@@ -14,7 +14,7 @@ std::vector<FrozenContact<D>> frozen_at(const GranularSubdomain<D>& subdomain,
   return frozen;
 }
 
-// Directions in which a contact rests, or in which its impulse is free.
+// Columns of a contact in G and in N.
 template <int D>
 Index directions(ContactStatus status) {
   return status == ContactStatus::open ? 0 : status == ContactStatus::stick ? D : 1;
@@ -35,8 +35,8 @@ LinearSubdomain<D>::LinearSubdomain(const GranularSubdomain<D>& subdomain, const
   if (!network_.turning.empty())
     throw Error("linear subdomain: expected contacts whose impulses do not turn, met one that slides in space");
   if (fields) fields_ = fields(network_);
-  // Impulses of the step before are kept along x, y and z: where a normal has turned, one that slides without friction
-  // has a part beside it. That is taken away before the model begins, as a sweep would.
+  // Impulses of the last step are kept along x, y and z. If a normal has turned, the impulse of a contact that slides
+  // without friction has a tangential part, which a sweep would remove.
   if constexpr (D == 3)
     for (std::size_t k = 0; k < frozen_.size(); ++k) {
       if (!slides(frozen_[k].status)) continue;
@@ -54,7 +54,7 @@ LinearSubdomain<D>::LinearSubdomain(const GranularSubdomain<D>& subdomain, const
   regular_ = solver_->factorise(matrix_);
 }
 
-// v + bias in the directions that rest.
+// v + bias in the resting directions.
 template <int D>
 Vector LinearSubdomain<D>::strain(const std::vector<GrainVelocity<D>>& velocities) const {
   Vector result(network_.resting.cols()), own(D);
@@ -70,7 +70,7 @@ Vector LinearSubdomain<D>::strain(const std::vector<GrainVelocity<D>>& velocitie
   return result;
 }
 
-// What Stage 2 has done since.
+// Adds the changes by Stage 2.
 template <int D>
 void LinearSubdomain<D>::follow(const GranularSubdomain<D>& subdomain) {
   for (std::size_t i = 0; i < base_.size(); ++i) {

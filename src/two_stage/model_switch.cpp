@@ -10,14 +10,14 @@
 namespace nscdd {
 namespace {
 
-// Independent columns of one field at the bodies: an orthonormal basis of the values times `scale`.
+// Independent columns of one field at the bodies: an orthonormal basis of `values`, its rows times `scale`.
 Matrix basis_of(const Matrix& values, const Vector& scale) {
   Eigen::ColPivHouseholderQR<Matrix> factors(scale.asDiagonal() * values);
   factors.setThreshold(1e-10);
   return factors.householderQ() * Matrix::Identity(values.rows(), factors.rank());
 }
 
-// Values of the bilinear functions of the nodes at the bodies.
+// Values of the bilinear functions of the mesh at the bodies.
 Matrix bilinear(const std::vector<PlacedBody>& bodies, const std::vector<Index>& moved,
                 const std::array<Index, 2>& cells) {
   std::array<double, 2> low{infinity, infinity}, high{-infinity, -infinity};
@@ -45,7 +45,7 @@ Matrix bilinear(const std::vector<PlacedBody>& bodies, const std::vector<Index>&
   return values;
 }
 
-// Whether impulses turn with the velocities: those of contacts that slide with friction in space.
+// Whether impulses turn with the velocities, as in space if contacts slide with friction.
 template <int D>
 bool turns(const GranularSubdomain<D>& subdomain, const std::vector<ContactStatus>& statuses) {
   for (std::size_t k = 0; D == 3 && k < statuses.size(); ++k)
@@ -53,7 +53,7 @@ bool turns(const GranularSubdomain<D>& subdomain, const std::vector<ContactStatu
   return false;
 }
 
-// Keeps the larger distances between the velocities of a model and those of the law on the copies of shared grains.
+// Keeps the largest distances between the velocities of a model and of the law on the copies of shared grains.
 template <int D>
 void compare(RememberedModel& record, const std::vector<GrainVelocity<D>>& model,
              const std::vector<GrainVelocity<D>>& law, const Interface& interface, Index subdomain, const Vector& f) {

@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// Where a body of a subdomain is, and whether it is kept as it is in a homogenised subdomain.
+/// A body of a subdomain, and whether it keeps its own unknowns in a homogenised subdomain.
 struct PlacedBody {
   std::array<double, 2> centre{0, 0};  ///< m
   double radius = 0;                   ///< m
@@ -13,32 +13,32 @@ struct PlacedBody {
 };
 
 /// Columns that span M^1/2 times the velocities of a homogenised subdomain, in the rows of its network. Bodies that are
-/// kept have three columns each. The others move with the bilinear functions of a mesh of cells[0] x cells[1] equal
-/// cells over the box of their centres: x, y and spin (rim / radius) are interpolated between its nodes. Of dependent
-/// columns, at nodes near too few bodies, only independent ones are taken: a mesh as fine as the bodies leaves all of
-/// them free. `bodies`: in the order of the subdomain; those without rows are left out.
+/// kept have three columns each. The others move with bilinear functions on a mesh of cells[0] x cells[1] equal cells
+/// over the box of their centres: x, y and spin (rim / radius) are interpolated between its nodes. Of dependent
+/// columns, at nodes near too few bodies, only independent ones are taken: a mesh as fine as the bodies leaves them all
+/// free. `bodies`: in the order of the subdomain; those without rows are left out.
 SparseMatrix coarse_velocities(const FrozenNetwork& network, const std::vector<PlacedBody>& bodies,
                                const std::array<Index, 2>& cells);
 
-/// When a subdomain is switched, and what contacts then are.
+/// When a subdomain is switched, and to what.
 struct SwitchRules {
-  Index after = 100;                    ///< k, iterations for which its statuses stand still
+  Index after = 100;                    ///< k: iterations for which its statuses stand still
   double flexibility = 0;               ///< alpha, 1/kg, see LinearSubdomain
   std::array<Index, 2> cells{1, 1};     ///< of the mesh of a homogenised subdomain, see coarse_velocities
-  std::vector<PlacedBody> bodies = {};  ///< of a subdomain that is to be homogenised; empty for a linear one
+  std::vector<PlacedBody> bodies = {};  ///< of a subdomain to homogenise; empty for a linear one
 };
 
-/// Stage 1 of one subdomain that may be switched. It obeys the contact law, by sweeps, until its statuses have stood
-/// still for k iterations. From then on it is a LinearSubdomain, whose answer is judged in every iteration: it stands
-/// if the law, at the impulses and velocities of the answer, gives every contact the status at which it was frozen. At
-/// the first answer that fails, that very iteration is done by sweeps instead, and the statuses must stand still anew.
+/// Stage 1 of one subdomain that may be switched. Sweeps solve the contact law until the statuses have stood still for
+/// k iterations. From then on it is a LinearSubdomain, whose answer is checked in every iteration: it stands if the
+/// law, at its impulses and velocities, gives every contact its frozen status. The iteration of the first answer that
+/// fails is done by sweeps instead, and the statuses must stand still anew.
 ///
-/// The error of the linear model is measured when it is given up and at the end of a step, against sweeps from the same
-/// state: the root mean square of dV over the copies of shared grains, m/s, and |M dV| / |A_E^T F|, the same in
+/// The error of the linear model is measured against sweeps from the same state, when it is given up and at the end of
+/// a step: the root mean square of dV over the copies of shared grains, m/s, and |M dV| / |A_E^T F|, the same in
 /// impulses.
 ///
-/// In space a subdomain in which a contact slides with friction is not linear, as the impulse turns with the velocity:
-/// it is switched only while none does. Without friction all that keep their statuses are.
+/// In space a subdomain is switched only while no contact slides with friction: such an impulse turns with the
+/// velocity, which is not linear.
 template <int D>
 class ModelSwitch {
  public:
@@ -51,7 +51,7 @@ class ModelSwitch {
   /// Stage 1 under the interface impulses F.
   SweepSums stage_one(GranularDecomposition<D>& parts, const Sweeps& sweeps, const Vector& f);
 
-  /// The step so far. If the subdomain is switched, the sweeps are tried on a copy of it.
+  /// The step so far. If the subdomain is switched, sweeps on a copy of it measure the error.
   RememberedModel report(const GranularDecomposition<D>& parts, const Sweeps& sweeps, const Vector& f) const;
 
  private:

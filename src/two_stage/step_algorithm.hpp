@@ -5,11 +5,11 @@
 
 namespace nscdd {
 
-/// Parts of the algorithms of a step. An option belongs to a part (see StepSolver::options), and so to the algorithms
-/// that have this part.
+/// Parts of the algorithms of a step. An option belongs to a part (see StepSolver::options): all algorithms with this
+/// part have it.
 enum class StepPart : unsigned {
   iterations = 0,           ///< part of every algorithm
-  sweeps = 1,               ///< nonlinear Gauss-Seidel, ended by a criterion of choice
+  sweeps = 1,               ///< nonlinear Gauss-Seidel, ended by a chosen criterion
   relaxation = 2,           ///< of the local changes of impulse
   subdomains = 4,           ///< into which a step is cut
   stage_two = 8,            ///< of Algorithm 1 of [ADI12]
@@ -35,7 +35,7 @@ enum class StepAlgorithm {
 
 struct StepAlgorithmParts {
   std::string_view name;
-  std::optional<FrictionAlgorithm> contact_solver;  ///< that it is, ended by its natural map; none for one that sweeps
+  std::optional<FrictionAlgorithm> contact_solver;  ///< ended by its natural map; none for one that sweeps
   StepPart parts;
 };
 
@@ -67,12 +67,12 @@ inline bool has_part(StepAlgorithm one, StepPart part) {
   return (parts | part) == parts;
 }
 
-/// "nlgs, generic or enriched": the algorithms that have a part.
+/// The algorithms that have a part, such as "nlgs, generic or enriched".
 inline std::string algorithms_with(StepPart part) {
   return names_where<StepAlgorithm>([part](StepAlgorithm one) { return has_part(one, part); });
 }
 
-/// The contact solver that an algorithm is, if it is one.
+/// The contact solver of an algorithm, if it is one.
 inline std::optional<FrictionAlgorithm> contact_solver_of(StepAlgorithm one) {
   return step_algorithms[static_cast<std::size_t>(one)].contact_solver;
 }

@@ -20,22 +20,22 @@ enum class ContactOrder {
   reverse,   ///< descending
   random,    ///< a new permutation each step
   coloured,  ///< contacts of one colour share no free grain
-  /// Along a space-filling curve, in blocks of 256 contacts that are coloured each. Neighbours in space are
-  /// neighbours in memory, yet no contact waits for the one before it: the fastest.
+  /// Along a space-filling curve, in blocks of 256 contacts, each coloured: the fastest. Neighbours in space are
+  /// neighbours in memory, yet no contact waits for the one before.
   interleaved,
 };
 constexpr auto names_of(ContactOrder) {
   return std::to_array<std::string_view>({"natural", "reverse", "random", "coloured", "interleaved"});
 }
 
-/// Contacts that an enriched Stage 2 sees.
+/// Contacts of an enriched Stage 2.
 enum class StageTwoNetwork {
-  all,     ///< all that are considered
+  all,     ///< all considered
   active,  ///< those that carried an impulse in the last step
 };
 constexpr auto names_of(StageTwoNetwork) { return std::to_array<std::string_view>({"all", "active"}); }
 
-/// The network that stands in Stage 2 for the contacts of a linear system of the two-stage Newton method or ADMM.
+/// The contact network in Stage 2 of the linear systems of the two-stage Newton method or ADMM.
 enum class InterfaceNetwork {
   none,    ///< X: inertia alone, as in the generic algorithm
   all,     ///< X_eta of every contact considered, in both directions, as in the enriched algorithm
@@ -43,7 +43,7 @@ enum class InterfaceNetwork {
 };
 constexpr auto names_of(InterfaceNetwork) { return std::to_array<std::string_view>({"none", "all", "active"}); }
 
-/// Where an enriched Stage 2 acts.
+/// In which iterations an enriched Stage 2 acts.
 enum class Enrichment {
   every_iteration,
   first_iteration,
@@ -59,15 +59,15 @@ constexpr auto names_of(InterfaceMethod) {
   return std::to_array<std::string_view>({"richardson", "conjugate_gradient"});
 }
 
-/// What a subdomain becomes once its statuses have stood still, see ModelSwitch.
+/// Model of a subdomain once its statuses have stood still, see ModelSwitch.
 enum class SwitchedModel {
-  none,         ///< what it was: the contact law is solved everywhere
+  none,         ///< the contact law, everywhere
   linear,       ///< its network at frozen statuses
   homogenised,  ///< the same on a coarse mesh
 };
 constexpr auto names_of(SwitchedModel) { return std::to_array<std::string_view>({"none", "linear", "homogenised"}); }
 
-/// The flexibility eta of an enriched Stage 2 as a case has it: a Flexibility > 0, or "optimal" for the best one.
+/// The flexibility eta of an enriched Stage 2 in a case: a Flexibility > 0, or "optimal".
 struct EtaChoice {
   static constexpr std::string_view expected =
       "\"optimal\", a number > 0 in 1/kg such as 0.5, or a multiple of the mean of W_nn such as \"30 W\"";
@@ -96,7 +96,7 @@ inline std::string field_text(const EtaChoice& choice) {
 inline void check_bounds(const EtaChoice&, const Field&, std::string_view) {}
 
 /// How the contact problem of a step is solved. A key means the same to all algorithms that have it, and keeps its
-/// value when another algorithm is chosen.
+/// value if the algorithm changes.
 struct StepSolver {
   Choice<StepAlgorithm> algorithm = StepAlgorithm::automatic;
   Index gauss_seidel_sweeps = 1;  ///< n_GS
@@ -127,7 +127,7 @@ struct StepSolver {
     options(self, [&](auto, std::string_view key, auto& value, const Field& field) { visit(key, value, field); });
   }
 
-  /// The fields, each with the part of an algorithm that it is an option of.
+  /// The fields, each with the part of an algorithm that it belongs to.
   template <class Self, class Visitor>
   static void options(Self& self, Visitor&& visit) {
     using enum StepPart;
@@ -192,7 +192,7 @@ struct StepSolver {
   }
 };
 
-/// Whether Stage 2 acts once, and nothing iterates on the jumps at the interface.
+/// Whether Stage 2 acts once, without iterations on the jumps at the interface.
 inline bool semi_implicit(const StepSolver& solver) {
   return has_part(solver.algorithm, StepPart::enriched_stage_two) && solver.enrichment == Enrichment::semi_implicit;
 }

@@ -11,8 +11,8 @@
 namespace nscdd {
 namespace {
 
-// Exact Stage 1 of one subdomain: (W + epsilon I)^-1, or in the rigid limit the pseudo-inverse of W. There
-// the impulses of a hyperstatic network are not unique, but the velocities that they give are.
+// Exact Stage 1 of one subdomain: (W + epsilon I)^-1, or in the rigid limit the pseudo-inverse of W. There the impulses
+// of a hyperstatic network are not unique, but their velocities are.
 LinearMap exact_stage_one(const ContactSystem& contacts, double epsilon) {
   if (contacts.h.cols() == 0) return [](const Vector& right) { return right; };
   SparseMatrix w = contacts.h.transpose() * contacts.response;  // W = H^T M^-1 H
@@ -139,7 +139,7 @@ MapRadius map_radius(Index n, const LinearMap& given, const SpectralOptions& opt
   };
   const auto radius_by = [&](SpectralSolver solver) {
     if (solver == SpectralSolver::arpack) return map_radius_by_arpack(n, map, options, units);
-    // With its Hessenberg and Schur forms, their bases, and complex eigenvectors.
+    // Including its Hessenberg and Schur forms, their bases, and complex eigenvectors.
     require_memory(9 * bytes_of_matrix(n, n), fmt::format("a dense map of {} unknowns", n),
                    "fewer subdomains or grains, or the solver arpack");
     Matrix columns(n, n);

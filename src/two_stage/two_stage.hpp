@@ -9,24 +9,24 @@
 
 namespace nscdd {
 
-/// The two-stage iteration itself ([ADI12] Algorithm 1 and its enriched form) with the linear law:
+/// The two-stage iteration ([ADI12] Algorithm 1 and its enriched form) with the linear law:
 ///   Stage 1  (W_E + epsilon I) r_E = -v_E^d + Ahat_E^T F    exactly, or by n_GS Gauss-Seidel sweeps
 ///            V_E = M_E^-1 (F_E^d + H_E r_E - A_E^T F)
 ///   Stage 2  F <- F + omega X_eta^-1 sum_E A_E V_E
-/// Stage 2 in this form is the paper's (16), with any eta and any law. For its right-hand side
-/// F^d + H (r + v/eta) equals M_{E,eta} V_E + A_E^T F, so X_eta F' = sum A_E V_E + X_eta F.
+/// Stage 2 in this form is the paper's (16), with any eta and any law: its right-hand side F^d + H (r + v/eta) equals
+/// M_{E,eta} V_E + A_E^T F, so X_eta F' = sum A_E V_E + X_eta F.
 ///
-/// What one iteration passes to the next is z = (r_1, ..., r_N, F): the impulses of every subdomain, c_E each,
-/// from which its sweeps start, and F_Gamma, n_Gamma. A time step starts from z = 0.
+/// The state between iterations is z = (r_1, ..., r_N, F): the impulses of every subdomain, c_E each, from which its
+/// sweeps start, and F_Gamma, n_Gamma. A time step starts from z = 0.
 class TwoStageIteration {
  public:
-  /// `stage_one`: the decomposition with the contacts Stage 1 works with (all, or the active ones); `preconditioner`:
-  /// X_eta of the same gluing; `sweeps`: n_GS >= 1, or empty for an exact Stage 1. Throws Error for sweeps < 1.
+  /// `stage_one`: the decomposition with the contacts of Stage 1 (all, or the active ones); `preconditioner`: X_eta of
+  /// the same gluing; `sweeps`: n_GS, or empty for an exact Stage 1. Throws Error for sweeps < 1.
   TwoStageIteration(const Decomposition& stage_one, const Law& law, InterfaceOperator preconditioner,
                     std::optional<Index> sweeps, double relaxation = 1.0);
 
-  /// One iteration under local loads F_E^d, one vector d n_E per subdomain. Without loads it is the linear map
-  /// J_n, which propagates the error of the linear problem.
+  /// One iteration under local loads F_E^d, one vector d n_E per subdomain. Without loads it is the linear map J_n,
+  /// which propagates the error of the linear problem.
   Vector iterate(Vector z, const std::vector<Vector>* loads = nullptr) const;
 
   Index rows() const;                                               ///< of z
@@ -42,12 +42,12 @@ class TwoStageIteration {
   std::optional<Index> sweeps_;
   double relaxation_;
   std::vector<ContactSystem> contacts_;
-  std::vector<LinearMap> exact_;  // (W_E + epsilon I)^-1 of every subdomain, where Stage 1 is exact
+  std::vector<LinearMap> exact_;  // (W_E + epsilon I)^-1 of every subdomain; empty with sweeps
 };
 
-/// What becomes of eigenvalues within 1e-9 of 1, impulses that the networks can carry either way.
+/// Treatment of eigenvalues within 1e-9 of 1, impulses that the networks can carry in more than one way.
 enum class UnitEigenvalues {
-  none,         ///< there are none: every eigenvalue counts alike
+  none,         ///< not recognised: all eigenvalues count alike
   counted,      ///< counted, and left out of `subdominant` only
   passed_over,  ///< counted, and left out of everything
 };
@@ -56,8 +56,8 @@ enum class UnitEigenvalues {
 struct MapRadius {
   double value = 0;
   std::complex<double> dominant;  ///< its eigenvalue; of a pair, the one with positive imaginary part
-  Index unit_multiplicity = 0;    ///< unit eigenvalues; -1 where ARPACK did not count them
-  double subdominant = 0;         ///< largest modulus among the others; NaN where ARPACK met a unit eigenvalue
+  Index unit_multiplicity = 0;    ///< unit eigenvalues; -1 if ARPACK did not count them
+  double subdominant = 0;         ///< largest modulus of the others; NaN if ARPACK met a unit eigenvalue
   std::string solver = "none";
   Index applications = 0;    ///< of the map
   double residual = 0;       ///< ||J x - lambda x|| / ||x||
@@ -65,15 +65,15 @@ struct MapRadius {
   std::string failure = {};  ///< if not converged: why each solver failed
 };
 
-/// Dense eigenvalues or ARPACK's nonsymmetric driver, matrix-free, as choose_inexact_solver says. A fallback is taken
-/// if a solver does not converge, or if ARPACK meets a unit eigenvalue where these are counted.
+/// Dense eigenvalues or ARPACK's nonsymmetric driver, matrix-free, see choose_inexact_solver. A fallback follows if a
+/// solver does not converge, or if ARPACK meets a unit eigenvalue where these are counted.
 MapRadius map_radius(Index n, const LinearMap& map, const SpectralOptions& options, UnitEigenvalues units);
 MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEigenvalues units);
 
-/// The radius of J_n; in the rigid limit unit eigenvalues are counted. J_n is not symmetric, and its
-/// eigenvalues may be complex. For the generic algorithm its nonzero spectrum is that of
+/// The radius of J_n; in the rigid limit unit eigenvalues are counted. J_n is not symmetric, and its eigenvalues may be
+/// complex. For the generic algorithm its nonzero spectrum is that of
 ///     T^n + (I - T^n) W_eps^-1 Ahat^T X^-1 Ahat,   T = -(D + L)^-1 L^T,   W_eps = D + L + L^T
-/// and tends to that of B as n grows.
+/// which tends to that of B as n grows.
 MapRadius inexact_radius(const TwoStageIteration& iteration, const SpectralOptions& options = {});
 
 }  // namespace nscdd
