@@ -26,11 +26,10 @@ class Lazy {
   mutable std::optional<T> value_;
 };
 
-/// Every M_{E,eta} of one subdomain: computes once what does not depend on eta.
-/// Small subdomains are diagonalised, M_E^-1/2 K_E M_E^-1/2 = Q Lambda Q^T. Each eta then costs one scaling by the
-/// weights eta / (eta + lambda), from 1 (eta = infinity) to the indicator of lambda = 0. The number of zero eigenvalues
-/// follows from the rank of H_E, which does not depend on masses. Large subdomains keep the pattern of their sparse
-/// Cholesky factor.
+/// Every M_{E,eta} of one subdomain: computes once what does not depend on eta. Small subdomains are diagonalised,
+/// M_E^-1/2 K_E M_E^-1/2 = Q Lambda Q^T. Each eta then costs one scaling by the weights eta / (eta + lambda), from 1
+/// (eta = infinity) to the indicator of lambda = 0. The rank of H_E, which does not depend on masses, gives the number
+/// of zeros. Large subdomains keep the pattern of their sparse Cholesky factor.
 class EnrichedInertiaFamily {
  public:
   /// Diagonalised up to `dense_limit` unknowns d n_E.
@@ -96,8 +95,7 @@ class EnrichedInertia {
   Lazy<SparseCholesky> cholesky_;
 };
 
-/// An upper bound of the eigenvalues of all M_E^-1 K_E, 1/kg; 0 without contacts. With A = M_E^-1/2 H_E, ||A^T A||_2 <=
-/// || |A|^T |A| ||_infinity.
+/// Bound of all eigenvalues of M_E^-1 K_E, 1/kg. With A = M_E^-1/2 H_E, ||A^T A||_2 <= || |A|^T |A| ||_infinity.
 double stiffest(const Decomposition& parts);
 
 }  // namespace nscdd

@@ -45,8 +45,7 @@ struct SaddleEntries {
 };
 
 /// The block of the rigid limit: bodies that are no hubs, then the early impulses; among the border rows the hubs of
-/// each subdomain with its late impulses. A condensed body has no rows: impulses i and j on a motion of mass m have the
-/// entry -h_i h_j / m instead.
+/// each subdomain with its late impulses. A condensed body has no rows: mass m adds -h_i h_j / m.
 void add_rigid(SaddleEntries& entries, const RigidSystem& system, Index first_impulse, Index first_hub,
                Index interface);
 

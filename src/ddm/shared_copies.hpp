@@ -11,8 +11,7 @@ template <int D>
 using CopiesOfGrains = std::vector<std::vector<GrainVelocity<D>>>;
 
 /// Keeps the copies of shared grains equal, each with the whole mass of its grain: the coupling by W beyond a
-/// subdomain. Collective to construct; later only ranks with copies of the same grains exchange messages. No bit
-/// depends on the number of ranks.
+/// subdomain. Construction is collective; then only ranks that share grains communicate. No bit depends on the ranks.
 template <int D>
 class SharedCopies {
  public:

@@ -64,8 +64,7 @@ void add_augmented(SaddleEntries& entries, const Decomposition& parts, Index fir
 struct SaddlePointFamily {
   SaddlePointFamily(const Contraction& b, SystemForm form, std::shared_ptr<const RigidSystem> rigid);
 
-  // Lower triangle. Rows of the -P block are scaled by sqrt(sigma): then sigma appears only between rows of one or two
-  // interface grains.
+  // Lower triangle. Rows of the -P block are scaled by sqrt(sigma): sigma then appears only between interface rows.
   SparseMatrix matrix(double epsilon, double eta, double sigma) const;
 
   // One pattern for all. For infinite eta the gluing of each grain is a group of its own: all velocities are eliminated

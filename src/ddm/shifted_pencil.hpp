@@ -22,8 +22,7 @@ enum class SolutionAccuracy {
 
 struct SaddlePointFamily;  // the matrices of a family, in shifted_pencil.cpp
 
-/// The pencil S f = lambda P f of a contraction operator at a shift sigma >= 0: one sparse symmetric factorisation of
-/// the saddle-point matrix
+/// The pencil S f = lambda P f at a shift sigma >= 0: one sparse symmetric factorisation of the saddle-point matrix
 ///     [ M_E + K_E/epsilon                                A_E^T ]
 ///     [                    -(M_E + K_E/eta)  sqrt(sigma) A_E^T ]
 ///     [ A_E                 sqrt(sigma) A_E              0     ]
@@ -35,8 +34,7 @@ struct SaddlePointFamily;  // the matrices of a family, in shifted_pencil.cpp
 ///
 /// For epsilon near 0 the block M_E + K_E/epsilon loses digits of M_E. `SystemForm::augmented` replaces it by [M_E H_E;
 /// H_E^T -epsilon I] with the contact impulses, which adds one negative eigenvalue per contact. For epsilon = 0
-/// `SystemForm::rigid` has [Z^T M_E Z, Z^T H_E; H_E^T Z, 0] and A_E Z, with the independent contacts outside rigid
-/// clusters.
+/// `SystemForm::rigid` has [Z^T M_E Z, Z^T H_E; H_E^T Z, 0] and A_E Z, with independent contacts outside clusters.
 class ShiftedPencil {
  public:
   /// False if the factorisation broke down; then nothing else may be called.
@@ -87,13 +85,11 @@ class ShiftedPencilFamily {
                                const InertiaMethod& method = multifrontal(),
                                std::shared_ptr<const RigidSystem> rigid = {});
 
-  /// Whether the family was made for the decompositions and the kind of eta (finite or infinite) of `b`, for this form
-  /// and this method.
+  /// Whether the family was made for the decompositions of `b`, its kind of eta, this form and this method.
   bool serves(const Contraction& b, SystemForm form = SystemForm::condensed,
               const InertiaMethod& method = multifrontal()) const;
 
-  /// epsilon > 0 (not used in the rigid limit), eta > 0 (infinite if and only if the family's is), sigma >= 0; sigma =
-  /// 0 gives S itself.
+  /// epsilon > 0 (not of the rigid form), eta > 0 (infinite if and only if the family's is), sigma >= 0 (0 gives S).
   ShiftedPencil at(double epsilon, double eta, double sigma,
                    SolutionAccuracy accuracy = SolutionAccuracy::enough_next_to_an_end) const;
 

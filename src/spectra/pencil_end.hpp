@@ -37,8 +37,7 @@ struct PencilEnd {
   Matrix vectors;  ///< n_Gamma x k, interface impulses
   /// The end lies within this distance of the first value, and an eigenvalue within it of each other value. It is the
   /// distance between two proved bounds of the end, plus an estimate of the error of the solves. One bound is the first
-  /// value: a Rayleigh quotient is never beyond the end. The other is a shift beyond which an inertia count or prior
-  /// knowledge excludes eigenvalues.
+  /// value: a Rayleigh quotient is never beyond the end. Beyond the other a count or prior knowledge excludes all.
   double residual = infinity;
   bool converged = false;  ///< residual <= tolerance, and no copy of a value is missing
   /// Inertia counts prove that no eigenvalue lies beyond `outside`, and that `within` lie between it and `inside`.
@@ -85,8 +84,7 @@ struct PencilSide {
   /// tenth of the tolerance, because a relaxation multiplies it.
   double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
 
-  /// The pencil at the shift or, if that is unreliable, at a nearby one inwards (`side` = 1) or outwards (-1); nothing
-  /// if none is reliable.
+  /// The pencil at the shift or, if unreliable, at a nearby one inwards (`side` = 1) or outwards (-1), or nothing.
   std::optional<ShiftedPencil> factorise(double shift, double side = -1);
 
   /// Number of eigenvalues beyond the shift.

@@ -62,8 +62,7 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
     return counted - std::count_if(result.values.begin(), result.values.end(),
                                    [&](double lambda) { return inward(lambda - outside->shift()) < 0; });
   };
-  // Missing copies are of the last values, or of those before a gap: search from the shifts used, then next to the last
-  // value.
+  // Missing copies are of the last values, or before a gap: search from the shifts used, then next to the last.
   bool next_to_last = false;
   while (missing() > 0) {
     if (add_to_list(nearer ? *nearer : pencil, missing()).any || (nearer && add_to_list(pencil, missing()).any))

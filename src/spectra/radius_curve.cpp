@@ -118,8 +118,7 @@ Extreme above_line(const std::vector<Moebius>& upper, const Line& line, double f
   return extreme;
 }
 
-// Between two crossings one lower bound is the best. If rounding moves a crossing, the bound there is less sharp but
-// holds.
+// Between two crossings one lower bound is the best. If rounding moves a crossing, the bound still holds.
 Extreme below_line(const std::vector<Moebius>& lower, const Line& line, double from, double to) {
   std::vector<double> cuts{from, to};
   for (std::size_t i = 0; i < lower.size(); ++i)

@@ -36,8 +36,7 @@ struct Known {
   double move(const Step& step) const { return slope * (end.slope_epsilon * step.epsilon + end.slope_eta * step.eta); }
 };
 
-// Hermite's cubic through both points, if these and the step lie on one line. `back`: from the last point to the one
-// before.
+// Hermite's cubic through both points, if these and the step are on one line. `back`: from the last point back.
 std::optional<EndGuess> cubic(const Known& before, const Known& last, const Step& back, const Step& step) {
   const double length = back.epsilon + back.eta;
   const bool along_one = (step.epsilon == 0 && back.epsilon == 0) || (step.eta == 0 && back.eta == 0);

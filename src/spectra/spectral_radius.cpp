@@ -52,8 +52,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   if (unit_multiplicity == n) return all_unit(n, "arpack", std::isfinite(tilt));
   if (unit_multiplicity > 0) {
     require_memory(5 * bytes_of_matrix(n, n), fmt::format("the kernel of S of {} interface unknowns", n));
-    // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma, a Rayleigh quotient of the complement,
-    // which lies between its ends.
+    // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma, a Rayleigh quotient of the complement.
     const Vector root = b.system.scale().cwiseSqrt();
     const KernelSplit& split = b.system.kernel();  // in coordinates scaled by the root
     const Matrix z = root.cwiseInverse().asDiagonal() * split.kernel;
@@ -66,8 +65,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
       return s(x) + sigma * (pz * cholesky.solve(pz.transpose() * x));
     };
   }
-  // Products that have lost digits (small epsilon or eta) may keep Ritz values from ARPACK's tolerance. The residual
-  // needs less.
+  // Products that have lost digits (small epsilon or eta) may not reach ARPACK's tolerance; the residual needs less.
   const auto find = [&](const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse, SpectrumEnd end,
                         const Vector& start) {
     ArpackOptions accuracy = options.arpack;

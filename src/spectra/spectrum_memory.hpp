@@ -24,7 +24,6 @@ struct PencilMemory {
 
   /// Extrapolates one end of the spectrum to a point, on logarithmic axes: by Taylor's formula from the slopes at the
   /// last point or, if the last two points and this one differ only in epsilon or only in eta, by Hermite's cubic.
-  /// Nothing without visited points.
   std::optional<EndGuess> expected(const PencilPoint& point, End Visited::*end) const;
 };
 

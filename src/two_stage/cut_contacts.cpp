@@ -13,8 +13,7 @@
 namespace nscdd {
 namespace {
 
-// The root of the part of a block of E that Stage 2 sees: the diagonal and, in space, the symmetric part of the
-// tangential block.
+// The root of the part of a block of E that Stage 2 sees: its diagonal, in space its symmetric tangential block.
 template <int D>
 Eigen::Matrix<double, D, D> root_of(const Eigen::Matrix<double, D, D>& e) {
   Eigen::Matrix<double, D, D> root = e.diagonal().cwiseMax(0.0).cwiseSqrt().asDiagonal();

@@ -14,18 +14,15 @@ struct ContactColours {
   Index number = 0;               ///< number of colours on all ranks
 };
 
-/// Whether solutions get a step of iterative refinement. Impulses are velocities divided by P, so a small P amplifies
-/// errors.
+/// Iterative refinement of solutions. Impulses are velocities divided by P: a small P amplifies errors.
 enum class Refinement { none, one_step };
 
 /// The ContactProblem of a step cut into subdomains, with the linear systems of a CutContacts. W is never formed: W r =
 /// H^T M^-1 H r  is computed from the velocities of grains. Each subdomain keeps a copy, with full mass, of every grain
-/// it touches. A sweep visits the contacts colour by colour; those of one colour are independent, so a sweep is the
-/// same for any cut.
+/// it touches. A sweep visits the contacts colour by colour. These are independent: it is the same for any cut.
 ///
 /// With a law that pulls, r + pull obeys Coulomb's law: impulses here are r + pull, and q is shifted accordingly. Each
-/// rank has the contacts of its own subdomains. No bit of a product, a sweep or a sum depends on the number of ranks or
-/// threads.
+/// rank has the contacts of its own subdomains. No bit depends on the number of ranks or threads.
 template <int D>
 class DividedContacts {
  public:

@@ -16,12 +16,11 @@ namespace nscdd {
 /// statuses stay, in space in the limit of small errors.
 ///
 /// Errors are y = M^1/2 V of all subdomains, one entry for each unknown of a free body. In space a sweep renews a
-/// turning impulse only in part, so y continues with W_tt^1/2 times its error across d, one entry for each contact that
-/// turns.
+/// turning impulse only in part, so y continues with W_tt^1/2 times its error across d.
 ///
-/// Errors lie in the range of M^-1/2 [G, A^T], which impulses can cause. Velocities that no impulse causes (mechanisms)
-/// would be eigenvalues 1 that no run meets, so every image is projected on that range. As n_GS grows, the radius tends
-/// to that of frozen_contraction.
+/// Errors lie in the range of M^-1/2 [G, A^T], which impulses can cause, and images are projected on it: velocities
+/// that no impulse causes (mechanisms) would be eigenvalues 1 that no run meets. As n_GS grows, the radius tends to
+/// that of frozen_contraction.
 template <int D>
 class FrozenIteration {
  public:
@@ -59,8 +58,8 @@ Matrix frozen_contraction(const GranularDecomposition<D>& parts, const std::vect
 
 /// The rate of a frozen map: its radius without unit eigenvalues, which are impulses that the networks can carry in
 /// more than one way. Converged if the residual is at most 1e-6. If moduli crowd at 1, a power of the map separates
-/// them sooner: `value` is then the root of the power's radius, all else is of the power. An odd power keeps the signs
-/// of real eigenvalues.
+/// them sooner: `value` is then the root of the power's radius, all else is of the power. An odd power keeps their
+/// signs.
 template <int D>
 MapRadius frozen_radius(const FrozenIteration<D>& iteration, const ArpackOptions& options = {}, Index power = 1);
 MapRadius frozen_radius(const Matrix& contraction);

@@ -16,8 +16,7 @@ void add(GrainVelocity<D>& v, const Change& change) {
   v = with_unknowns(sum, v.inverse_mass);
 }
 
-/// One subdomain E of a step: its contacts in sweep order, and the bodies they touch. A shared grain has its share of
-/// mass.
+/// One subdomain E of a step: its contacts in sweep order, and their bodies. A shared grain has its share of mass.
 template <int D>
 struct GranularSubdomain {
   std::vector<Index> bodies;   ///< of the step problem, in the order the sweep meets them

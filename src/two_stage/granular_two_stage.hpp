@@ -35,8 +35,7 @@ template <int D>
 class GranularTwoStage {
  public:
   /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))), or nothing
-  /// for the generic algorithm. Velocities must be those of the impulses, see `start`. Throws Error for an operator of
-  /// another gluing.
+  /// for the generic algorithm. For velocities see `start`. Throws Error for another gluing.
   GranularTwoStage(GranularDecomposition<D> parts, const ContactLaw& law, const StepSolver& solver,
                    std::optional<InterfaceOperator> enriched);
 
@@ -45,8 +44,7 @@ class GranularTwoStage {
   void start(const std::vector<RememberedGluing>& gluing);
 
   /// The state z = (r, F_Gamma) from which the algorithm continues: D impulses of each contact in the order of the step
-  /// problem, then n_Gamma numbers. `restart` sets the velocities as `start` does; conjugate gradients restart.
-  /// Requires a single rank.
+  /// problem, then n_Gamma numbers. `restart` sets the velocities, too. Requires a single rank.
   Vector state() const;
   void restart(const Vector& z);
 
@@ -56,8 +54,7 @@ class GranularTwoStage {
 
   void iterate();
 
-  /// Record of the last iteration, summed over all subdomains. Iterations need no such global sum: ranks that ask less
-  /// often wait less often.
+  /// Record of the last iteration. Iterations need no such global sum: asking less often saves waiting.
   IterationRecord record() const;
 
   /// Sums over all subdomains at the present velocities.
@@ -69,8 +66,7 @@ class GranularTwoStage {
   /// Status of every contact, in the order of the step problem.
   std::vector<ContactStatus> statuses() const;
 
-  /// Contacts of the step problem with their impulses, and velocities of its bodies: of a shared grain the mean of its
-  /// copies.
+  /// Contacts with their impulses, and velocities of bodies: of a shared grain the mean of its copies.
   struct Solution {
     std::vector<GrainContact<D>> contacts;
     std::vector<GrainVelocity<D>> velocities;

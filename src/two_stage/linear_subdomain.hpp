@@ -14,9 +14,8 @@ struct LinearAnswer {
   bool admissible = false;  ///< whether the contact law gives every contact the status it was frozen at
 };
 
-/// Stage 1 of a subdomain whose contacts keep their statuses: one solve with a stored factor. It starts from impulses
-/// r_0 and velocities V_0; Stage 2 has since added F' = -A_E^T (F - F_0). With the columns G and N of docs/theory.md,
-/// section 9,
+/// Stage 1 of a subdomain whose contacts keep their statuses: one solve with a stored factor. From r_0 and V_0, with F'
+/// = -A_E^T (F - F_0) of Stage 2 since then. With columns G and N of docs/theory.md, section 9,
 ///     M (V - V_0) = G d + F',     N^T V + bias = -alpha d,     r = r_0 + (n, t) of d.
 /// alpha > 0 makes hyperstatic networks regular: their contacts are flexible around r_0. As alpha -> 0, V tends to an
 /// exact Stage 1 at these statuses. An open contact has no impulse. In space no contact may slide with friction: its
@@ -40,8 +39,7 @@ class LinearSubdomain {
   /// Gives the subdomain the impulses and velocities of an answer; returns their sums.
   SweepSums take(LinearAnswer<D> answer, GranularSubdomain<D>& subdomain);
 
-  /// Gives the subdomain the velocities of its impulses, V_0 + M^-1 (H (r - r_0) + F'), which differ only if it is
-  /// homogenised.
+  /// Gives the subdomain the velocities of its impulses, V_0 + M^-1 (H (r - r_0) + F'). Only homogenised ones differ.
   void release(GranularSubdomain<D>& subdomain);
 
  private:

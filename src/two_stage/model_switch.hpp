@@ -34,11 +34,9 @@ struct SwitchRules {
 /// fails is done by sweeps instead, and the statuses must stand still anew.
 ///
 /// The error of the linear model is measured against sweeps from the same state, when it is given up and at the end of
-/// a step: the root mean square of dV over the copies of shared grains, m/s, and |M dV| / |A_E^T F|, the same in
-/// impulses.
+/// a step: the root mean square of dV over the copies of shared grains, m/s, and |M dV| / |A_E^T F|.
 ///
-/// In space a subdomain is switched only while no contact slides with friction: such an impulse turns with the
-/// velocity, which is not linear.
+/// In space a subdomain is switched only while no contact slides with friction, because that is not linear.
 template <int D>
 class ModelSwitch {
  public:

@@ -5,8 +5,7 @@
 
 namespace nscdd {
 
-/// Parts of the algorithms of a step. An option belongs to a part (see StepSolver::options): all algorithms with this
-/// part have it.
+/// Parts of the algorithms of a step. Options belong to a part (StepSolver::options): algorithms with it have them.
 enum class StepPart : unsigned {
   iterations = 0,           ///< part of every algorithm
   sweeps = 1,               ///< nonlinear Gauss-Seidel, ended by a chosen criterion

@@ -95,8 +95,7 @@ inline std::string field_text(const EtaChoice& choice) {
 }
 inline void check_bounds(const EtaChoice&, const Field&, std::string_view) {}
 
-/// How the contact problem of a step is solved. A key means the same to all algorithms that have it, and keeps its
-/// value if the algorithm changes.
+/// Solver of the contact problem of a step. A key means the same to all algorithms, and keeps its value if they change.
 struct StepSolver {
   Choice<StepAlgorithm> algorithm = StepAlgorithm::automatic;
   Index gauss_seidel_sweeps = 1;  ///< n_GS

@@ -51,8 +51,7 @@ Decomposition decompose(const ReferenceProblem& problem, const Partition& partit
                         GluingShape shape = GluingShape::chain, const PackingShare& share = {});
 
 /// The two halves of `decompose` for a packing that every rank has. `cut` makes all but H_E and A_E, and
-/// `with_matrices` adds these. A rank that drops the subdomains of others in between (`of_process`) never holds their
-/// matrices.
+/// `with_matrices` adds these. A rank that drops other subdomains in between (`of_process`) never holds their matrices.
 Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape = GluingShape::chain);
 Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem);
 

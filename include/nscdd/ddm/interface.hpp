@@ -31,10 +31,9 @@ enum class GluingShape {
   star,   ///< each copy to the first
 };
 
-/// Where the subdomains of a packing meet ([ADI12] section 2): the copies of each grain, the rows that glue the copies
-/// of a shared one, and every exchange between subdomains. A grain has d unknowns, 2 or 3 in the plane. Vectors of the
-/// interface have n_Gamma = d x rows entries, those of row block k from d k on. Rows ascend by grain, copies by
-/// subdomain.
+/// Where subdomains meet ([ADI12] section 2): the copies of each grain, the rows that glue the copies of a shared one,
+/// and exchanges between subdomains. A grain has d unknowns, 2 or 3 in the plane. Vectors of the interface have n_Gamma
+/// = d x rows entries, those of row block k from d k on. Rows ascend by grain, copies by subdomain.
 ///
 /// If ranks share the subdomains, each has all rows, but the ties of its own subdomains only. `exchange` sums over all
 /// ranks; its result is the same on each. `exchange_with_neighbours` sums over neighbours only; its result is right in
@@ -76,8 +75,7 @@ class Interface {
   /// Whether both glue the same grains of the same subdomains. Local numbers may differ.
   bool same_rows(const Interface& other) const;
 
-  /// The jumps sum_E A_E V_E. `velocity(e, i)[k]`: unknown k of the grain with local number i of subdomain e. Several
-  /// threads call it at once.
+  /// The jumps sum_E A_E V_E. `velocity(e, i)[k]`: unknown k of local grain i of subdomain e. Called in parallel.
   template <class Velocity>
   Vector exchange(const Velocity& velocity) const {
     Vector jumps = own_jumps(velocity);

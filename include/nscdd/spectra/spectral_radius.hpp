@@ -56,8 +56,7 @@ struct SpectralOptions {
   }
 };
 
-/// Throws Error if a solver that finds only the ends (arpack, slepc) shall certify or find more eigenvalues. `dashes`:
-/// prefix of option names.
+/// Throws Error if arpack or slepc shall certify or find more than the ends. `dashes`: prefix of option names.
 void check(const SpectralOptions& options, std::string_view dashes = "");
 
 /// How one spectrum is computed.
@@ -99,8 +98,7 @@ struct SpectralRadius {
   Index applications = 0;  ///< products with interface operators, or solves; 0 if they were assembled
   /// The larger over both ends of omega ||S x - lambda P x||_{P^-1} / ||x||_P: an eigenvalue of B lies within this
   /// distance of each end given. For shift-invert: omega times the distance of the end from a shift with no eigenvalue
-  /// beyond it, so the end itself lies within it. In the rigid limit the error of S (InterfaceOperator::uncertainty) is
-  /// added.
+  /// beyond, so the end itself lies within it. The rigid limit adds InterfaceOperator::uncertainty.
   double residual = 0;
   bool converged = true;  ///< the solver converged, and residual <= tolerance x max(1, rho)
   /// If no solver answers: why each failed, such as "shift-invert: ...; dense: ...".
@@ -118,10 +116,9 @@ struct SpectralRadius {
 
 struct SpectrumMemory;  // warm start of the next point of a sweep: spectra/spectrum_memory.hpp
 
-/// Computes the spectral radius with its certificate; see SpectralRadius::converged for failures. In the rigid limit
-/// shift-invert works on the contacts that are independent within their subdomain. It counts the unit eigenvalues by
-/// ranks, above 10^6 contacts by shifts near 0. The matrix-free solver finds the unit eigenspace densely (up to 4 000
-/// unknowns).
+/// Computes the spectral radius with its certificate; see SpectralRadius::converged. In the rigid limit shift-invert
+/// works on the contacts that are independent within their subdomain. It counts the unit eigenvalues by ranks, above
+/// 10^6 contacts by shifts near 0. The matrix-free solver finds the unit eigenspace densely.
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
                                SpectrumMemory* memory = nullptr);
 
