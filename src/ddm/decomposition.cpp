@@ -51,28 +51,6 @@ std::vector<Index> numbers_of(std::vector<Index> grains, const PackingShare& sha
   return grains;
 }
 
-Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape,
-                  const PackingShare& share) {
-  Decomposition parts;
-  parts.contacts = problem.contacts();
-  parts.subdomains = with_contacts(problem, partition);
-  std::vector<std::vector<Index>> held;
-  for (const Subdomain& subdomain : parts.subdomains) held.push_back(numbers_of(subdomain.grains, share));
-  const Index grains = share.numbers.empty() ? problem.grains() : share.numbers.back() + 1;
-  parts.interface =
-      shared_interface(problem.dofs_per_grain, grains, held, {}, share.process_of_subdomain, share.processes, shape);
-  const Index d = problem.dofs_per_grain;
-  for (std::size_t e = 0; e < held.size(); ++e) {
-    Subdomain& subdomain = parts.subdomains[e];
-    subdomain.inertia.resize(d * count(subdomain.grains));
-    for (Index i = 0; i < count(subdomain.grains); ++i) {
-      const auto copies = static_cast<double>(parts.interface.multiplicity(held[e][at(i)]));
-      subdomain.inertia.segment(d * i, d) = problem.inertia.segment(d * subdomain.grains[at(i)], d) / copies;
-    }
-  }
-  return parts;
-}
-
 // METIS may leave a part of a small graph empty: it gets the lightest subdomain of a process that has several.
 void fill_empty(std::vector<Index>& process_of, const std::vector<idx_t>& weight, Index processes) {
   for (Index process = 0; process < processes; ++process) {
@@ -96,8 +74,26 @@ void check(const Partition& partition, Index contacts) {
       fail("partition: expected a subdomain in 0..{} for contact {}, met {}", partition.subdomains - 1, c, e);
 }
 
-Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
-  return cut(problem, partition, shape, {});
+Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape,
+                  const PackingShare& share) {
+  Decomposition parts;
+  parts.contacts = problem.contacts();
+  parts.subdomains = with_contacts(problem, partition);
+  std::vector<std::vector<Index>> held;
+  for (const Subdomain& subdomain : parts.subdomains) held.push_back(numbers_of(subdomain.grains, share));
+  const Index grains = share.numbers.empty() ? problem.grains() : share.numbers.back() + 1;
+  parts.interface =
+      shared_interface(problem.dofs_per_grain, grains, held, {}, share.process_of_subdomain, share.processes, shape);
+  const Index d = problem.dofs_per_grain;
+  for (std::size_t e = 0; e < held.size(); ++e) {
+    Subdomain& subdomain = parts.subdomains[e];
+    subdomain.inertia.resize(d * count(subdomain.grains));
+    for (Index i = 0; i < count(subdomain.grains); ++i) {
+      const auto copies = static_cast<double>(parts.interface.multiplicity(held[e][at(i)]));
+      subdomain.inertia.segment(d * i, d) = problem.inertia.segment(d * subdomain.grains[at(i)], d) / copies;
+    }
+  }
+  return parts;
 }
 
 Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem) {
@@ -216,11 +212,10 @@ Subdomain reassemble(const Decomposition& parts) {
       whole.inertia.segment(d * number, d) += subdomain.inertia.segment(d * i, d);
       if (placed) whole.centres.col(number) = subdomain.centres.col(i);
     }
-    for (Index c = 0; c < count(subdomain.contacts); ++c)
-      for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e) {
-        const Index grain = local_number(whole.grains, subdomain.grains[at(e.row() / d)]);
-        entries.add(grain * d + e.row() % d, local_number(whole.contacts, subdomain.contacts[at(c)]), e.value());
-      }
+    for_entries(subdomain.h, [&](Index i, Index c, double value) {
+      const Index grain = local_number(whole.grains, subdomain.grains[at(i / d)]);
+      entries.add(grain * d + i % d, local_number(whole.contacts, subdomain.contacts[at(c)]), value);
+    });
   }
   whole.h = entries.matrix(d * count(whole.grains), count(whole.contacts));
   whole.a = SparseMatrix(0, whole.h.rows());

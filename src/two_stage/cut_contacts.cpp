@@ -35,12 +35,9 @@ template <int D>
 CutContacts<D>::CutContacts(Decomposition parts, const CutOptions& options)
     : parts_(std::move(parts)), options_(options), lu_(parts_.subdomains.size()) {
   if (parts_.contacts % D != 0) fail("contacts: expected {} columns for each, met {} columns", D, parts_.contacts);
-  Index first = std::numeric_limits<Index>::max();  // of the columns of this rank
-  for (const Subdomain& subdomain : parts_.subdomains)
-    if (!subdomain.contacts.empty()) first = std::min(first, subdomain.contacts.front());
   for (const Subdomain& subdomain : parts_.subdomains) {
     own_.push_back(subdomain.contacts);
-    for (Index& column : own_.back()) column -= first;
+    for (Index& column : own_.back()) column -= parts_.first_contact;
   }
   if (parts_.interface_size() > 0 && options_.network == InterfaceNetwork::none)
     preconditioner_ = InterfaceFamily(parts_, 0).at(infinity);  // X, for all relations

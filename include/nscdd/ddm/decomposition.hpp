@@ -25,8 +25,7 @@ struct Subdomain {
   Matrix centres = {};          ///< of the grains, d x n_E, m; empty where they are not known
 };
 
-/// A packing cut in the FETI way ([ADI12] section 2): contacts are distributed among the subdomains, and
-/// sum_E A_E V_E = 0 glues the copies of shared grains.
+/// A packing cut in the FETI way ([ADI12] section 2): sum_E A_E V_E = 0 glues the copies of shared grains.
 struct Decomposition {
   Index contacts = 0;       ///< of the undivided packing
   Index first_contact = 0;  ///< number of the first contact of this rank, see PackingShare
@@ -37,8 +36,7 @@ struct Decomposition {
   Index interface_size() const { return interface.size(); }            ///< n_Gamma
 };
 
-/// The share of a packing that a rank holds: the problem and the partition of the contacts of its own subdomains. By
-/// default one rank has the whole packing.
+/// The share of a packing that a rank holds: problem and partition of the contacts of its subdomains; by default all.
 struct PackingShare {
   std::vector<Index> numbers = {};  ///< numbers in the packing of the problem's grains, ascending; empty: all
   std::vector<Index> process_of_subdomain = {};  ///< see `deal_out`; empty: one rank has all subdomains
@@ -52,16 +50,15 @@ Decomposition decompose(const ReferenceProblem& problem, const Partition& partit
 
 /// The two halves of `decompose` for a packing that every rank has. `cut` makes all but H_E and A_E, and
 /// `with_matrices` adds these. A rank that drops other subdomains in between (`of_process`) never holds their matrices.
-Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape = GluingShape::chain);
+Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape = GluingShape::chain,
+                  const PackingShare& share = {});
 Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem);
 
 /// The same subdomains, grains and gluing with only some contacts: G_E = H_E C_E in place of H_E ([ADI12] eq. (28)).
-/// `kept`: one flag per contact that this rank knows, of the whole packing unless ranks share it (PackingShare). Throws
-/// Error for too few or too many flags.
+/// `kept`: one flag per contact that this rank knows. Throws Error for another number of flags.
 Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept);
 
-/// The part of a shared decomposition that a rank holds: the interface and its own subdomains. The others are empty.
-/// `process_of_subdomain`: see `deal_out`.
+/// The interface and subdomains of one rank; others are empty. `process_of_subdomain`: see `deal_out`.
 Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain,
                          const Processes& processes);
 
