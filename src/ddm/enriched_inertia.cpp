@@ -9,8 +9,7 @@
 namespace nscdd {
 namespace {
 
-// If columns have very unequal lengths, the effect of the short ones is small compared with rounding. Factors, which
-// scale each column, are then more exact than a spectrum.
+// With very unequal columns the short ones drown in rounding; factors, which scale each column, are then more exact.
 bool similar_lengths(const SparseMatrix& h) {
   double longest = 0, shortest = infinity;
   for (Index j = 0; j < h.cols(); ++j)

@@ -60,8 +60,8 @@ class EnrichedInertiaFamily {
   Lazy<SymmetricAnalysis> condensation_;
 };
 
-/// The inverse of M_{E,eta} = M_E + K_E / eta, K_E = H_E H_E^T ([ADI12] eqs. (23), (24)). eta = infinity is M_E. eta =
-/// 0 is the rigid limit, whose "inverse" is
+/// The inverse of M_{E,eta} = M_E + K_E / eta, K_E = H_E H_E^T ([ADI12] eqs. (23), (24)). eta = infinity is M_E.
+/// eta = 0 is the rigid limit, whose "inverse" is
 ///     M_E^inf = M_E^-1/2 (I - Pi) M_E^-1/2,   Pi the projector onto range(M_E^-1/2 H_E)
 /// ([ADI12] eq. (26)). It exists for every network, also for a hyperstatic one. With the motions Z of rigid clusters it
 /// is Z (Z^T M_E Z)^-1/2 (I - Pi) (Z^T M_E Z)^-1/2 Z^T, Pi for Z^T H_E.

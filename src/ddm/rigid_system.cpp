@@ -27,8 +27,7 @@ RigidSubdomain rigid_subdomain(const Subdomain& subdomain, Index dofs_per_grain)
   const RangeBasis basis = range_basis(motions);
   result.h = columns_of(basis, motions.h);
   result.conclusive = basis.conclusive;
-  // The basis serves any masses, but M^-1/2 may enlarge its tilt. It was measured without the columns set aside, which
-  // are clearly apart from all others.
+  // M^-1/2 may enlarge the tilt. Columns set aside are clearly apart from all others, and have none.
   if (motions.inertia.size() > 0)
     result.tilt = basis.tilt * std::sqrt(motions.inertia.maxCoeff() / motions.inertia.minCoeff());
   std::vector<char> early(at(result.h.cols()), 0);

@@ -7,8 +7,7 @@
 
 namespace nscdd {
 
-/// The rigid limit of one subdomain: the velocities that its contacts allow, with as many impulses as are independent.
-/// X_0 depends only on the range of H_E.
+/// The rigid limit of one subdomain: its motions, and a basis of independent impulses. X_0 depends only on their range.
 struct RigidSubdomain {
   RigidMotions motions;
   SparseMatrix a;            ///< A_E Z

@@ -19,8 +19,7 @@ class SharedCopies {
 
   /// Sets every copy of a grain to the sum of all, in the order of their subdomains.
   void add_up(CopiesOfGrains<D>& velocities) const;
-  /// Sets every copy of a grain to the copy that has changed. `changed`: copies in subdomains of this rank. Changed
-  /// copies, on all ranks, are of different grains.
+  /// Sets the copies of a grain to the changed one. `changed`: copies on this rank, with no grain twice on all ranks.
   void follow(const std::vector<Index>& changed, CopiesOfGrains<D>& velocities) const;
 
   /// The copies on this rank, by the numbers that `follow` takes.

@@ -45,8 +45,7 @@ class ShiftedPencil {
   /// changes sign between A and A + E, so `below` holds for A itself.
   double inexactness() const { return inexactness_; }
 
-  /// Whether counts and solutions may be used. If not, sigma is too near to an eigenvalue of the pencil or of a part of
-  /// the packing, and a nearby shift serves as well.
+  /// Whether counts and solutions may be used. If not, sigma is too near to an eigenvalue: take another shift.
   bool reliable() const { return regular() && inexactness() < reliable_inexactness; }
 
   /// The inexactness of `solve`, which takes a step of refinement if it pays.
@@ -79,8 +78,8 @@ class ShiftedPencil {
 /// (finite, or all infinite) and sigma. Factors of rows that do not depend on sigma are kept from shift to shift.
 class ShiftedPencilFamily {
  public:
-  /// S and P of `b`; of their flexibilities only matters whether eta is infinite. `method`: factorises the saddle-point
-  /// matrices. `rigid`: the limit of S, for `SystemForm::rigid` only.
+  /// Of the flexibilities of `b` only matters whether eta is infinite. `rigid`: the limit of S, for `SystemForm::rigid`
+  /// only.
   explicit ShiftedPencilFamily(const Contraction& b, SystemForm form = SystemForm::condensed,
                                const InertiaMethod& method = multifrontal(),
                                std::shared_ptr<const RigidSystem> rigid = {});

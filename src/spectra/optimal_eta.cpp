@@ -34,8 +34,7 @@ class Spectra {
     return {1 - radius.subdominant_max, 1 - radius.subdominant_min, radius.converged};
   }
 
-  // At a point that is reported, whose residual counts. A search also tries flexibilities so small that X_eta is
-  // numerically singular; residuals do not matter there.
+  // At a reported point. (A search also tries an eta at which X_eta is numerically singular: residuals do not count.)
   Ends reported(double eta) {
     const Ends ends = at(eta);
     best.residual = std::max(best.residual, last_residual_);

@@ -193,8 +193,7 @@ class EndSearch {
     return std::max(value() - inward(std::min(step, 0.3 * distance_to_proof())), 0.5 * value());
   }
 
-  // A count just outside proves the end, one just inside gives its multiplicity. The last shift may serve as the first,
-  // if it was near but not too near.
+  // A count just outside proves the end (the last shift may serve), one just inside gives its multiplicity.
   void certify() {
     const double keep_away = std::max(tolerance(), 4 * rounding(value()));
     const double distance = outer_ ? std::abs(value() - *outer_) : infinity;

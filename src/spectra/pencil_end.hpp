@@ -51,19 +51,17 @@ struct PencilEnd {
 
 /// Finds one end of the spectrum by shifts that approach it from outside.
 /// 1. Factorise at a shift beyond the expected end. The inertia proves that no eigenvalue lies further out; if some do,
-///   step out and begin again.
+///    step out and begin again.
 /// 2. Run shift-inverted Lanczos from this shift. Unless the end is crowded, a few steps bring it to within a fraction
-///   of the tolerance.
+///    of the tolerance.
 /// 3. Factorise a tenth of the tolerance beyond the value found. If no eigenvalue lies beyond, the end is proved, and
-///   one solve completes the vector. If some do, the end is among these few: search from there, and repeat from step 2.
-/// A crowded end costs some more factorisations, not thousands of products. `start`: initial vector, or empty. No
-/// convergence is data: see PencilEnd::converged.
+///    one solve completes the vector. If some do, the end is among these few: search from there as in 2.
+/// A crowded end costs some more factorisations, not thousands of products. `start`: initial vector, or empty.
 PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner, const PencilPoint& point,
                    SpectrumEnd end, const std::optional<EndGuess>& guess, const Vector& start,
                    const EndOptions& options);
 
-/// One side of the spectrum at a point of a sweep: direction, tolerances, factorisations, solves and results, shared by
-/// the search for the end and the list of eigenvalues behind it.
+/// One side of the spectrum at a point of a sweep, for the search for the end and the list of eigenvalues behind it.
 struct PencilSide {
   const ShiftedPencilFamily& family;
   const InterfaceOperator& p;

@@ -4,8 +4,7 @@
 namespace nscdd {
 
 std::optional<ShiftedPencil> PencilSide::factorise(double shift, double side) {
-  // The first steps stay within the tolerance of the end. Later ones leave the cause of the unreliable factorisation,
-  // usually an eigenvalue of a part of the packing.
+  // First within the tolerance of the end, then far from the usual cause, an eigenvalue of a part of the packing.
   for (const double step : {0.2, 0.5, 3.0, 30.0, 300.0}) {
     ++result.factorisations;
     ShiftedPencil pencil = family.at(point.epsilon, point.eta, shift, accuracy);

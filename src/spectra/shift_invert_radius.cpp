@@ -195,9 +195,8 @@ bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index
   return false;
 }
 
-// Interface impulses that the networks carry in more than one way give lambda = 0, a unit eigenvalue each. Ranks, which
-// small eigenvalues do not disturb, give their number. A shift next to 0 must count the same number: otherwise one of
-// the two is wrong, and nothing is proved.
+// Self-stresses across the interface give lambda = 0, a unit eigenvalue each. Ranks, which small eigenvalues do not
+// disturb, give their number. A shift next to 0 must count the same number; otherwise nothing is proved.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
   std::optional<RigidLimit>& limit = memory.limit;
   if (!limit || &limit->met.decomposition() != &b.system.decomposition())

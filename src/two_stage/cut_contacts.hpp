@@ -17,21 +17,18 @@ struct CutOptions {
   InertiaMethod inertia = {};  ///< factorises P, see InterfaceOperator::solve
 };
 
-/// Linear systems  P r + Q W r = b  of the contacts of a step (see ContactMatrix) cut in the FETI way, with grains as
-/// unknowns. E = P^-1 Q are the impulses that velocities cause.
+/// Linear systems  P r + Q W r = b  of the contacts of a step (see ContactMatrix), cut in the FETI way. E = P^-1 Q.
 ///   Stage 1  K_E V_E = H_E P^-1 b - A_E^T F,  K_E = M_E + H_E E H_E^T: one factorised solve per subdomain
 ///   Stage 2  S F = g by a Krylov method,  S = sum_E A_E K_E^-1 A_E^T, preconditioned by
 ///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T
 /// where D is the diagonal of E: X_eta with eta = c alpha on the active contacts. In space D keeps the symmetric part
-/// of the tangential blocks of E, for a contact that slides resists across its direction and not along it. Then r =
-/// P^-1 b - E H_E^T V_E. No bit depends on the number of threads. Several processes each have their own subdomains with
-/// their contacts, and vectors of the whole interface: they make the same calls together. With no network in Stage 2
-/// the answers have the bits of one process; with one, the factor that they share rounds otherwise.
+/// of the tangential blocks of E: a sliding contact resists across its direction only. Then r = P^-1 b - E H_E^T V_E.
+/// No bit depends on the number of threads. Collective: each rank has its own subdomains and contacts, and whole
+/// interface vectors. Without a network in Stage 2 no bit depends on the number of ranks; the factor of a network does.
 template <int D>
 class CutContacts {
  public:
-  /// `parts`: a decomposition of a problem with D columns per contact, normal and tangential, side by side. Each of
-  /// several processes has its own subdomains (see PackingShare), and relations and vectors of its own contacts.
+  /// `parts`: a decomposition with D columns per contact, normal and tangential; a rank has its own share.
   CutContacts(Decomposition parts, const CutOptions& options);
 
   /// As ContactMatrix::factorise.

@@ -17,9 +17,9 @@ struct ContactColours {
 /// Iterative refinement of solutions. Impulses are velocities divided by P: a small P amplifies errors.
 enum class Refinement { none, one_step };
 
-/// The ContactProblem of a step cut into subdomains, with the linear systems of a CutContacts. W is never formed: W r =
-/// H^T M^-1 H r  is computed from the velocities of grains. Each subdomain keeps a copy, with full mass, of every grain
-/// it touches. A sweep visits the contacts colour by colour. These are independent: it is the same for any cut.
+/// The ContactProblem of a step cut into subdomains, with the linear systems of a CutContacts. W is never formed: W
+/// r = H^T M^-1 H r comes from the velocities of grains. Each subdomain keeps a copy, with full mass, of every grain it
+/// touches. A sweep visits the contacts by colours, which are independent sets: it is the same for any cut.
 ///
 /// With a law that pulls, r + pull obeys Coulomb's law: impulses here are r + pull, and q is shifted accordingly. Each
 /// rank has the contacts of its own subdomains. No bit depends on the number of ranks or threads.

@@ -56,10 +56,9 @@ template <int D>
 Matrix frozen_contraction(const GranularDecomposition<D>& parts, const std::vector<FrozenContact<D>>& frozen,
                           const std::optional<InterfaceOperator>& enriched, double relaxation = 1);
 
-/// The rate of a frozen map: its radius without unit eigenvalues, which are impulses that the networks can carry in
-/// more than one way. Converged if the residual is at most 1e-6. If moduli crowd at 1, a power of the map separates
-/// them sooner: `value` is then the root of the power's radius, all else is of the power. An odd power keeps their
-/// signs.
+/// The rate of a frozen map: its radius without unit eigenvalues, which are self-stresses. Converged if the residual is
+/// at most 1e-6. If moduli crowd at 1, a power of the map separates them sooner: `value` is then the root of the
+/// power's radius, all else is of the power. An odd power keeps the signs of real eigenvalues.
 template <int D>
 MapRadius frozen_radius(const FrozenIteration<D>& iteration, const ArpackOptions& options = {}, Index power = 1);
 MapRadius frozen_radius(const Matrix& contraction);

@@ -7,8 +7,8 @@
 namespace nscdd {
 
 /// Contact k of a subdomain frozen at a status, for small changes of its impulse and velocity. The plane needs only the
-/// status. In space a sliding contact has the direction d and the `turning` of a FrozenContact at z = r - W^-1 (v +
-/// bias), the impulse that would stop it (docs/theory.md, section 9).
+/// status. In space a sliding contact has the direction d and the `turning` of a FrozenContact at z = r - W^-1
+/// (v + bias), the impulse that would stop it (docs/theory.md, section 9).
 template <int D>
 FrozenContact<D> frozen_as(ContactStatus status, const GranularSubdomain<D>& subdomain, std::size_t k);
 
@@ -22,8 +22,7 @@ TangentVector side_of(const FrozenContact<3>& contact);
 
 /// The network of one subdomain at frozen statuses in y = M^1/2 V, with the unknowns of every free body. A sticking
 /// contact has as many columns as there are dimensions, an open one none, a sliding one has one and, in space, a second
-/// if its impulse turns (docs/theory.md, section 9). Velocities caused by impulses d obey N^T V + K d = 0 with a
-/// diagonal K, 0 except for turning impulses.
+/// if its impulse turns (docs/theory.md, section 9). Velocities caused by impulses d obey N^T V + K d = 0.
 struct FrozenNetwork {
   std::vector<BodyRows> rows;  ///< of every body in y
   Vector root;                 ///< M^1/2, an entry per row of y, kg^1/2

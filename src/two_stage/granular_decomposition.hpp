@@ -64,9 +64,8 @@ struct GranularDecomposition {
 };
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses at those of the step. `order`,
-/// `seed`: see contact_order. Ranks that share the step each pass the contacts of their own subdomains and get these
-/// subdomains and the whole gluing; the subdomains of others are empty. `process_of_subdomain`: see `deal_out`. Throws
-/// Error if the partition does not fit.
+/// `seed`: see contact_order. Ranks that share the step pass the contacts of their own subdomains and get these and the
+/// whole gluing. `process_of_subdomain`: see `deal_out`. Throws Error if the partition does not fit.
 template <int D>
 GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,
                                    Choice<ContactOrder> order, std::uint64_t seed,

@@ -25,8 +25,8 @@ ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, cons
 ///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
 ///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
 /// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched). This is the paper's (16) for
-/// any law, see TwoStageIteration. With conjugate gradients an iteration has a second, trial Stage 1: `sweeps` counts
-/// both, zeta is the change in the second.
+/// any law, see TwoStageIteration. With conjugate gradients a trial Stage 1 follows: `sweeps` counts both, zeta is of
+/// the second.
 ///
 /// No bit depends on the number of threads. Construction, iterations and sums are collective on ranks that share the
 /// subdomains. In the generic Stage 2 neighbours exchange jumps, and no bit depends on the number of ranks. In the
@@ -39,8 +39,8 @@ class GranularTwoStage {
   GranularTwoStage(GranularDecomposition<D> parts, const ContactLaw& law, const StepSolver& solver,
                    std::optional<InterfaceOperator> enriched);
 
-  /// Sets V_E = M_E^-1 (F^d_E + H_E r_E - A_E^T F) for the impulses of the contacts and the gluing impulses of the last
-  /// step. A grain that other subdomains share now starts from zero.
+  /// Sets V_E = M_E^-1 (F^d_E + H_E r_E - A_E^T F) for impulses r and gluing of the last step. A grain that other
+  /// subdomains share now starts at F = 0.
   void start(const std::vector<RememberedGluing>& gluing);
 
   /// The state z = (r, F_Gamma) from which the algorithm continues: D impulses of each contact in the order of the step

@@ -14,12 +14,11 @@ struct LinearAnswer {
   bool admissible = false;  ///< whether the contact law gives every contact the status it was frozen at
 };
 
-/// Stage 1 of a subdomain whose contacts keep their statuses: one solve with a stored factor. From r_0 and V_0, with F'
-/// = -A_E^T (F - F_0) of Stage 2 since then. With columns G and N of docs/theory.md, section 9,
+/// Stage 1 of a subdomain whose contacts keep their statuses: one solve with a stored factor. It starts at impulses r_0
+/// and velocities V_0; Stage 2 then adds F' = -A_E^T (F - F_0). With G and N of docs/theory.md, section 9,
 ///     M (V - V_0) = G d + F',     N^T V + bias = -alpha d,     r = r_0 + (n, t) of d.
-/// alpha > 0 makes hyperstatic networks regular: their contacts are flexible around r_0. As alpha -> 0, V tends to an
-/// exact Stage 1 at these statuses. An open contact has no impulse. In space no contact may slide with friction: its
-/// impulse would turn, which is not linear.
+/// alpha > 0 makes hyperstatic networks regular. As alpha -> 0, V tends to an exact Stage 1 at these statuses. In space
+/// no contact may slide with friction: its impulse would turn, which is not linear.
 template <int D>
 class LinearSubdomain {
  public:

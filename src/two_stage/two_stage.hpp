@@ -25,8 +25,7 @@ class TwoStageIteration {
   TwoStageIteration(const Decomposition& stage_one, const Law& law, InterfaceOperator preconditioner,
                     std::optional<Index> sweeps, double relaxation = 1.0);
 
-  /// One iteration under local loads F_E^d, one vector d n_E per subdomain. Without loads it is the linear map J_n,
-  /// which propagates the error of the linear problem.
+  /// One iteration under local loads F_E^d, one vector d n_E per subdomain. Without: the linear map J_n of errors.
   Vector iterate(Vector z, const std::vector<Vector>* loads = nullptr) const;
 
   Index rows() const;                                               ///< of z
@@ -45,7 +44,7 @@ class TwoStageIteration {
   std::vector<LinearMap> exact_;  // (W_E + epsilon I)^-1 of every subdomain; empty with sweeps
 };
 
-/// Treatment of eigenvalues within 1e-9 of 1, impulses that the networks can carry in more than one way.
+/// Treatment of eigenvalues within 1e-9 of 1, which are self-stresses.
 enum class UnitEigenvalues {
   none,         ///< not recognised: all eigenvalues count alike
   counted,      ///< counted, and left out of `subdominant` only

@@ -11,15 +11,14 @@ struct GrainCopy {
   Index grain = 0;  ///< local number
 };
 
-/// d rows of the gluing condition, V_first - V_second = 0. The rows of a grain form a tree of its copies: the root is
-/// the first copy, and every row adds its second copy.
+/// d rows of the gluing condition, V_first - V_second = 0. The rows of a grain form a tree, each adding its second
+/// copy.
 struct Gluing {
   Index grain = 0;  ///< global number
   GrainCopy first, second;
 };
 
-/// A d x d block of A_E: sign times I, in row block `row` and at the copy with local number `grain`. The sign is 1 for
-/// the first copy of the row, -1 for the second.
+/// A d x d block of A_E: `sign` (1 for the first copy of a row, -1 for the second) times I; `grain` is a local number.
 struct Tie {
   Index row = 0, grain = 0;
   double sign = 1;
@@ -32,8 +31,8 @@ enum class GluingShape {
 };
 
 /// Where subdomains meet ([ADI12] section 2): the copies of each grain, the rows that glue the copies of a shared one,
-/// and exchanges between subdomains. A grain has d unknowns, 2 or 3 in the plane. Vectors of the interface have n_Gamma
-/// = d x rows entries, those of row block k from d k on. Rows ascend by grain, copies by subdomain.
+/// and exchanges between subdomains. A grain has d unknowns, 2 or 3 in the plane. Vectors of the interface have
+/// n_Gamma = d x rows entries, those of row block k from d k on. Rows ascend by grain, copies by subdomain.
 ///
 /// If ranks share the subdomains, each has all rows, but the ties of its own subdomains only. `exchange` sums over all
 /// ranks; its result is the same on each. `exchange_with_neighbours` sums over neighbours only; its result is right in
@@ -82,8 +81,7 @@ class Interface {
     processes_.add_up({jumps.data(), at(jumps.size())});
     return jumps;
   }
-  /// The same in the rows of grains of which this rank has a copy, 0 in others. Requires `meet_neighbours`. No bit
-  /// depends on the number of ranks: an entry has two terms at most.
+  /// The same in rows of grains of which this rank has a copy, else 0. Requires `meet_neighbours`.
   template <class Velocity>
   Vector exchange_with_neighbours(const Velocity& velocity) const {
     Vector jumps = own_jumps(velocity);

@@ -9,9 +9,9 @@ namespace nscdd {
 struct KernelSplit;  // linalg/pencil.hpp, beside its source
 
 /// The interface operator  X_eta = sum_E A_E (M_E + K_E / eta)^-1 A_E^T  ([ADI12] eq. (17)), n_Gamma x n_Gamma, s.p.d.
-/// for eta > 0: velocity jumps caused by interface impulses F_Gamma if contacts act as links of flexibility eta. eta =
-/// infinity is the X of the generic algorithm. eta = 0 is the rigid limit, semidefinite; on restricted contacts (G_E)
-/// it is the X-bar of the nonsmooth analysis.
+/// for eta > 0: velocity jumps caused by interface impulses F_Gamma if contacts act as links of flexibility eta.
+/// eta = infinity is the X of the generic algorithm. eta = 0 is the rigid limit, semidefinite; on restricted contacts
+/// (G_E) it is the X-bar of the nonsmooth analysis.
 class InterfaceOperator {
  public:
   double flexibility() const;  ///< 1/kg; eta, or the epsilon of the system of a Contraction
@@ -41,10 +41,9 @@ class InterfaceOperator {
 
   /// X_eta^-1 g for eta > 0; for eta = infinity in closed form (Interface::solve_generic). A family with an
   /// InertiaMethod factorises the saddle point [M_{E,eta} A_E^T; A_E 0] once and solves on the interface only; ranks
-  /// may share the factor, and g and the result are whole on each. Without a method, a solve with the assembled M +
-  /// K/eta of the undivided packing finds copies V_E = R_E U + o_E of jumps g whose impulses M_{E,eta} V_E balance on
-  /// every grain; no Schur complement is formed. All NaN if X_eta is not positive definite in double precision. Throws
-  /// Error for eta = 0, and on several processes without a method.
+  /// may share the factor, and g and the result are whole on each. Without a method, a solve with M + K/eta of the
+  /// undivided packing finds copies with jumps g whose impulses balance on every grain. All NaN if X_eta is not
+  /// positive definite in double precision. Throws Error for eta = 0, and on several processes without a method.
   Vector solve(const Vector& g) const;
   Vector solve_generic(const Vector& g) const;  ///< X_inf^-1 g, whatever eta
 
@@ -60,8 +59,7 @@ class InterfaceOperator {
   std::shared_ptr<const Implementation> implementation_;
 };
 
-/// Every X_eta of one decomposition, for sweeps along eta or epsilon: computes once what does not depend on the
-/// flexibility. Operators own what they need and outlive the family.
+/// Every X_eta of one decomposition; shares what does not depend on eta. Operators outlive the family.
 class InterfaceFamily {
  public:
   /// Subdomains of up to `dense_limit` unknowns d n_E are diagonalised, larger ones factorised at each eta. `inertia`:

@@ -31,8 +31,7 @@ inline Index subdomains(const Partitioner& partitioner) {
   return std::visit([](const auto& one) { return subdomains(one); }, partitioner);
 }
 
-/// Distributes contacts. `geometry()` gives a pair of Packing and ContactNetwork, `graph()` a ReferenceProblem of the
-/// same contacts. Only the one that the partitioner needs is called.
+/// Distributes contacts. `geometry()`: a pair of Packing and ContactNetwork; `graph()`: a ReferenceProblem. Calls one.
 template <class Geometry, class Graph>
 Partition distribute(const Partitioner& partitioner, Geometry&& geometry, Graph&& graph) {
   return std::visit(

@@ -49,15 +49,14 @@ struct Optimum {
   std::string failure = {};          ///< not_converged: at which eta there is no spectrum, and why
 };
 
-/// Searches 16 decades around the mean of diag(X), and two on either side of epsilon, by Brent's method on log eta. S =
-/// X_epsilon of `stage_one`, which has the contacts of Stage 1 and the same gluing.
+/// Searches 16 decades around the mean of diag(X), and two on either side of epsilon, by Brent's method on log eta.
+/// S = X_epsilon of `stage_one`, which has the contacts of Stage 1 and the same gluing.
 Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, double epsilon,
                 const SpectralOptions& options = {});
 
 /// The eta in [1e-8, 1e8] x mean of diag(X) where the ends of X_eta^-1 S are equal and opposite about 1, to a relative
-/// 1e-3, enough for a run. S = X_0 of `active`, the same gluing on fewer contacts. If their sum is still at least 2 at
-/// the largest eta, the result is this eta. If the radius falls down to eta = 0, it is the eta that has nine tenths of
-/// the gain over the generic algorithm.
+/// 1e-3, enough for a run. S = X_0 of `active`, the same gluing on fewer contacts. If the sum of the ends is at least 2
+/// at the largest eta: this eta. If the radius falls down to eta = 0: the eta with nine tenths of the gain.
 double optimal_eta(const Decomposition& parts, const Decomposition& active, const SpectralOptions& options = {});
 
 /// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 if it is below

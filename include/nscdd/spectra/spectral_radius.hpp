@@ -38,8 +38,8 @@ struct SpectralOptions {
   InertiaMethod inertia = multifrontal();  ///< factorises and counts for shift_invert
   SpectrumSolver slepc = {};               ///< set by nscdd-mpi (nscdd/mpi/slepc.hpp)
   /// Called between products or solves of a matrix-free solver, between columns of a map made dense, and between the
-  /// assembly of a dense pencil and its eigenvalues; may be empty. It runs in the thread of the caller. An exception
-  /// from it ends the work and is passed on.
+  /// assembly of a dense pencil and its eigenvalues; may be empty. Runs in the caller's thread; exceptions end the
+  /// work.
   std::function<void()> checkpoint = {};
 
   template <class Self, class Visitor>
@@ -80,20 +80,17 @@ inline constexpr Index dense_fallback_limit = 4000;
 /// Largest S, in interface unknowns, of which the matrix-free solver computes the kernel densely in the rigid limit.
 inline constexpr Index dense_kernel_limit = 4000;
 
-/// Spectral radius of a contraction operator with its certificate. The eigenvalues of B are real: 1 - omega lambda for
-/// the eigenvalues lambda of the symmetric pencil (S, P).
+/// Spectral radius of B with its certificate. Eigenvalues are real: 1 - omega lambda of the symmetric pencil (S, P).
 struct SpectralRadius {
   double value = 0;                      ///< rho(B) = max(|eigenvalue_min|, |eigenvalue_max|); 0 for an empty interface
   double eigenvalue_min = not_a_number;  ///< smallest eigenvalue of B (NaN for an empty interface)
   double eigenvalue_max = not_a_number;  ///< largest eigenvalue of B
   Index unit_multiplicity = 0;  ///< of the eigenvalue 1 in the rigid limit, n_Gamma - rank X_0; 0 for epsilon > 0
-  /// Largest modulus of the other eigenvalues, the rate of convergence on the complement of ker S. Equals `value` if
-  /// unit_multiplicity is 0; 0 if B = I.
+  /// Largest modulus of the other eigenvalues, the rate of convergence on the complement of ker S; 0 if B = I.
   double subdominant = 0;
   double subdominant_min = not_a_number;  ///< ends of the spectrum without the unit eigenvalues
   double subdominant_max = not_a_number;
-  /// "dense", "arpack", "shift-invert", "slepc", or "none" for an empty interface. If no solver answers: all that were
-  /// tried, such as "shift-invert+dense+arpack".
+  /// "none" for an empty interface; without an answer all that were tried, "shift-invert+dense+arpack".
   std::string solver = "none";
   Index applications = 0;  ///< products with interface operators, or solves; 0 if they were assembled
   /// The larger over both ends of omega ||S x - lambda P x||_{P^-1} / ||x||_P: an eigenvalue of B lies within this
@@ -122,8 +119,7 @@ struct SpectrumMemory;  // warm start of the next point of a sweep: spectra/spec
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
                                SpectrumMemory* memory = nullptr);
 
-/// The spectrum `plain` (omega = 1) under another relaxation omega: eigenvalues 1 - omega (1 - mu) for its mu, except
-/// unit eigenvalues of the rigid limit.
+/// The spectrum `plain` (omega = 1) with another omega: 1 - omega (1 - mu) for its mu; unit eigenvalues stay.
 SpectralRadius relaxed(const SpectralRadius& plain, double omega, double tolerance);
 
 }  // namespace nscdd

@@ -27,8 +27,7 @@ Direction direction_over(const Packing& packing, const std::vector<double>& cent
   return {*low, *high, cells, std::clamp(of_numbers, of_arithmetic, 0.5)};
 }
 
-// Cell 0 ... cells-1 of a coordinate; lines belong to the cell below. The allowance keeps rounding from sending a
-// midpoint on a line to the upper cell.
+// Cell 0 ... cells-1 of a coordinate. The allowance keeps a midpoint on a line in the lower cell despite rounding.
 Index cell(double coordinate, const Direction& along) {
   if (along.high <= along.low) return 0;
   const double position = (coordinate - along.low) / (along.high - along.low) * static_cast<double>(along.cells);
