@@ -7,30 +7,27 @@
 
 #include <Eigen/Dense>
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
+constexpr Index dimensions = 3;         // clusters are sought in space only
 constexpr double independent = 1e-2;    // least singular value of columns of unit length that clearly are
 constexpr double straight = 1e-9;       // angle between a column of H and the line of centres
 constexpr double least_inertia = 1e-8;  // of a cluster, smallest over largest: below, the smallest is rounding
 
 // The two grains of a column of a frictionless contact, of any length; nothing for other columns.
 std::optional<Bar> bar_of(const Matrix& centres, const SparseMatrix& h, Index column) {
-  const Index d = centres.rows();
   std::array<Index, 2> grain{-1, -1};
   std::array<Eigen::Vector3d, 2> part{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (SparseMatrix::InnerIterator e(h, column); e; ++e) {
-    const Index own = e.row() / d;
+    const Index own = e.row() / dimensions;
     const std::size_t k = grain[0] < 0 || grain[0] == own ? 0 : 1;
     if (grain[k] >= 0 && grain[k] != own) return std::nullopt;
     grain[k] = own;
-    part[k][e.row() % d] = e.value();
+    part[k][e.row() % dimensions] = e.value();
   }
   if (grain[1] < 0) return std::nullopt;
-  Eigen::Vector3d line = Eigen::Vector3d::Zero();
-  line.head(d) = (centres.col(grain[1]) - centres.col(grain[0])).normalized();
+  const Eigen::Vector3d line = (centres.col(grain[1]) - centres.col(grain[0])).normalized();
   const double size = part[1].norm();
   const bool opposite = (part[0] + part[1]).norm() <= straight * size;
   const bool along = (part[1] - line.dot(part[1]) * line).norm() <= straight * size;
@@ -40,30 +37,23 @@ std::optional<Bar> bar_of(const Matrix& centres, const SparseMatrix& h, Index co
 
 // The rotations about the principal axes through the centre of mass, a column each, and their inertia.
 struct Rotations {
-  Eigen::Vector3d centre;
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();  // over the radius of gyration
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d axes;  // over the radius of gyration
   Eigen::Vector3d inertia;
   double mass = 0;
 };
 
 Rotations rotations_of(const Matrix& centres, const Vector& inertia, const std::vector<Index>& grains) {
-  const Index d = centres.rows();
   Rotations result;
-  const auto place = [&](Index i) {
-    Eigen::Vector3d x = Eigen::Vector3d::Zero();
-    x.head(d) = centres.col(i);
-    return x;
-  };
-  result.centre.setZero();
   for (const Index i : grains) {
-    result.mass += inertia[d * i];
-    result.centre += inertia[d * i] * place(i);
+    result.mass += inertia[dimensions * i];
+    result.centre += inertia[dimensions * i] * centres.col(i);
   }
   result.centre /= result.mass;
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   for (const Index i : grains) {
-    const Eigen::Vector3d r = place(i) - result.centre;
-    moments += inertia[d * i] * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+    const Eigen::Vector3d r = centres.col(i) - result.centre;
+    moments += inertia[dimensions * i] * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(moments);
   const double square = moments.trace() / (2 * result.mass);
@@ -89,11 +79,9 @@ struct Clusters {
   std::vector<char> within;
 };
 
-Clusters clusters_of(const Matrix& centres, const Vector& inertia, const SparseMatrix& h) {
-  const Index d = centres.rows(), grains = centres.cols();
-  Clusters result{std::vector<Index>(at(grains), -1), std::vector<char>(at(h.cols()), 0)};
-  for (Index i = 0; i < grains; ++i)  // only point masses, equal in all directions, form clusters
-    if (inertia.segment(d * i, d).maxCoeff() != inertia.segment(d * i, d).minCoeff()) return result;
+void find_clusters(Clusters& result, const Matrix& centres, const Vector& inertia, const SparseMatrix& h) {
+  for (Index i = 0; i < centres.cols(); ++i)  // only point masses, equal in all directions, form clusters
+    if (const auto own = inertia.segment<dimensions>(dimensions * i); own.maxCoeff() != own.minCoeff()) return;
   std::vector<Bar> bars;
   std::vector<Index> column_of_bar;
   for (Index c = 0; c < h.cols(); ++c)
@@ -114,14 +102,13 @@ Clusters clusters_of(const Matrix& centres, const Vector& inertia, const SparseM
     // If all bars of a cluster are independent, it only hides that its grains can be set aside. If a few heavy grains
     // lie in a line among light ones, it has next to no inertia about that line.
     const std::vector<Index>& own = members[k];
-    if (bars_within[k] > d * count(own) - d * (d + 1) / 2) {
+    if (bars_within[k] > 3 * count(own) - 6) {
       const Eigen::Vector3d moments = rotations_of(centres, inertia, own).inertia;
       if (moments.minCoeff() > least_inertia * moments.maxCoeff()) continue;
     }
     for (const Index i : own) result.of_grain[at(i)] = -1;
   }
   for (std::size_t k = 0; k < bars.size(); ++k) result.within[at(column_of_bar[k])] = cluster_of(bars[k]) >= 0;
-  return result;
 }
 
 // The matrix without the rows of the grounded bodies, which stay empty.
@@ -205,17 +192,8 @@ RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia
   const Index grains = h.rows() / std::max<Index>(d, 1);
   RigidMotions motions;
   motions.searched = d == 3 && centres.rows() == 3 && centres.cols() == grains;
-  if (!motions.searched) {
-    for (Index i = 0; i < grains; ++i) motions.bodies.push_back({d * i, d, 1, i});
-    motions.inertia = inertia;
-    motions.z = SparseMatrix(h.rows(), h.rows());
-    motions.z.setIdentity();
-    motions.contacts.resize(at(h.cols()));
-    std::iota(motions.contacts.begin(), motions.contacts.end(), Index{0});
-    motions.h = h;
-    return motions;
-  }
-  const Clusters clusters = clusters_of(centres, inertia, h);
+  Clusters clusters{std::vector<Index>(at(grains), -1), std::vector<char>(at(h.cols()), 0)};
+  if (motions.searched) find_clusters(clusters, centres, inertia, h);
   std::vector<std::vector<Index>> members = members_of(clusters.of_grain);
   std::erase_if(members, [](const std::vector<Index>& own) { return own.empty(); });
   SparseEntries z;
@@ -231,17 +209,14 @@ RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia
   }
   for (const std::vector<Index>& own : members) {
     const Rotations rotations = rotations_of(centres, inertia, own);
-    const Index spins = d * (d - 1) / 2;
-    motions.bodies.push_back({count(weight), d + spins, count(own), -1});
+    motions.bodies.push_back({count(weight), 2 * d, count(own), -1});
     for (Index k = 0; k < d; ++k) {
       for (const Index i : own) add(d * i + k, 1);
       weight.push_back(rotations.mass);
     }
-    for (Index k = 0; k < spins; ++k) {
+    for (Index k = 0; k < d; ++k) {
       for (const Index i : own) {
-        Eigen::Vector3d r = -rotations.centre;
-        r.head(d) += centres.col(i);
-        const Eigen::Vector3d v = rotations.axes.col(k).cross(r);
+        const Eigen::Vector3d r = centres.col(i) - rotations.centre, v = rotations.axes.col(k).cross(r);
         for (Index m = 0; m < d; ++m) add(d * i + m, v[m]);
       }
       weight.push_back(rotations.inertia[k]);
