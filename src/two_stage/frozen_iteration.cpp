@@ -85,7 +85,7 @@ FrozenIteration<D>::FrozenIteration(GranularDecomposition<D> parts, std::vector<
   }
   SparseEntries impulses, gluing;
   Index size = 0, columns = 0;
-  std::vector<double> root, of_impulses;
+  std::vector<double> root;
   std::vector<Index> turning;  // columns
   for (Index e = 0; e < count(parts_.subdomains); ++e) {
     const LocalMaps maps = local_maps(parts_, e, frozen_);
