@@ -23,7 +23,7 @@ struct RigidSubdomain {
   bool condensed(std::size_t body) const { return motions.searched && !hub[body]; }
 };
 
-/// The rigid limit of S, whatever P.
+/// The rigid limit of S, for any P.
 struct RigidSystem {
   std::vector<RigidSubdomain> subdomains;
   /// of every subdomain, on all ranks: the motions of its hubs and its late impulses

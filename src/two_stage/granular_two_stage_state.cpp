@@ -28,7 +28,7 @@ void take_in_copy(const SentCopy<D>& copy, const StepProblem<D>& problem, const 
 
 }  // namespace
 
-// Each rank sends the rows whose first copy is its own.
+// Each rank sends the rows of which it has the first copy.
 template <int D>
 void GranularTwoStage<D>::gather_interface_impulses() {
   const Interface& interface = parts_.interface;

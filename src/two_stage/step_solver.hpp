@@ -37,7 +37,7 @@ constexpr auto names_of(StageTwoNetwork) { return std::to_array<std::string_view
 
 /// The contact network in Stage 2 of the linear systems of the two-stage Newton method or ADMM.
 enum class InterfaceNetwork {
-  none,    ///< X: inertia alone, as in the generic algorithm
+  none,    ///< X: only inertia, as in the generic algorithm
   all,     ///< X_eta of every contact considered, in both directions, as in the enriched algorithm
   active,  ///< X_eta of both directions of contacts that stick and of the normal one of those that slide
 };
@@ -80,7 +80,7 @@ struct EtaChoice {
       value = parse_flexibility(text, {.description = "", .minimum = 0, .minimum_excluded = true}, what, expected);
   }
 
-  // Safe: see "Flexibilities relative to the packing" in docs/cases.md for what was measured.
+  // Safe, see "Flexibilities relative to the packing" in docs/cases.md.
   Flexibility value{30, true};
   bool optimal = false;
 

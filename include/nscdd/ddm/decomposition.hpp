@@ -22,7 +22,7 @@ struct Subdomain {
   Vector inertia;               ///< diagonal of M_E, d n_E: a grain shared by q subdomains has 1/q of its inertia
   SparseMatrix h;               ///< H_E, d n_E x c_E
   SparseMatrix a;               ///< A_E, n_Gamma x d n_E, signed boolean
-  Matrix centres = {};          ///< of the grains, d x n_E, m; empty where they are not known
+  Matrix centres = {};          ///< of the grains, d x n_E, m; empty if not known
 };
 
 /// A packing cut in the FETI way ([ADI12] section 2): sum_E A_E V_E = 0 glues the copies of shared grains.

@@ -146,9 +146,9 @@ class Interface {
   std::vector<GrainCopy> copies_;  // grain by grain
   std::vector<Gluing> gluing_;
   std::vector<std::vector<Tie>> ties_;  // of each subdomain
-  std::vector<Index> held_;             // number of grains of each subdomain, n_E; 0 for those of other processes
+  std::vector<Index> held_;             // number of grains of each subdomain, n_E; 0 for those of other ranks
   Processes processes_;
-  std::vector<Index> process_of_;  // of each subdomain; empty where no processes share them
+  std::vector<Index> process_of_;  // of each subdomain; empty if one rank has all
   std::function<void(std::span<double>)> between_neighbours_;
 };
 

@@ -16,7 +16,7 @@ class InterfaceOperator {
  public:
   double flexibility() const;  ///< 1/kg; eta, or the epsilon of the system of a Contraction
   const Decomposition& decomposition() const;
-  const SparseMatrix& generic() const;  ///< X_infinity, nearly diagonal, whatever eta
+  const SparseMatrix& generic() const;  ///< X_infinity, nearly diagonal
   Index rows() const;
   Index cols() const { return rows(); }
 
@@ -45,7 +45,7 @@ class InterfaceOperator {
   /// undivided packing finds copies with jumps g whose impulses balance on every grain. All NaN if X_eta is not
   /// positive definite in double precision. Throws Error for eta = 0, and on several processes without a method.
   Vector solve(const Vector& g) const;
-  Vector solve_generic(const Vector& g) const;  ///< X_inf^-1 g, whatever eta
+  Vector solve_generic(const Vector& g) const;  ///< X_inf^-1 g
 
   /// diag(X_inf), the natural scale of every X_eta: 0 <= X_eta <= X_inf.
   const Vector& scale() const;

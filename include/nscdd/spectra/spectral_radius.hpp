@@ -108,7 +108,7 @@ struct SpectralRadius {
   /// Eigenvalues in these intervals, with multiplicity; in the rigid limit up to the error of S.
   Index within_min = 0, within_max = 0;
   Index factorisations = 0;   ///< of the shifted pencil
-  Vector mode_min, mode_max;  ///< interface impulses of the two ends (empty where unknown)
+  Vector mode_min, mode_max;  ///< interface impulses of the two ends (empty if unknown)
 };
 
 struct SpectrumMemory;  // warm start of the next point of a sweep: spectra/spectrum_memory.hpp
