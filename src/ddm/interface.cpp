@@ -96,17 +96,6 @@ std::span<const GrainCopy> Interface::copies(Index grain) const {
   return {copies_.data() + start_[at(grain)], at(multiplicity(grain))};
 }
 
-std::vector<Index> Interface::neighbours(Index subdomain) const {
-  std::vector<Index> others;
-  for (const Tie& tie : ties(subdomain)) {
-    const Gluing& row = gluing_[at(tie.row)];
-    others.push_back(tie.sign > 0 ? row.second.subdomain : row.first.subdomain);
-  }
-  std::sort(others.begin(), others.end());
-  others.erase(std::unique(others.begin(), others.end()), others.end());
-  return others;
-}
-
 SparseMatrix Interface::matrix(Index subdomain) const {
   SparseEntries entries;
   for (const Tie& tie : ties(subdomain))

@@ -47,11 +47,8 @@ TEST_CASE("interface: copies, multiplicity, rows in ascending order, neighbours"
   CHECK(chain.gluing()[1].grain == 2);
   CHECK(chain.gluing()[2].first.subdomain == 1);
   CHECK(chain.gluing()[2].second.subdomain == 2);
-  CHECK(chain.neighbours(0) == std::vector<Index>{1, 2});
-  CHECK(chain.neighbours(1) == std::vector<Index>{0, 2});
   const Interface star = example.make(3, GluingShape::star);
   CHECK(star.gluing()[2].first.subdomain == 0);
-  CHECK(star.neighbours(2) == std::vector<Index>{0, 1});  // through grain 3
   CHECK(chain.same_rows(chain));
   CHECK_FALSE(chain.same_rows(star));
   CHECK_FALSE(chain.same_rows(example.make(2)));

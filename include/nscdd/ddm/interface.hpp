@@ -68,8 +68,7 @@ class Interface {
   Index multiplicity(Index grain) const { return start_[at(grain + 1)] - start_[at(grain)]; }
 
   const std::vector<Tie>& ties(Index subdomain) const { return ties_[at(subdomain)]; }  ///< rows ascending
-  std::vector<Index> neighbours(Index subdomain) const;  ///< subdomains it is glued to, ascending
-  SparseMatrix matrix(Index subdomain) const;            ///< A_E, n_Gamma x d n_E, signed boolean
+  SparseMatrix matrix(Index subdomain) const;  ///< A_E, n_Gamma x d n_E, signed boolean
 
   /// Whether both glue the same grains of the same subdomains. Local numbers may differ.
   bool same_rows(const Interface& other) const;
