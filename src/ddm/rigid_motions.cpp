@@ -209,12 +209,13 @@ RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia
   }
   for (const std::vector<Index>& own : members) {
     const Rotations rotations = rotations_of(centres, inertia, own);
-    motions.bodies.push_back({count(weight), 2 * d, count(own), -1});
+    const Index spins = 3;
+    motions.bodies.push_back({count(weight), d + spins, count(own), -1});
     for (Index k = 0; k < d; ++k) {
       for (const Index i : own) add(d * i + k, 1);
       weight.push_back(rotations.mass);
     }
-    for (Index k = 0; k < d; ++k) {
+    for (Index k = 0; k < spins; ++k) {
       for (const Index i : own) {
         const Eigen::Vector3d r = centres.col(i) - rotations.centre, v = rotations.axes.col(k).cross(r);
         for (Index m = 0; m < d; ++m) add(d * i + m, v[m]);
