@@ -268,8 +268,7 @@ Vector InterfaceOperator::solve(const Vector& g) const {
   return interface.collect(std::move(copies));
 }
 
-// X_eta is the pencil S - sigma P at sigma = 0, for any P; the inertia costs least. It has its own operators: this one
-// holds it.
+// X_eta is the pencil S - sigma P at sigma = 0, for any P; the inertia costs least. It must not hold this operator.
 Vector InterfaceOperator::solve_on_interface(const Vector& g) const {
   const auto preparation = implementation_->preparation;
   if (!preparation->inertia.analyse)

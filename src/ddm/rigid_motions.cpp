@@ -124,7 +124,7 @@ SparseMatrix without_rows(const RigidMotions& motions, const std::vector<char>& 
 }
 
 // Sets aside, repeatedly, each body that has few columns of Z^T H, all clearly independent by their rows of this body.
-// `grounded`: a flag for each body that does not move, or empty; a column of grounded bodies only is in neither list.
+// A column of grounded bodies only is in neither list.
 class Peeling {
  public:
   Peeling(const std::vector<RigidBody>& bodies, const std::vector<char>& grounded, const SparseMatrix& h)

@@ -25,8 +25,7 @@ struct RigidMotions {
   bool searched = false;  ///< clusters were sought, and bodies may be set aside; else every body is a single grain
 };
 
-/// The motions of a network: d unknowns per grain, centres (d x n, m; empty if not known), the diagonal of M, and H.
-/// Clusters are sought in space only; in the plane dependent contacts are found without them.
+/// The motions of a network: d unknowns per grain, centres (d x n, m; empty if not known; needed for clusters), M, H.
 RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia, const SparseMatrix& h);
 
 /// A basis of the range of `motions.h`, or with `grounded` (a flag for each body that does not move) of the range

@@ -18,8 +18,7 @@ struct RigidSubdomain {
   bool conclusive = true;    ///< false if `h` may be no such basis
   double tilt = 0;           ///< angle between the span of `h` and the range, see RangeBasis
 
-  /// Whether the motions of a body are eliminated beforehand, body by body, which couples all other impulses on it.
-  /// Only contact impulses remain: in space half as many unknowns, next to a separator a quarter.
+  /// Whether the motions of a body are eliminated beforehand: half the unknowns in space, but coupled impulses.
   bool condensed(std::size_t body) const { return motions.searched && !hub[body]; }
 };
 

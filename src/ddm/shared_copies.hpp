@@ -10,8 +10,8 @@ namespace nscdd {
 template <int D>
 using CopiesOfGrains = std::vector<std::vector<GrainVelocity<D>>>;
 
-/// Keeps the copies of shared grains equal, each with the whole mass of its grain: the coupling by W beyond a
-/// subdomain. Construction is collective; then only ranks that share grains communicate. No bit depends on the ranks.
+/// Keeps the copies of shared grains equal, each with the whole mass of its grain. Construction is collective; then
+/// only ranks that share grains communicate. No bit depends on the ranks.
 template <int D>
 class SharedCopies {
  public:

@@ -78,8 +78,7 @@ class ShiftedPencil {
 /// (finite, or all infinite) and sigma. Factors of rows that do not depend on sigma are kept from shift to shift.
 class ShiftedPencilFamily {
  public:
-  /// Of the flexibilities of `b` only matters whether eta is infinite. `rigid`: the limit of S, for `SystemForm::rigid`
-  /// only.
+  /// Of the flexibilities of `b` only matters whether eta is infinite. `rigid`: for `SystemForm::rigid` only.
   explicit ShiftedPencilFamily(const Contraction& b, SystemForm form = SystemForm::condensed,
                                const InertiaMethod& method = multifrontal(),
                                std::shared_ptr<const RigidSystem> rigid = {});

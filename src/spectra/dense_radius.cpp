@@ -9,12 +9,11 @@
 namespace nscdd {
 namespace {
 
-// P, S, their scaled copy and difference, and LAPACK's Cholesky factor and reduced matrix. The rigid limit adds a
-// kernel with its complement, a basis, and the restricted pencil.
+// P, S, scaled copy, difference, two of LAPACK; in the rigid limit also a kernel, a basis and the restricted pencil.
 constexpr double matrices_at_once = 6, rigid_matrices_at_once = 10;
 
-// The pencil (A, P) on the P-orthogonal complement of the span of `kernel`: with P = L L^T and Q an orthonormal basis
-// of the complement of L^T kernel, the columns of L^-T Q are P-orthonormal and P-orthogonal to the kernel.
+// The pencil (A, P) on the P-orthogonal complement of `kernel`. With P = L L^T and Q an orthonormal basis of the
+// complement of L^T kernel, L^-T Q is a P-orthonormal basis of it.
 PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel, Index wanted) {
   PencilEnds ends;
   const Eigen::LLT<Matrix> cholesky(p);

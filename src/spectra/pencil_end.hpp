@@ -78,8 +78,7 @@ struct PencilSide {
   double tolerance(double lambda) const { return options.tolerance * std::max(1.0, std::abs(1 - lambda)); }
   double rounding(double lambda) const { return point.rounding * std::max(1.0, std::abs(lambda)); }
 
-  /// Distance of the last shift beyond an eigenvalue. Within the rounding of the matrix a count would be meaningless. A
-  /// tenth of the tolerance, because a relaxation multiplies it.
+  /// Distance of the last shift beyond an eigenvalue: clear of rounding; a tenth of tolerance, as omega multiplies it.
   double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
 
   /// The pencil at the shift or, if unreliable, at a nearby one inwards (`side` = 1) or outwards (-1), or nothing.
@@ -98,8 +97,7 @@ struct PencilSide {
   ShiftInvertResult lanczos(const ShiftedPencil& pencil, SpectrumEnd towards, Index wanted,
                             const ShiftInvertOptions& lanczos_options, const Vector& start, const Matrix& locked = {});
 
-  /// Adds the eigenvalues behind the end to the result, as many as the options want, from a shift far enough out to
-  /// reach them. The result stays converged if all are and a count proves that none is missing.
+  /// Adds eigenvalues behind the end to the result, which stays converged if all are and a count proves the list.
   void list_behind();
 
  private:

@@ -41,8 +41,7 @@ void PencilSide::polish(const ShiftedPencil& pencil) {
   if (x.allFinite()) result.vectors.col(0) = x;
 }
 
-// Lanczos may find only one copy of a multiple eigenvalue, so the search goes on until an inertia count beyond the last
-// wanted eigenvalue equals the length of the list. False if it never does.
+// Lanczos may find one copy of a multiple eigenvalue: searches until an inertia count equals the length of the list.
 bool PencilSide::extend_list(const ShiftedPencil& pencil) {
   const Index wanted = std::min(options.eigenvalues, p.rows() - point.kernel);
   std::optional<ShiftedPencil> nearer;  // behind a gap too wide for the first shift

@@ -120,8 +120,7 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOpt
   return ends;
 }
 
-// Uses the condensed form or, if that has too few digits for a proof, the slower augmented form. Shifts are reliable
-// beyond about a thousand times the rounding, see ShiftedPencil::reliable.
+// Uses the condensed form or, if its rounding is too large (see ShiftedPencil::reliable), the slower augmented.
 Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& options,
                         PencilMemory& memory) {
   const auto find_by = [&](SystemForm form, PencilMemory& known) {
@@ -186,8 +185,7 @@ std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double e
   return count == again ? count : std::nullopt;
 }
 
-// Whether `kernel` eigenvalues lie below the first reliable shift next to 0, beyond what rounding makes of zeros. A
-// small eigenvalue below it is counted, too, and then nothing is confirmed.
+// Whether `kernel` eigenvalues lie below the first reliable shift next to 0, beyond what rounding makes of zeros.
 bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index kernel, Index& factorisations) {
   const double zero = std::max(rigid_zero_again, 10 * point.rounding);
   for (const double times : {1.0, 1e1, 1e2, 1e3, 1e4})
@@ -195,8 +193,8 @@ bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index
   return false;
 }
 
-// Self-stresses across the interface give lambda = 0, a unit eigenvalue each. Ranks, which small eigenvalues do not
-// disturb, give their number. A shift next to 0 must count the same number; otherwise nothing is proved.
+// Self-stresses across the interface give lambda = 0, a unit eigenvalue each. Matrix ranks, which small eigenvalues do
+// not disturb, give their number. A shift next to 0 must count the same number; otherwise nothing is proved.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
   std::optional<RigidLimit>& limit = memory.limit;
   if (!limit || &limit->met.decomposition() != &b.system.decomposition())

@@ -21,8 +21,7 @@ LinearMap watched(LinearMap map, const std::function<void()>& checkpoint) {
   };
 }
 
-// An eigenvalue lambda of the pencil (S, P) from its vector, with its residual bound: infinite if P is so nearly
-// singular that a solution with it does not reproduce its right-hand side.
+// lambda of (S, P) from its vector, with its residual bound: infinite if solutions with P do not reproduce right sides.
 std::pair<double, double> rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p) {
   const Vector sx = s(x), px = p.apply(x);
   const double norm = x.dot(px);

@@ -59,8 +59,8 @@ void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_m
 SpectralRadius not_converged(std::string_view solver, std::string_view failure, Index unit_multiplicity = 0);
 SpectralRadius all_unit(Index size, std::string_view solver, bool converged);  ///< S = 0, B = I
 
-/// Error of an eigenvalue lambda = 1 - mu in units of max(1, |lambda|): M loses digits against K/epsilon and K/eta. The
-/// bound is several times the largest error against dense spectra (tests/laws).
+/// Error of an eigenvalue in units of max(1, |lambda|): M loses digits against K/epsilon and K/eta. Several times the
+/// largest error against dense spectra (tests/laws).
 inline double lost_to_rounding(const Contraction& b) {
   const double lightest = 0.25 * b.system.scale().maxCoeff(), epsilon = b.system.flexibility();  // 1/mass, 1/kg
   return 4e-16 * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.flexibility());
@@ -79,8 +79,7 @@ inline bool accurate(const SpectralRadius& radius, double tolerance) {
 }
 
 /// Result of the first solver of a choice that `answers`, tried in order. If none does: the most informative result,
-/// with all reasons in `failure` and, unless it converged, all names in `solver`. `solve(solver)` returns a
-/// SpectralRadius or a MapRadius.
+/// with all reasons in `failure` and, unless it converged, all names in `solver`.
 template <class Solve, class Answers>
 auto first_answer(const SolverChoice& choice, double tolerance, Solve&& solve, Answers&& answers) {
   const auto reason = [&](const auto& one) -> std::string {

@@ -6,8 +6,7 @@
 
 namespace nscdd {
 
-/// Permutation of the contacts: their order in memory and in a sweep. `bodies`: velocities of the grains; contacts of
-/// one colour may share driven ones. `points`: places of the contacts, m; needed for `interleaved` only.
+/// The order of contacts in memory and in a sweep. `points`: of the contacts, m; needed for `interleaved` only.
 template <int D>
 std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
                                  const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,

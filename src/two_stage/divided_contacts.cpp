@@ -81,8 +81,7 @@ void DividedContacts<D>::set_data(const Partition& partition) {
     data.normal.template segment<D>(D * c).setConstant(1 / contact.inverse_w.inverse_n);
     speeds[c] = meeting_speed<D>(contact, problem_.free);
   }
-  // The columns of H of a contact have 2 x 5 entries in the plane and 2 x 15 in space, where a spin about the normal
-  // does nothing. H^T and H each take two operations per entry.
+  // Per contact H has 2 x 5 entries in the plane, 2 x 15 in space; H^T and H each take two operations per entry.
   data.product_operations = 2.0 * 2 * (D == 2 ? 10 : 30) * processes_.sum(static_cast<double>(number));
   data.sums = ContactSums(partition.subdomain_of_contact, partition.subdomains, processes_);
   const auto diagonal = [&](Index c) -> FullDelassus<D> {

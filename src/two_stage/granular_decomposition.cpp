@@ -10,8 +10,7 @@
 namespace nscdd {
 namespace {
 
-// Puts the contacts of one subdomain in sweep order and numbers its bodies as the sweep meets them: neighbours in the
-// sweep are neighbours in memory, whatever the numbers of the packing.
+// Puts the contacts in sweep order and numbers bodies as the sweep meets them: neighbours are near in memory.
 template <int D>
 void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice<ContactOrder> order,
           std::uint64_t seed, std::vector<std::int32_t>& local) {

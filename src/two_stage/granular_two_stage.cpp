@@ -183,8 +183,7 @@ void GranularTwoStage<D>::correct(const Vector& change) {
   parts_.apply_interface_impulses(change);
 }
 
-// A step of preconditioned conjugate gradients (Polak-Ribiere) on jumps g_0 - S F. A trial Stage 1 at F + d gives the
-// curvature d.S d.
+// A step of conjugate gradients (Polak-Ribiere) on jumps g_0 - S F. A trial Stage 1 gives the curvature d.S d.
 template <int D>
 Vector GranularTwoStage<D>::conjugate_step(const Vector& g, std::vector<SweepSums>& sums) {
   const Vector z = preconditioned(g);

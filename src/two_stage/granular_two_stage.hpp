@@ -34,8 +34,7 @@ ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, cons
 template <int D>
 class GranularTwoStage {
  public:
-  /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))), or nothing
-  /// for the generic algorithm. For velocities see `start`. Throws Error for another gluing.
+  /// `enriched`: X_eta of the same gluing, or nothing for the generic algorithm. Throws Error for another gluing.
   GranularTwoStage(GranularDecomposition<D> parts, const ContactLaw& law, const StepSolver& solver,
                    std::optional<InterfaceOperator> enriched);
 
@@ -71,8 +70,7 @@ class GranularTwoStage {
     std::vector<GrainContact<D>> contacts;
     std::vector<GrainVelocity<D>> velocities;
   };
-  /// Gathers the results of the subdomains. Collective: ranks exchange the copies of shared grains. Until the next
-  /// iteration, gluing and interface impulses are then known on all ranks.
+  /// Gathers the results of the subdomains; collective. All ranks then know gluing and F_Gamma.
   Solution gather(const StepProblem<D>& problem);
 
   std::vector<RememberedGluing> gluing() const;

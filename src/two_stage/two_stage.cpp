@@ -11,8 +11,7 @@
 namespace nscdd {
 namespace {
 
-// Exact Stage 1 of one subdomain: (W + epsilon I)^-1, or in the rigid limit the pseudo-inverse of W. There the impulses
-// of a hyperstatic network are not unique, but their velocities are.
+// Exact Stage 1 of one subdomain: (W + epsilon I)^-1, or in the rigid limit the pseudo-inverse (velocities are unique).
 LinearMap exact_stage_one(const ContactSystem& contacts, double epsilon) {
   if (contacts.h.cols() == 0) return [](const Vector& right) { return right; };
   SparseMatrix w = contacts.h.transpose() * contacts.response;  // W = H^T M^-1 H

@@ -15,8 +15,7 @@ struct Generic {
   double flexibility() const { return infinity; }  ///< Stage 2 sees no network
 };
 
-/// Stage 2 of the enriched algorithm ([ADI12] eqs. (15)-(17)): X_eta, the interface operator of the contact
-/// network taken as links of flexibility eta > 0, 1/kg; eta = infinity is the generic algorithm.
+/// Stage 2 of the enriched algorithm ([ADI12] eqs. (15)-(17)): X_eta, eta > 0 in 1/kg; eta = infinity is generic.
 struct Enriched {
   static constexpr std::string_view name = "enriched";
   double eta = 1.0;

@@ -11,8 +11,7 @@ struct GrainCopy {
   Index grain = 0;  ///< local number
 };
 
-/// d rows of the gluing condition, V_first - V_second = 0. The rows of a grain form a tree, each adding its second
-/// copy.
+/// d rows of the gluing condition, V_first - V_second = 0. Rows of a grain form a tree of its copies.
 struct Gluing {
   Index grain = 0;  ///< global number
   GrainCopy first, second;

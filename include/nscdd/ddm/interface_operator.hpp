@@ -28,8 +28,8 @@ class InterfaceOperator {
 
   /// dim ker X_eta: 0 for eta > 0; in the rigid limit sum_E rank H_E - rank H, the self-stresses across the interface.
   Index nullity() const;
-  /// False if these ranks are in doubt: a singular value of contacts is close to the tolerance of a rank, 10^-6 of the
-  /// length of a column, or the ranks contradict each other. Radii of the rigid limit then do not count as converged.
+  /// False if these ranks are in doubt: a singular value is close to the tolerance of a rank, 10^-6 of the length of a
+  /// column, or ranks contradict each other. Radii of the rigid limit then do not count as converged.
   bool nullity_is_clear() const;
   /// Error estimate of X_0 in the rigid limit, in units of X_infinity. Singular values of contacts that count as zero
   /// without being zero tilt the range of H_E. Where contacts depend on each other exactly, it is the rounding over the
@@ -62,8 +62,8 @@ class InterfaceOperator {
 /// Every X_eta of one decomposition; shares what does not depend on eta. Operators outlive the family.
 class InterfaceFamily {
  public:
-  /// Subdomains of up to `dense_limit` unknowns d n_E are diagonalised, larger ones factorised at each eta. `inertia`:
-  /// see InterfaceOperator::solve; it makes many solutions with one eta cheap.
+  /// Diagonalises subdomains of up to `dense_limit` unknowns, factorises larger ones at each eta. `inertia`: see
+  /// `solve`.
   explicit InterfaceFamily(const Decomposition& parts, Index dense_limit = default_dense_limit,
                            InertiaMethod inertia = {});
   static constexpr Index default_dense_limit = 300;

@@ -38,8 +38,7 @@ struct SpectralOptions {
   InertiaMethod inertia = multifrontal();  ///< factorises and counts for shift_invert
   SpectrumSolver slepc = {};               ///< set by nscdd-mpi (nscdd/mpi/slepc.hpp)
   /// Called between products or solves of a matrix-free solver, between columns of a map made dense, and between the
-  /// assembly of a dense pencil and its eigenvalues; may be empty. Runs in the caller's thread; exceptions end the
-  /// work.
+  /// assembly of a dense pencil and its eigenvalues; may be empty. It runs in the caller's thread.
   std::function<void()> checkpoint = {};
 
   template <class Self, class Visitor>
@@ -93,7 +92,7 @@ struct SpectralRadius {
   /// "none" for an empty interface; without an answer all that were tried, "shift-invert+dense+arpack".
   std::string solver = "none";
   Index applications = 0;  ///< products with interface operators, or solves; 0 if they were assembled
-  /// The larger over both ends of omega ||S x - lambda P x||_{P^-1} / ||x||_P: an eigenvalue of B lies within this
+  /// Maximum over both ends of omega ||S x - lambda P x||_{P^-1} / ||x||_P: an eigenvalue of B lies within this
   /// distance of each end given. For shift-invert: omega times the distance of the end from a shift with no eigenvalue
   /// beyond, so the end itself lies within it. The rigid limit adds InterfaceOperator::uncertainty.
   double residual = 0;
@@ -113,9 +112,8 @@ struct SpectralRadius {
 
 struct SpectrumMemory;  // warm start of the next point of a sweep: spectra/spectrum_memory.hpp
 
-/// Computes the spectral radius with its certificate; see SpectralRadius::converged. In the rigid limit shift-invert
-/// works on the contacts that are independent within their subdomain. It counts the unit eigenvalues by ranks, above
-/// 10^6 contacts by shifts near 0. The matrix-free solver finds the unit eigenspace densely.
+/// Computes the spectral radius; see SpectralRadius::converged. In the rigid limit shift-invert counts unit eigenvalues
+/// by ranks of H_E, above 10^6 contacts by shifts near 0; the matrix-free solver finds the unit eigenspace densely.
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
                                SpectrumMemory* memory = nullptr);
 

@@ -10,9 +10,8 @@
 
 namespace nscdd {
 
-/// Regular grid of grid[0] x grid[1] cells, in space x grid[2], over the bounding box of the grain centres. The
-/// midpoint of a contact decides its cell (i, j, k); subdomain = i + grid[0] (j + grid[1] k). A midpoint on a line is
-/// in the lower cell.
+/// Regular grid of grid[0] x grid[1] cells, in space x grid[2], over the box of the grain centres. The midpoint of a
+/// contact decides its cell (i, j, k), the lower one of two; subdomain = i + grid[0] (j + grid[1] k).
 struct GridPartitioner {
   static constexpr std::string_view name = "grid";
   static constexpr std::string_view summary = "contact midpoints on a regular grid";
