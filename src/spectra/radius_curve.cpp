@@ -99,22 +99,17 @@ struct Extreme {
   }
 };
 
-// The maximum of sign (m - line) over [from, to].
-Extreme maximum(const Moebius& m, const Line& line, double sign, double from, double to) {
+// Includes the maximum of sign (m - line) over [from, to].
+void include_maximum(Extreme& extreme, const Moebius& m, const Line& line, double sign, double from, double to) {
   std::vector<double> places = stationary_places(m, line.slope);
   std::erase_if(places, [&](double x) { return x <= from || x >= to; });
   places.insert(places.end(), {from, to});
-  Extreme extreme;
   for (const double x : places) extreme.include(sign * (m(x) - line(x)), x);
-  return extreme;
 }
 
 Extreme above_line(const std::vector<Moebius>& upper, const Line& line, double from, double to) {
   Extreme extreme;
-  for (const Moebius& m : upper) {
-    const Extreme one = maximum(m, line, 1, from, to);
-    extreme.include(one.value, one.x);
-  }
+  for (const Moebius& m : upper) include_maximum(extreme, m, line, 1, from, to);
   return extreme;
 }
 
@@ -130,8 +125,7 @@ Extreme below_line(const std::vector<Moebius>& lower, const Line& line, double f
   for (std::size_t k = 1; k < cuts.size(); ++k) {
     const double middle = std::sqrt(cuts[k - 1] * cuts[k]);
     const auto best = std::ranges::max_element(lower, {}, [&](const Moebius& m) { return m(middle); });
-    const Extreme one = maximum(*best, line, -1, cuts[k - 1], cuts[k]);
-    extreme.include(one.value, one.x);
+    include_maximum(extreme, *best, line, -1, cuts[k - 1], cuts[k]);
   }
   return extreme;
 }
