@@ -38,13 +38,11 @@ Index cell(double coordinate, const Direction& along) {
 
 Index subdomains(const GridPartitioner& partitioner) {
   Index cells = 1;
-  bool fits = true;
   for (const Index along : partitioner.grid) {  // at most 10^6 before each product: no overflow
-    fits = fits && along >= 1 && along <= most_cells && cells * along <= most_cells;
-    if (fits) cells *= along;
+    if (along < 1 || along > most_cells || cells * along > most_cells)
+      fail("partition.grid: expected between 1 and {} cells, met {}", most_cells, fmt::join(partitioner.grid, " x "));
+    cells *= along;
   }
-  if (!fits)
-    fail("partition.grid: expected between 1 and {} cells, met {}", most_cells, fmt::join(partitioner.grid, " x "));
   return cells;
 }
 
