@@ -60,15 +60,13 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   Index wanted = listed;
   PencilEnds ends = ends_of(wanted);
   const auto uncertain = [&] { return moved_by(tilt, 1 - ends.low[0], b.preconditioner); };
+  const auto largest = [&] { return std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])}); };
   const auto margin = [&] {  // backward errors of LAPACK grow with the size and with the largest eigenvalue
-    const double largest = std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
-    return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest) + lost_to_rounding(b) * (1 + largest) +
-           uncertain();
+    return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest()) +
+           lost_to_rounding(b) * (1 + largest()) + uncertain();
   };
-  const auto may_converge = [&] {
-    return uncertain() <= options.tolerance * std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
-  };
-  if (options.certify && ends.failure.empty() && may_converge())  // until the lists hold all copies of both ends
+  if (options.certify && ends.failure.empty() &&
+      uncertain() <= options.tolerance * largest())  // until the lists hold all copies of both ends
     while (ends.failure.empty() && wanted < most &&
            (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
       ends = ends_of(wanted = std::min(2 * wanted, most));
