@@ -21,7 +21,6 @@ void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice
     points.push_back(problem.geometry[at(c)].point);
   }
   const std::vector<Index> numbers = std::exchange(subdomain.numbers, {});
-  subdomain.bodies.clear();
   ContactRows<D>& rows = subdomain.contacts;
   rows.friction = problem.friction;
   rows.boundary_friction = problem.boundary_friction;

@@ -20,22 +20,19 @@ Matrix basis_of(const Matrix& values, const Vector& scale) {
 // Values of the bilinear functions of the mesh at the bodies.
 Matrix bilinear(const std::vector<PlacedBody>& bodies, const std::vector<Index>& moved,
                 const std::array<Index, 2>& cells) {
-  std::array<double, 2> low{infinity, infinity}, high{-infinity, -infinity};
-  for (const Index i : moved)
-    for (std::size_t k = 0; k < 2; ++k) {
-      low[k] = std::min(low[k], bodies[at(i)].centre[k]);
-      high[k] = std::max(high[k], bodies[at(i)].centre[k]);
-    }
+  Eigen::Matrix2Xd centres(2, count(moved));
+  for (Index row = 0; row < count(moved); ++row)
+    centres.col(row) = Eigen::Vector2d::Map(bodies[at(moved[at(row)])].centre.data());
+  const Eigen::Vector2d low = centres.rowwise().minCoeff(), extent = centres.rowwise().maxCoeff() - low;
   Matrix values = Matrix::Zero(count(moved), (cells[0] + 1) * (cells[1] + 1));
   for (Index row = 0; row < count(moved); ++row) {
     std::array<Index, 2> cell{};
     std::array<double, 2> place{};
-    for (std::size_t k = 0; k < 2; ++k) {
-      const double extent = high[k] - low[k];
-      const double s = extent > 0 ? (bodies[at(moved[at(row)])].centre[k] - low[k]) / extent : 0.0;
-      const double scaled = s * static_cast<double>(cells[k]);
-      cell[k] = std::min(cells[k] - 1, static_cast<Index>(scaled));
-      place[k] = scaled - static_cast<double>(cell[k]);
+    for (Index k = 0; k < 2; ++k) {
+      const double s = extent[k] > 0 ? (centres(k, row) - low[k]) / extent[k] : 0.0;
+      const double scaled = s * static_cast<double>(cells[at(k)]);
+      cell[at(k)] = std::min(cells[at(k)] - 1, static_cast<Index>(scaled));
+      place[at(k)] = scaled - static_cast<double>(cell[at(k)]);
     }
     for (const Index right : {0, 1})
       for (const Index up : {0, 1})
