@@ -55,7 +55,6 @@ class Spectra {
   std::string last_failure_;
 };
 
-// The range of flexibilities to search.
 struct Range {
   double low, high;
 

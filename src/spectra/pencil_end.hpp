@@ -17,7 +17,6 @@ struct PencilPoint {
   double rounding = 0;
 };
 
-/// Expected end.
 struct EndGuess {
   double value = 0;        ///< > 0
   double uncertainty = 0;  ///< >= 0
@@ -84,7 +83,6 @@ struct PencilSide {
   /// The pencil at the shift or, if unreliable, at a nearby one inwards (`side` = 1) or outwards (-1), or nothing.
   std::optional<ShiftedPencil> factorise(double shift, double side = -1);
 
-  /// Number of eigenvalues beyond the shift.
   Index beyond(const ShiftedPencil& pencil) const {
     return end == SpectrumEnd::smallest ? pencil.below() - point.kernel : p.rows() - pencil.below();
   }

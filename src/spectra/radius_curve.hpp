@@ -22,7 +22,6 @@ struct CurvePoint {
   std::optional<std::array<CurveEnd, 2>> ends = {};  ///< low and high; empty if no eigenvalue is outside ker S
 };
 
-/// Constants of a curve.
 struct CurveLaw {
   CurveAxis axis = CurveAxis::epsilon;
   double stiffest = 1;    ///< bound of the eigenvalues of M_E^-1 K_E, 1/kg; K_E of the operator that changes

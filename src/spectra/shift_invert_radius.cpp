@@ -83,7 +83,6 @@ PencilPoint known_bounds(const Contraction& b) {
   return point;
 }
 
-// A revisited point replaces its old record.
 void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) {
   auto& visited = memory.visited;
   std::erase_if(visited,

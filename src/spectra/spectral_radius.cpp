@@ -12,7 +12,6 @@
 namespace nscdd {
 namespace {
 
-// The map, calling the checkpoint before each product.
 LinearMap watched(LinearMap map, const std::function<void()>& checkpoint) {
   if (!checkpoint) return map;
   return [map = std::move(map), checkpoint](const Vector& x) {

@@ -109,7 +109,6 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
   std::vector<std::int32_t> local(problem.free.size(), -1);
   for (GranularSubdomain<D>& subdomain : parts.subdomains) fill(subdomain, problem, order, seed, local);
   parts.interface = interface_of(parts, problem, process_of_subdomain, processes);
-  // A grain shared by q subdomains weighs 1/q in each.
   const auto copies = [&](Index number) { return static_cast<double>(parts.interface.multiplicity(number)); };
   for (GranularSubdomain<D>& subdomain : parts.subdomains)
     for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)

@@ -56,7 +56,6 @@ class GranularTwoStage {
   /// Record of the last iteration. Iterations need no such global sum: asking less often saves waiting.
   IterationRecord record() const;
 
-  /// Sums over all subdomains at the present velocities.
   ContactResidual residual() const;
 
   /// Updates of single contacts in all sweeps so far, on this rank.

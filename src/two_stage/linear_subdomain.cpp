@@ -80,7 +80,6 @@ void LinearSubdomain<D>::follow(const GranularSubdomain<D>& subdomain) {
   present_ = subdomain.velocities;
 }
 
-// With one step of iterative refinement.
 template <int D>
 Vector LinearSubdomain<D>::solve(const Vector& b) const {
   const Vector x = solver_->solve(b);

@@ -46,7 +46,6 @@ class ModelSwitch {
   ModelSwitch(const GranularDecomposition<D>& parts, Index subdomain, const ContactLaw& law, const SwitchRules& rules,
               Index standing);
 
-  /// Stage 1 under the interface impulses F.
   SweepSums stage_one(GranularDecomposition<D>& parts, const Sweeps& sweeps, const Vector& f);
 
   /// The step so far. If the subdomain is switched, sweeps on a copy of it measure the error.

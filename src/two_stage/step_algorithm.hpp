@@ -71,13 +71,11 @@ inline std::string algorithms_with(StepPart part) {
   return names_where<StepAlgorithm>([part](StepAlgorithm one) { return has_part(one, part); });
 }
 
-/// The contact solver of an algorithm, if it is one.
 inline std::optional<FrictionAlgorithm> contact_solver_of(StepAlgorithm one) {
   return step_algorithms[static_cast<std::size_t>(one)].contact_solver;
 }
 inline bool is_contact_solver(StepAlgorithm one) { return contact_solver_of(one).has_value(); }
 
-/// Whether an algorithm cuts a step into subdomains.
 inline bool decomposes(StepAlgorithm one) { return has_part(one, StepPart::subdomains); }
 
 }  // namespace nscdd

@@ -14,7 +14,6 @@ constexpr auto names_of(Criterion) {
       {"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r", "none"});
 }
 
-/// Orders in which a sweep may visit contacts.
 enum class ContactOrder {
   natural,   ///< ascending by the grains
   reverse,   ///< descending
@@ -28,7 +27,6 @@ constexpr auto names_of(ContactOrder) {
   return std::to_array<std::string_view>({"natural", "reverse", "random", "coloured", "interleaved"});
 }
 
-/// Contacts of an enriched Stage 2.
 enum class StageTwoNetwork {
   all,     ///< all considered
   active,  ///< those that carried an impulse in the last step
@@ -53,7 +51,6 @@ constexpr auto names_of(Enrichment) {
   return std::to_array<std::string_view>({"every_iteration", "first_iteration", "semi_implicit"});
 }
 
-/// How Stage 2 uses its operator.
 enum class InterfaceMethod { richardson, conjugate_gradient };
 constexpr auto names_of(InterfaceMethod) {
   return std::to_array<std::string_view>({"richardson", "conjugate_gradient"});

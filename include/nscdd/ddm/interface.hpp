@@ -45,7 +45,6 @@ class Interface {
   Interface(Index dofs_per_grain, Index grains, const std::vector<std::span<const Index>>& held,
             const std::vector<char>& tied = {}, GluingShape shape = GluingShape::chain);
 
-  /// The interface as one rank sees it.
   Interface of_process(const std::vector<Index>& process_of_subdomain, Processes processes) const;
   const Processes& processes() const { return processes_; }
   /// Prepares messages between ranks that have copies of the same grains; copies of this object share them.

@@ -26,7 +26,6 @@ void for_each_partitioner(Function&& f) {
 /// The partitioner of --subdomains, such as "2x1" or "metis:6". Throws Error naming `what` for other texts.
 Partitioner parse_partitioner(std::string_view text, std::string_view what);
 
-/// Subdomains asked for.
 inline Index subdomains(const Partitioner& partitioner) {
   return std::visit([](const auto& one) { return subdomains(one); }, partitioner);
 }

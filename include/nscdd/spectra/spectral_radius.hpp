@@ -58,7 +58,6 @@ struct SpectralOptions {
 /// Throws Error if arpack or slepc shall certify or find more than the ends. `dashes`: prefix of option names.
 void check(const SpectralOptions& options, std::string_view dashes = "");
 
-/// How one spectrum is computed.
 struct SolverChoice {
   SpectralSolver solver = SpectralSolver::dense;  ///< never `automatic`
   std::vector<SpectralSolver> fallbacks = {};     ///< tried in this order if the one before has no proved answer

@@ -22,7 +22,7 @@ Direction direction_over(const Packing& packing, const std::vector<double>& cent
   const Index cells = std::max<Index>(asked, 1);  // a grid of one cell may leave z out
   constexpr double of_arithmetic = 1e-9;
   if (cells == 1 || *high <= *low) return {*low, *high, cells, of_arithmetic};
-  // Twice, for a midpoint and for the ends.
+  // twice: of a midpoint and of the ends
   const double of_numbers = 2 * certain_offset(packing, centres) / (*high - *low) * static_cast<double>(cells);
   return {*low, *high, cells, std::clamp(of_numbers, of_arithmetic, 0.5)};
 }

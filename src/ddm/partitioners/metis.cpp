@@ -70,7 +70,6 @@ std::vector<idx_t> in_breadth(const Graph& graph, const std::vector<idx_t>& part
   return order;
 }
 
-// Each part that METIS leaves empty, as it may leave small ones, takes half of the largest part.
 void fill_empty_parts(const Graph& graph, idx_t parts, std::vector<idx_t>& part) {
   std::vector<Index> size(at(parts), 0);
   for (const idx_t one : part) ++size[at(one)];
