@@ -31,7 +31,7 @@ double number_in(const fs::path& file) {
   return stream >> value ? value : infinity;
 }
 
-// The files of a control group. Its usage counts pages of files, which the system takes back where memory is short.
+// The files of a control group. Its usage includes cached pages of files, which the system reclaims if memory is short.
 struct GroupFiles {
   const char* limit;
   const char* usage;
@@ -41,7 +41,6 @@ constexpr GroupFiles version_1{
     "memory.limit_in_bytes", "memory.usage_in_bytes", {"total_inactive_file", "total_active_file"}};
 constexpr GroupFiles version_2{"memory.max", "memory.current", {"inactive_file", "active_file"}};
 
-// Bytes of pages of files in a group.
 double pages_of_files(const fs::path& folder, const GroupFiles& files) {
   std::ifstream stream(folder / "memory.stat");
   std::string key;
@@ -51,7 +50,7 @@ double pages_of_files(const fs::path& folder, const GroupFiles& files) {
   return sum;
 }
 
-// What a group, and every group that it lies in, leave of their limits.
+// Bytes left below the limits of a group and of every group that contains it.
 double left_in(const fs::path& root, fs::path group, const GroupFiles& files) {
   for (double left = infinity;; group = group.parent_path()) {
     const fs::path folder = root / group;
@@ -108,7 +107,7 @@ double memory_limit() {
   return usable_share * (resident().all + std::min(system_available(), control_groups_available()));
 }
 
-// The heap keeps what was freed: it is resident, but free for what comes next.
+// The heap keeps freed memory: it is resident, but available.
 double memory_in_use() {
 #ifdef __GLIBC__
   const auto heap = mallinfo2();

@@ -5,9 +5,8 @@
 
 namespace nscdd {
 
-/// Guard of a process-wide setting, such as a library's error handler. The first guard takes the setting, the last one
-/// restores it, in any overlap of threads. `take` changes the setting and returns its old value, `restore` sets it
-/// back.
+/// Guard of a process-wide setting, such as a library's error handler. Of the guards that overlap, in any threads, the
+/// first one changes the setting by `take`, which returns its old value; the last one sets it back by `restore`.
 template <auto take, auto restore>
 class ProcessGuard {
  public:

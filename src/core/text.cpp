@@ -7,6 +7,7 @@
 #include <nscdd/core/table.hpp>
 
 #include <charconv>
+#include <ranges>
 
 namespace nscdd {
 namespace {
@@ -25,7 +26,7 @@ Number parse_all(std::string_view text, std::string_view what, std::string_view 
   return value;
 }
 
-// Fewest edits (insertions, deletions, changes, swaps of neighbours; none within a swap) that make one word the other.
+// Edit distance (Damerau, Levenshtein): insertions, deletions, changes and swaps of neighbours, none within a swap.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last, last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -41,8 +42,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-// Bytes of the character of UTF-8 that a text begins with; 0 where it begins with none, or with one of control beyond
-// ASCII (U+0080 to U+009F).
+// Length in bytes of the first character of a UTF-8 text; 0 if it is invalid or a control character beyond ASCII
+// (U+0080 to U+009F).
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
   const unsigned char first = byte(0);
@@ -135,7 +136,7 @@ std::string_view trimmed(std::string_view text) {
 
 double parse_number(std::string_view text, std::string_view what) {
   const std::optional<double> number = number_of(trimmed(text));
-  return number ? *number : parse_all<double>(text, what, "a number");  // which says what is wrong
+  return number ? *number : parse_all<double>(text, what, "a number");  // throws
 }
 
 Index parse_integer(std::string_view text, std::string_view what) { return parse_all<Index>(text, what, "an integer"); }
@@ -174,7 +175,7 @@ std::string field_text(const std::string& value) {
   for (const char c : value) {
     if (c == '"' || c == '\\') text += '\\';
     if (const auto code = static_cast<unsigned char>(c); code < 0x20 || code == 0x7f) {
-      text += fmt::format("\\u{:04X}", code);  // no control character stands for itself in TOML
+      text += fmt::format("\\u{:04X}", code);  // TOML requires escapes
     } else {
       text += c;
     }
@@ -219,9 +220,7 @@ std::size_t position_of(std::string_view name, std::span<const std::string_view>
 std::size_t Table::column(const std::string& name) const {
   const auto found = std::ranges::find(columns, name, &Column::name);
   if (found != columns.end()) return static_cast<std::size_t>(found - columns.begin());
-  std::vector<std::string> known;
-  for (const Column& column : columns) known.push_back(column.name);
-  fail("expected a column '{}', met only: {}", name, fmt::join(known, ", "));
+  fail("expected a column '{}', met only: {}", name, fmt::join(columns | std::views::transform(&Column::name), ", "));
 }
 
 std::string to_text(const Cell& cell) {

@@ -17,7 +17,7 @@ class Components {
   constexpr Components(const std::array<Number, 3>& values, std::size_t size = 3) : values_(values), size_(size) {}
 
   constexpr std::size_t size() const { return size_; }
-  /// The number along x, y or z; `Number{}` along z if there are two.
+  /// The number along x, y or z; along z `Number{}` if there are two.
   constexpr Number operator[](std::size_t direction) const { return values_[direction]; }
   constexpr const Number* begin() const { return values_.data(); }
   constexpr const Number* end() const { return values_.data() + size_; }

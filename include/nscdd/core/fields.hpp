@@ -40,7 +40,6 @@ inline void parse_value(std::string_view text, double& value, std::string_view k
 inline void parse_value(std::string_view text, Index& value, std::string_view key) { value = parse_integer(text, key); }
 inline void parse_value(std::string_view text, std::string& value, std::string_view) { value = text; }
 void parse_value(std::string_view text, bool& value, std::string_view key);
-
 void parse_value(std::string_view text, std::array<Index, 2>& value, std::string_view key);
 
 /// The two or three parts of "a,b", "a,b,c" or the like in brackets.
@@ -136,8 +135,8 @@ std::string field_lines(const Parameters& parameters) {
   return lines;
 }
 
-/// Sets the parameter `key` from text and checks its bounds. Returns false if the struct has no such key.
-/// `path` is the name for error messages, such as "packing.grains".
+/// Sets the parameter `key` from text and checks its bounds. Returns false if the struct has no such key. `path`: its
+/// name for error messages, such as "packing.grains".
 template <class Parameters>
 bool override_field(Parameters& parameters, std::string_view key, std::string_view text, std::string_view path) {
   bool found = false;

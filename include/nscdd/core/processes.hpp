@@ -13,8 +13,8 @@ struct FailedElsewhere : Error {
   using Error::Error;
 };
 
-/// Array entries shared with another rank, ascending. Both ranks list the same entries in the same order; positions are
-/// those in their own arrays.
+/// Array entries shared with another rank, ascending. Both ranks list the same entries, in the same order, by their
+/// positions in their own arrays.
 struct SharedEntries {
   Index process = 0;
   std::vector<Index> entries;
@@ -28,39 +28,36 @@ struct WorkCount {
   double sum_bytes = 0;        ///< contributed by this rank
   double contact_updates = 0;  ///< of single contacts, in the sweeps of a two-stage iteration
   double flops = 0;            ///< additions and multiplications of factorisations and of solves with them
-  /// Operations on the critical path over all ranks.
-  double path_flops = 0;
+  double path_flops = 0;       ///< of those, on the critical path over all ranks
 
-  /// Adds to one of the counts; threads may do so at the same time.
+  /// Adds to one of the counts; safe from several threads.
   static void add(double& to, double amount) { std::atomic_ref(to) += amount; }
 };
 
-/// The processes that share the work on one problem; by default there is one. All of them make the same calls in the
-/// same order, and all of them get the same bits. The functions are what a library of messages provides; by default
-/// they are those of one process.
+/// The ranks that share the work on one problem. All make the same calls in the same order and get the same bits. A
+/// message library provides the functions; the defaults are those of a single rank.
 struct Processes {
-  /// Gives the place for all items of a gather, so many bytes.
+  /// Returns room for all items of a gather.
   using Room = std::function<std::byte*(std::size_t bytes)>;
 
   Index rank = 0, size = 1;
   std::function<void(std::span<double>)> add_up = [](std::span<double>) {};   ///< entry by entry
   std::function<void(std::span<double>)> largest = [](std::span<double>) {};  ///< entry by entry
-  /// The items of all processes, `item` bytes each, one process after the other; in all processes, or in the first one
-  /// only.
+  /// The items of all ranks, `item` bytes each, in the order of ranks; on all ranks, or on rank 0 only.
   std::function<void(std::span<const std::byte> own, std::size_t item, bool everywhere, const Room& room)>
       gather_bytes = [](std::span<const std::byte> own, std::size_t, bool, const Room& room) {
         std::ranges::copy(own, room(own.size()));
       };
-  /// A function that adds up the entries shared with neighbours, for one array after the other. Only neighbours take
-  /// part, and only these entries are then the same in both.
+  /// A function that sums the entries shared with neighbours, for one array after the other. Only neighbours
+  /// synchronise, and only these entries are then equal on both.
   std::function<std::function<void(std::span<double>)>(const std::vector<SharedEntries>&)> between_neighbours =
       [](const auto&) { return [](std::span<double>) {}; };
 
-  std::shared_ptr<WorkCount> counts = std::make_shared<WorkCount>();  ///< of this process; its copies share it
+  std::shared_ptr<WorkCount> counts = std::make_shared<WorkCount>();  ///< of this rank; copies share it
 
   bool alone() const { return size == 1; }
   bool first() const { return rank == 0; }
-  /// Sum and maximum of numbers, of whole ones up to 2^53.
+  /// Sum and maximum over ranks; integers up to 2^53.
   template <class Number>
   Number sum(Number own) const {
     return combined(add_up, own);
@@ -69,10 +66,9 @@ struct Processes {
   Number maximum(Number own) const {
     return combined(largest, own);
   }
-  /// Whether any of them says so.
   bool any(bool own) const { return maximum(own ? 1 : 0) > 0; }
-  /// Sums over parts, one column each, in their order, so that no bit depends on the number of ranks. Columns of other
-  /// ranks are 0.
+  /// Sum over parts, one column each, in their order: no bit depends on the number of ranks. Columns of parts on other
+  /// ranks are 0 on entry.
   Vector sum_of_parts(Matrix parts) const {
     add_up({parts.data(), at(parts.size())});
     Vector sum = Vector::Zero(parts.rows());
@@ -80,22 +76,22 @@ struct Processes {
     return sum;
   }
 
-  /// The items of all processes, one process after the other. Items hold no pointers.
+  /// The items of all ranks, in the order of ranks. Items hold no pointers.
   template <std::ranges::contiguous_range Items>
   auto gather(const Items& own) const {
     return gathered(std::span(own), true);
   }
-  /// The same in the first process, and nothing in the others.
+  /// The same on rank 0, and nothing on the others.
   template <std::ranges::contiguous_range Items>
   auto gather_at_first(const Items& own) const {
     return gathered(std::span(own), false);
   }
-  /// One item of each process.
+  /// One item of each rank.
   template <class Item>
   std::vector<Item> gather_each(const Item& own) const {
     return gather(std::span(&own, 1));
   }
-  /// Calls take(items) for the items of each process in turn, so that no process ever holds those of all.
+  /// Calls take(items) for the items of each rank in turn, so that no rank holds those of all at once.
   template <std::ranges::contiguous_range Items, class Take>
   void exchange(const Items& own, Take&& take) const {
     const std::span given(own);
@@ -105,15 +101,15 @@ struct Processes {
     }
   }
 
-  /// The result of the work. If it throws Error in some of them, the first of these throws that, the others
-  /// FailedElsewhere.
+  /// The result of the work. If it throws Error on some ranks, the first of these throws its Error, all others
+  /// FailedElsewhere with the same message.
   template <class Work>
   auto together(Work&& work) const {
     std::optional<std::invoke_result_t<Work>> result;
     std::optional<Error> error;
     try {
       result.emplace(work());
-    } catch (const FailedElsewhere&) {  // whoever has failed says so here as well
+    } catch (const FailedElsewhere&) {  // the rank that failed reports its error here, too
     } catch (const Error& met) {
       error = met;
     }

@@ -54,8 +54,8 @@ Cell to_cell(const Value& value) {
     return std::string(value);
 }
 
-/// A table column for results of one kind: its heading and the getter of its cell. The getter is anything that
-/// std::invoke takes: a member of Result, or a function of one.
+/// A table column for results of one kind: its heading, and a getter that std::invoke takes: a member of Result, or a
+/// function of one.
 template <class Result>
 struct ResultColumn {
   Column heading;
@@ -76,7 +76,6 @@ std::vector<Column> headings(const ResultColumns<Result>& columns) {
   return all;
 }
 
-/// A result as a row of its table.
 template <class Result>
 Row row(const ResultColumns<Result>& columns, const Result& result) {
   Row cells;
@@ -85,7 +84,7 @@ Row row(const ResultColumns<Result>& columns, const Result& result) {
   return cells;
 }
 
-/// A sink of results that forwards their rows. It refers to `sink` and owns `columns`.
+/// A sink of results that forwards their rows to `sink`, which must outlive it.
 template <class Result>
 Sink<Result> as_rows(ResultColumns<Result> columns, const RowSink& sink) {
   return [columns = std::move(columns), &sink](const Result& result) { sink(row(columns, result)); };
@@ -114,8 +113,8 @@ using Provenance = std::vector<std::pair<std::string, std::string>>;
 /// Version of this library, "major.minor.patch".
 std::string version();
 
-/// Fingerprint of the build, 16 hexadecimal digits: it changes with any source, the compiler or its settings. Builds of
-/// one version with different fingerprints need not give equal bits.
+/// Fingerprint of the build, 16 hexadecimal digits: it changes with any source, the compiler or its settings. Builds
+/// with different fingerprints need not give equal bits.
 std::string build_fingerprint();
 
 /// Name and version of every numerical library, in a fixed order.

@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-/// Types of every layer. Files that include this header, directly or not, do not repeat its standard headers.
+/// Types of every layer. Files that include this header, even indirectly, do not repeat its standard headers.
 namespace nscdd {
 
 using Index = Eigen::Index;
@@ -60,15 +60,14 @@ constexpr Index count(const Container& c) {
   return static_cast<Index>(c.size());
 }
 
-/// Invalid input. The message states what was expected, what was met, and where (file and line, key, option or grain).
-/// An Error may be thrown anywhere; `main` catches it and returns exit code 2. A computation that does not converge
-/// throws no Error: its result has a flag.
-/// what() escapes quoted bytes that are no text (control characters, invalid UTF-8) as "\x1B".
+/// Invalid input. The message states what was expected, what was met, and where (file and line, key, option or grain);
+/// control characters and invalid UTF-8 are escaped as "\x1B". `main` catches an Error and returns exit code 2. A
+/// computation that does not converge throws no Error: its result has a flag.
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message);
-  /// Invalid value of a key of a case ("solver.criterion"): what() is "key: message"; the reader of the file adds name
-  /// and line.
+  /// Invalid value of a key of a case ("solver.criterion"): what() is "key: message"; the file's reader adds name and
+  /// line.
   Error(std::string key, const std::string& message) : Error(key + ": " + message) { key_ = std::move(key); }
   const std::string& key() const { return key_; }
 
