@@ -24,14 +24,13 @@ BedCells::BedCells(double width, double depth, double largest_radius, std::vecto
     level.filled.assign(level.columns * level.rows, 0);
     levels_.push_back(std::move(level));
   };
-  // A box far wider than its grains can fill is cut into fewer, wider columns.
+  // If grains cannot cover the base, columns are fewer and wider.
   const auto side_for = [&](double largest, std::size_t grains) {
     const double share = base / cells_for(grains);
     return std::max(2 * largest, in_space ? std::sqrt(share) : share);
   };
   add_level(largest_radius, side_for(largest_radius, radii.size()));
   std::sort(radii.begin(), radii.end());
-  // About the area or the volume of the bed.
   const double room = std::max(total_measure(radii, in_space), 2 * largest_radius * base);
   while (true) {
     const double largest = levels_.back().largest;
@@ -39,8 +38,8 @@ BedCells::BedCells(double width, double depth, double largest_radius, std::vecto
     // More than 4 (in space 8) smaller grains per cell of the largest get their own level; 4 to 16 serve equally.
     const double square = static_cast<double>(radii.size()) * largest * largest;
     if (radii.empty() || (in_space ? square * largest : square) <= room) return;
-    // The bound is a little above the largest of them, so that rounding hides no grain beyond the border of a
-    // cell. Where the grains are few, cells are wider than that: they stay about as many as the grains.
+    // Slightly above the largest radius, so that rounding hides no grain beyond the border of a cell. Cells of few
+    // grains are wider, so that there are about as many as grains.
     const double bound = radii.back() * (1 + 1e-6), share = room / cells_for(radii.size());
     add_level(bound, std::max(side_for(bound, radii.size()), in_space ? std::cbrt(share) : std::sqrt(share)));
   }

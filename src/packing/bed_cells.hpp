@@ -8,15 +8,15 @@ namespace nscdd {
 /// Area of disks of these radii, m^2, or volume of spheres, m^3; overlaps counted twice.
 double total_measure(std::span<const double> radii, bool in_space);
 
-/// Grains of a growing bed in square or cubic cells, level by level: each level has the grains of one range of sizes,
-/// in cells as wide as the largest of them. A moving grain searches only the cells along its path: the cost per grain
-/// does not grow with the bed, and little with the ratio of sizes. Places are (x, y, height), m, y = 0 in the plane.
+/// Grains of a growing bed in square or cubic cells. Each level has the grains of one range of sizes, in cells as wide
+/// as the largest of them. A moving grain searches only the cells along its path: the cost per grain does not grow with
+/// the bed, and little with the ratio of sizes. Places are (x, y, height), m, y = 0 in the plane.
 class BedCells {
  public:
-  /// The base of the bed, m, of depth 0 in the plane. Cells suit the `radii`, m, of the grains to come.
+  /// The base of the bed, m, of depth 0 in the plane. `radii`: of the grains to come, m.
   BedCells(double width, double depth, double largest_radius, std::vector<double> radii);
 
-  /// Cells of the grains up to one size that no finer level takes. Layers are added as the bed grows.
+  /// Cells of the grains up to one size, except for those on finer levels. Layers are added as the bed grows.
   struct Level {
     double largest, side;  ///< m
     std::size_t columns, rows, layers = 0;

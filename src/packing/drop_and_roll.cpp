@@ -4,7 +4,7 @@
 namespace nscdd {
 namespace {
 
-// Added to sizes, relative to them: far more than coordinates lose by rounding.
+// Relative enlargement of sizes, far more than the rounding of coordinates.
 constexpr double margin = 1e-6;
 
 // > 0 where q is met after p by a disk that rolls over the pivot to that side, less than half a turn apart.
@@ -26,8 +26,8 @@ std::optional<Point> roll_against(const Disk& pivot, const Disk& other, double r
   const double dx = other.x - pivot.x, dy = other.y - pivot.y;
   const double d = std::hypot(dx, dy);
   if (d >= reach_p + reach_o) return std::nullopt;
-  // The meeting point lies `along` the line of centres and `beside` it, on the side the disk comes from; measured from
-  // the nearer centre, where a large circle does not round off the small one.
+  // The meeting point lies `along` the line of centres and `beside` it, on the side the disk comes from. It is measured
+  // from the nearer centre: the rounding of a large circle would spoil a small one.
   const bool from_pivot = reach_p <= reach_o;
   const Disk& base = from_pivot ? pivot : other;
   const double near = from_pivot ? reach_p : reach_o, far = from_pivot ? reach_o : reach_p;
@@ -37,9 +37,9 @@ std::optional<Point> roll_against(const Disk& pivot, const Disk& other, double r
   return Point{base.x + (towards * dx - beside * dy) / d, base.y + (towards * dy + beside * dx) / d};
 }
 
-// Whether a disk meets grain i before `met`: if `lead` is positive. If it is 0, the disk meets both at one place, and a
-// fixed order of the grains decides, so that the bed does not depend on the order of search:
-// by rows of cells of the coarsest level, in a row from left to right, in a cell from the latest grain to the first.
+// Whether a disk meets grain i before `met`: if `lead` is positive. If it is 0, the disk meets both at one place. A
+// fixed order then decides, so that the bed does not depend on the order of search: by rows of cells of the coarsest
+// level, in a row from left to right, in a cell from the latest grain to the first.
 bool Heap::first_met(double lead, Index i, const Meeting& met, Rows rows) const {
   if (lead != 0 || met.with != Meeting::With::grain) return lead > 0;
   const BedCells::Level& coarsest = cells_.levels().front();
@@ -65,7 +65,7 @@ Heap::Meeting Heap::fall(const Point& from, double radius) const {
     std::size_t rows = level.highest(left, right);
     if (std::isfinite(from[1])) rows = std::min(rows, level.layer_of(from[1]) + 1);
     for (std::size_t row = rows; row-- > 0;) {
-      // A grain in this row or below stops a disk no higher than this.
+      // A grain in this row or below stops the disk no higher than the one found.
       if (met.centre[1] >= static_cast<double>(row + 1) * level.side + radius + level.largest) break;
       cells_.visit(level, row, row + 1, left, right, [&](Index i) {
         const Disk& disk = disks_[at(i)];
@@ -76,7 +76,7 @@ Heap::Meeting Heap::fall(const Point& from, double radius) const {
       });
     }
   }
-  // A grain touched from the start may seem, by rounding, to have been met a little higher.
+  // By rounding, a grain touched from the start may seem to be met a little higher.
   met.centre[1] = std::min(met.centre[1], from[1]);
   return met;
 }

@@ -11,7 +11,7 @@ struct Disk {
 
 using Point = std::array<double, 2>;
 
-/// Height of the centre at which a disk of that radius, falling along x, meets `support`, unless it passes by:
+/// Height of the centre at which a disk that falls along x meets `support`; empty if it passes by:
 ///   y = y_s + sqrt((R - d)(R + d)),  R = r + r_s,  d = |x - x_s|.
 std::optional<double> fall_onto(const Disk& support, double x, double radius);
 
@@ -25,7 +25,7 @@ std::optional<Point> roll_against(const Disk& pivot, const Disk& other, double r
 /// A bed of disks in a box, built by drop and roll.
 class Heap {
  public:
-  /// A box with the floor y = 0 and walls x = 0 and x = width, m. Cells suit the `radii`, m, of the grains to come.
+  /// A box with the floor y = 0 and walls x = 0 and x = width, m. `radii`: of the grains to come, m.
   Heap(double width, double largest_radius, std::vector<double> radii)
       : width_(width), cells_(width, 0, largest_radius, std::move(radii)) {}
 
@@ -36,7 +36,7 @@ class Heap {
   void add(const Disk& disk);
 
  private:
-  /// The obstacle that a disk met, and its centre then.
+  /// The obstacle that a disk met, and the centre of the disk.
   struct Meeting {
     enum class With { nothing, floor, wall, grain } with;
     Point centre;

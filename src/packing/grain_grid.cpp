@@ -4,7 +4,7 @@
 namespace nscdd {
 namespace {
 
-// Average number of grains in a grain's cell beyond which another grid is cheaper. Measured; not sensitive.
+// Average number of grains in a grain's cell above which another grid is cheaper: measured, and not sensitive.
 constexpr double crowded = 32;
 
 }  // namespace
@@ -18,7 +18,7 @@ CellGrid::CellGrid(const Places& places, double side) {
       low_[k] = *low;
       size[k] = *high - *low;
     }
-  // Slightly larger, so that rounding never puts two points of distance `side` two cells apart.
+  // Rounding must never put two points of distance `side` two cells apart.
   side *= 1 + rounding;
   const double budget = 2.0 * static_cast<double>(places.x.size()) + 64;
   const auto cells = [&](std::size_t k) { return std::floor(size[k] / side) + 1; };

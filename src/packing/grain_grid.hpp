@@ -12,8 +12,8 @@ struct Places {
   std::span<const double> x, y, z = {};
 };
 
-/// Cell grid for neighbour searches in O(N): points sorted into squares or cubes of at least a given side. There are at
-/// most about two cells per point: cells grow in a sparse or elongated cloud.
+/// Cell grid for neighbour searches in O(N): points sorted into squares or cubes of at least a given side. Cells grow
+/// in a sparse or elongated cloud, so that there are at most about two per point.
 class CellGrid {
  public:
   /// Coordinates of at least one point, finite and of the same length; side > 0, m.
@@ -27,8 +27,8 @@ class CellGrid {
         for (Index column = 0; column < columns_; ++column) visit_cell(column, row, layer, visit);
   }
 
-  /// Calls visit(i) for every point of the cells that a square (a cube) about a place meets: every point no farther
-  /// than `distance` from there in all coordinates, and some that are. x, y, z anywhere, m.
+  /// Calls visit(i) for every point no farther than `distance` from a place in all coordinates, and some that are. The
+  /// place may be outside the grid.
   template <class Visit>
   void for_each_near(const std::array<double, 3>& place, double distance, Visit&& visit) const {
     distance += rounding * side_;
@@ -45,7 +45,7 @@ class CellGrid {
   /// Indices of all points, cell by cell.
   const std::vector<Index>& points() const { return points_; }
 
-  /// Average number of points in a point's cell, itself included: the cost of a search.
+  /// Average number of points in the cell of a point, itself included: the cost of a search.
   double crowd() const {
     double sum = 0;
     for (std::size_t c = 0; c + 1 < start_.size(); ++c) {
@@ -56,9 +56,9 @@ class CellGrid {
   }
 
  private:
-  static constexpr double rounding = 1e-9;  ///< of a side, more than coordinates lose among so many cells
+  static constexpr double rounding = 1e-9;  ///< of a side, more than that of coordinates
 
-  // The pairs of a cell, and those with half of its neighbours; the other half see this cell as theirs.
+  // The pairs of a cell, and those with half of its neighbours; the other half visit this cell.
   template <class Visit>
   void visit_cell(Index column, Index row, Index layer, Visit& visit) const {
     const auto here = cell(column, row, layer);
@@ -93,10 +93,10 @@ class CellGrid {
   std::vector<Index> points_;  ///< indices, cell by cell, ascending within a cell
 };
 
-/// Grid of cell levels for neighbour searches among grains of any sizes, in O(N log ratio). One CellGrid with cells for
-/// the largest grain serves all unless its cells are crowded, as sizes 1 : ratio can fill them with ratio^2 disks or
-/// ratio^3 spheres. Then grains within a factor 2 of the largest have their own grid, the others a grid for the largest
-/// of them, and so on. Each grain is compared with those of its own grid and of the coarser ones.
+/// Grids for neighbour searches among grains of sizes 1 : ratio, in O(N log ratio). One CellGrid with cells for the
+/// largest grain serves all unless its cells are crowded, by up to ratio^2 disks or ratio^3 spheres. Then grains within
+/// a factor 2 of the largest have their own grid, the others a grid for the largest of them, and so on. Each grain is
+/// compared with those of its own grid and of the coarser ones.
 class GrainGrid {
  public:
   /// places: centres, m; radius > 0, m; all finite and of the same length; stretch >= 1, range >= 0, m.
@@ -139,8 +139,7 @@ class GrainGrid {
   std::vector<Level> levels_;  // coarsest first
 };
 
-/// Sorts contacts (anything with members a and b) by (a, b) in O(N): a counting sort by a, 0 <= a < bodies, then the
-/// few of one a by b.
+/// Sorts contacts (anything with members a and b) by (a, b) in O(N): a counting sort by a, 0 <= a < bodies, then by b.
 template <class AnyContact>
 std::vector<AnyContact> sorted_by_bodies(const std::vector<AnyContact>& contacts, Index bodies) {
   std::vector<std::size_t> start(at(bodies) + 1, 0);

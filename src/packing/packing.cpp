@@ -15,13 +15,11 @@ void require_positive(const std::vector<double>& values, const char* name) {
       fail("grain {}: expected a finite {} > 0, met {}", i, name, values[i]);
 }
 
-// "(x, y)" or "(x, y, z)".
 std::string place(const Packing& p, Index grain) {
   const auto [x, y, z] = p.centre(grain);
   return p.z.empty() ? fmt::format("({}, {})", x, y) : fmt::format("({}, {}, {})", x, y, z);
 }
 
-// A pair (i, j) with its geometry; if it does not touch, the gap exceeds the tolerance.
 Contact pair_geometry(const Packing& p, Index i, Index j) {
   const double dx = p.x[at(j)] - p.x[at(i)], dy = p.y[at(j)] - p.y[at(i)];
   const double dz = p.z.empty() ? 0 : p.z[at(j)] - p.z[at(i)];
@@ -38,9 +36,9 @@ std::string described(const Packing& p, Index grain) {
   return fmt::format("{} of radius {}", place(p, grain), p.radius[at(grain)]);
 }
 
-// No rounding is coarser than this many radii; pairs further apart are not reported.
+// In radii: rounding is never assumed to be coarser; pairs further apart are not reported.
 constexpr double coarsest = 0.1, worth_naming = 0.05;
-// Coarser digits count as rounded, too, if they leave both overlaps and gaps, or so many overlaps.
+// Coarser digits count as rounded if they leave both overlaps and gaps, or so many overlaps.
 constexpr Index pairs_that_show = 3;
 constexpr Index sample = 3;  // pairs reported by name
 
@@ -79,7 +77,7 @@ class NearPairs {
     note(doubt_.decided, decided_);
     note(doubt_.open, open_);
     note(doubt_.one_sided, apart_);
-    // The order of cells depends on the grid; the order of grains is the packing's.
+    // The order of search depends on the grid.
     return {.contacts = sorted_by_bodies(contacts_, p_.size()),
             .grains = p_.size(),
             .dimension = p_.dimension(),
@@ -116,7 +114,7 @@ class NearPairs {
   }
 
   void keep(const Contact& contact) {
-    // As many as a plane graph can have edges; spheres of one size in a dense bed have about as many.
+    // The most edges of a plane graph, and about as many as a dense bed of equal spheres has.
     if (contacts_.empty()) contacts_.reserve(at(3 * p_.size()));
     contacts_.push_back(contact);
   }

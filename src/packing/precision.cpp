@@ -8,7 +8,7 @@
 namespace nscdd {
 namespace {
 
-// A decimal number: the number of its significant digits, and the power of ten of the first.
+// A decimal number: how many significant digits it has, and the power of ten of the first.
 struct Decimal {
   int digits = 0, exponent = 0;
   int behind_point() const { return digits - 1 - exponent; }

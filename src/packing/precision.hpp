@@ -13,9 +13,8 @@ struct Uncertainty {
   double largest() const { return std::max(certain, decimal); }
 };
 
-/// Precision of the numbers of a packing, inferred from the numbers: "%.6f" gives numbers that six decimals reproduce,
-/// "%g" six significant digits; trailing zeros do not matter. Numbers that need 17 digits have the precision of a
-/// double or a float.
+/// Precision of the numbers of a packing, inferred from them: six decimals reproduce numbers written by "%.6f", six
+/// significant digits those by "%g". Numbers that need 17 digits have the precision of a double or a float.
 struct Precision {
   /// Common decimals behind the point, or significant digits; both if numbers of one magnitude fit either; neither for
   /// a binary format.
@@ -42,14 +41,14 @@ Uncertainty gap_uncertainty(const Precision& precision, const Packing& packing, 
 /// Largest possible error of a gap of the packing, over its smallest radius.
 double largest_uncertainty(const Precision& precision, const Packing& packing);
 
-/// Decimal digits worth less than so many radii are rounded for certain: nobody writes so many by hand.
+/// Numbers whose last digit is worth less than so many radii are certainly rounded: nobody writes so many by hand.
 inline constexpr double surely_rounded = 1e-4;
 
 /// Certain error of coordinates of those values along one axis, m.
 double certain_offset(const Packing& packing, std::span<const double> coordinates);
 
-/// Gaps up to so many radii may be rounding that no digit shows, of numbers rounded and then shifted or scaled. If
-/// there are more than a few such pairs, and a hundredth of the contacts, a note reports them.
+/// Gaps up to so many radii may come from numbers that were rounded and then shifted or scaled, which no digit shows. A
+/// note reports such pairs if they are more than a few, and more than a hundredth of the contacts.
 inline constexpr double hairline = 1e-4;
 
 /// Notes for the user about contacts that depend on rounding; empty if none does. `name`: of the packing.

@@ -6,10 +6,9 @@
 namespace nscdd {
 namespace {
 
-// Added to sizes, relative to them: far more than coordinates lose by rounding.
+// Relative enlargement of sizes, far more than the rounding of coordinates.
 constexpr double margin = 1e-6;
-// Far more motions than a drop takes: 4 on average for equal sizes, and at most 230 for 10^5 small ones among some ten
-// to a hundred times as large.
+// A drop takes 4 motions on average for equal sizes, and at most 230 for 10^5 grains of sizes 1 : 100.
 constexpr Index most_motions = 5000;
 // Angle within which an arc has not begun.
 constexpr double standstill = 1e-6;
@@ -59,7 +58,7 @@ void SphereHeap::fall(Traveller& one) {
     std::size_t top = level.highest(low, high);
     if (std::isfinite(from.z())) top = std::min(top, level.layer_of(from.z()) + 1);
     for (std::size_t layer = top; layer-- > 0;) {
-      // A grain in this layer or below stops a sphere no higher than this.
+      // A grain in this layer or below stops the sphere no higher than the one found.
       if (height >= static_cast<double>(layer + 1) * level.side + reach) break;
       cells_.visit(level, layer, layer + 1, low, high, [&](Index i) {
         ++work_.candidates;
@@ -73,7 +72,7 @@ void SphereHeap::fall(Traveller& one) {
       });
     }
   }
-  // A grain touched from the start may seem, by rounding, to have been met a little higher.
+  // By rounding, a grain touched from the start may seem to be met a little higher.
   one.centre.z() = std::min(height, from.z());
   const double touching = 32 * rounding(one.centre.z());
   std::erase_if(one.touched,
@@ -81,7 +80,7 @@ void SphereHeap::fall(Traveller& one) {
   one.touched.push_back(met >= 0 ? around(met, one.radius) : wall(met, one.radius));
 }
 
-// Path of a sphere on one or two supports; empty if others stop it on a crest.
+// Arc of a sphere on one or two supports; empty if others stop it on a crest.
 std::optional<SphereHeap::Step> SphereHeap::next_step(const Traveller& one, const Carried& carried,
                                                       std::span<const SpacePoint> normals) const {
   Step step;
@@ -152,9 +151,9 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
     return std::any_of(pivots.begin(), pivots.end(), [&](const Obstacle& o) { return o.number == number; });
   };
   const auto meet = [&](Index number, double angle) {
-    // A support just lost is behind, though rounding may place it ahead.
+    // A support just lost is behind, but rounding may place it ahead.
     if (number == one.left && angle < standstill) return;
-    // Of obstacles met at one point the lowest number counts: the bed does not depend on the order of search.
+    // Of obstacles met at one point the lowest number counts, so that the bed does not depend on the order of search.
     if (angle < end || (angle == end && met && number < *met)) end = angle, met = number, released = std::nullopt;
   };
   for (Index number = Obstacle::floor; number >= Obstacle::floor - 4; --number) {
@@ -180,7 +179,7 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
         const double reach_i = one.radius + sphere.radius, u = q.dot(arc.outwards), w = q.dot(arc.ahead);
         const double h = q.dot(axis), in_plane = std::sqrt(u * u + w * w), d = in_plane - arc.radius;
         const double room_squared = reach_i * reach_i - h * h - d * d;
-        // Nowhere nearer than reach_i - graze, to first order.
+        // To first order, the arc comes no nearer than reach_i - graze.
         if (room_squared <= 2 * reach_i * graze || is_pivot(i)) return;
         meet(i, first_crossing(u, w, room_squared / (2 * arc.radius)));
       });
@@ -208,7 +207,7 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
   return true;
 }
 
-// The centre, moved back inside floor and walls after rounding.
+// The centre inside floor and walls: rounding may have put it outside.
 SpacePoint SphereHeap::in_box(const Traveller& one) const {
   const double r = one.radius;
   return {std::clamp(one.centre.x(), r, width_ - r), std::clamp(one.centre.y(), r, depth_ - r),
@@ -219,7 +218,7 @@ SphereHeap::Rest SphereHeap::at_rest(Traveller& one, const Carried& carried) con
   Rest rest;
   std::vector<Obstacle> holding;
   for (std::size_t i = 0; i < carried.supports; ++i) holding.push_back(one.touched[carried.by[i]]);
-  // On a crest, those that stop it hold it too.
+  // On a crest, the obstacles that stop it hold it, too.
   for (std::size_t k = 0; k < one.touched.size() && holding.size() < 3; ++k)
     if (!carried.has(k)) holding.push_back(one.touched[k]);
   touch_exactly(one.centre, holding, one.radius);

@@ -22,11 +22,11 @@ struct RollingWork {
 /// A bed of spheres in a box, built by drop and roll: floor z = 0, walls x = 0, x = width, y = 0, y = depth.
 class SphereHeap {
  public:
-  /// Sizes in m. Cells suit the `radii` of the grains to come.
+  /// Sizes in m. `radii`: of the grains to come.
   SphereHeap(double width, double depth, double largest_radius, std::vector<double> radii)
       : width_(width), depth_(depth), cells_(width, depth, largest_radius, std::move(radii)) {}
 
-  /// Only the floor; or three supports of a sphere, with its centre above the triangle of the points of contact.
+  /// The floor; or three supports of a sphere, with its centre above the triangle of the points of contact.
   using Supports = std::vector<Index>;
   struct Rest {
     SpacePoint centre;
@@ -34,8 +34,8 @@ class SphereHeap {
   };
   /// Rest position of a sphere dropped at (x, y), by steepest descent: it falls, rolls over one obstacle along its
   /// meridian, or over two on the circle that touches both; `carried_by` finds the next supports at every new or lost
-  /// contact. Empty if the most motions do not suffice: grains may be so exactly aligned that rounding decides on their
-  /// order again and again. radius <= x <= width - radius, y likewise.
+  /// contact. radius <= x <= width - radius, y likewise. Empty if it never rests within a limit of motions: the order
+  /// of exactly aligned grains may depend on rounding again and again.
   std::optional<Rest> settle(double x, double y, double radius);
 
   void add(const Sphere& sphere);
@@ -68,7 +68,7 @@ class SphereHeap {
   Obstacle wall(Index number, double radius) const;
   Obstacle around(Index grain, double radius) const;
   void fall(Traveller& one);
-  /// False for an arc that at once meets an obstacle already touched: then other supports carry.
+  /// False if the arc at once meets an obstacle already touched: other supports then carry the sphere.
   bool roll(Traveller& one, const Step& step);
   std::optional<Step> next_step(const Traveller& one, const Carried& carried,
                                 std::span<const SpacePoint> normals) const;

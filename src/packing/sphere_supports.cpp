@@ -11,11 +11,8 @@ constexpr double balance_rounding = 1e-14;
 // Tolerance for nearly dependent normals, if no better set exists.
 constexpr double most_missed = 1e-9;
 
-// Supports are ascending; absent ones are 0.
-bool same_supports(const Carried& a, const Carried& b) { return a.supports == b.supports && a.by == b.by; }
-
-// Velocity for a set of supports, and its violation by the others. False if a support does not push, or the normals are
-// dependent.
+// Velocity for a set of supports, and how far the others violate it. False if a support does not push, or the normals
+// are dependent.
 bool try_supports(std::span<const SpacePoint> normals, Carried& carried, double& missed) {
   const auto n = [&](std::size_t i) -> const SpacePoint& { return normals[carried.by[i]]; };
   std::array<double, 3> lambda{};
@@ -52,8 +49,10 @@ Carried carried_by(std::span<const SpacePoint> normals, std::span<const Carried>
   const auto attempt = [&](std::initializer_list<std::size_t> set) {
     Carried carried;
     for (const std::size_t k : set) carried.by[carried.supports++] = k;
-    if (std::any_of(but.begin(), but.end(), [&](const Carried& other) { return same_supports(carried, other); }))
-      return false;
+    const auto same = [&](const Carried& other) {
+      return other.supports == carried.supports && other.by == carried.by;
+    };
+    if (std::ranges::any_of(but, same)) return false;
     double missed = 0;
     if (!try_supports(normals, carried, missed) || missed >= least) return false;
     best = carried;

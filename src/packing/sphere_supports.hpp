@@ -29,8 +29,8 @@ struct Obstacle {
 ///
 ///   v = -e_z + sum_k lambda_k n_k,   lambda_k >= 0,   n_k . v >= 0,   lambda_k n_k . v = 0,
 ///
-/// found by trying the sets of none to three supports, the smallest first. Those with lambda_k > 0 support it; v = 0 is
-/// rest. Three independent supports have its centre above the triangle of the points of contact.
+/// by trying the sets of zero to three obstacles, the smallest first. Those with lambda_k > 0 support it; v = 0 is
+/// rest: its centre is then above the triangle of the points of contact of three independent supports.
 struct Carried {
   std::array<std::size_t, 3> by{};  ///< positions of the supports
   std::size_t supports = 0;
@@ -38,19 +38,18 @@ struct Carried {
 
   bool has(std::size_t k) const { return std::ranges::count(std::span(by).first(supports), k) > 0; }
 };
-/// `but`: sets to skip. Several sets may meet the conditions (with multipliers of 0) with one velocity; then the
-/// curvature of their arcs decides, which the normals do not contain.
+/// `but`: sets to skip. Several sets may give the same velocity, with multipliers of 0; the curvature of their arcs
+/// then decides, which the normals do not contain.
 Carried carried_by(std::span<const SpacePoint> normals, std::span<const Carried> but = {});
 
-/// The first angle >= 0 at which q_u cos(angle) + q_w sin(angle) = a cos(angle - nearest) rises to a - excess,
-/// a = hypot(q_u, q_w): infinite for an excess of 0 or less, 0 if it is above and rising.
+/// The first angle >= 0 at which q_u cos(angle) + q_w sin(angle) rises to a - excess, a = hypot(q_u, q_w): infinite for
+/// an excess of 0 or less, 0 if it is above already and rising.
 double first_crossing(double q_u, double q_w, double excess);
 
-/// Moves the centre of a sphere to the nearest point where all gaps vanish, to rounding: two Newton steps of least
-/// length.
+/// Moves the centre of a sphere to the nearest point where all gaps vanish, by two Newton steps of least length.
 void touch_exactly(SpacePoint& centre, std::span<const Obstacle> obstacles, double radius);
 
-/// Speed, relative to that of a fall, below which a sphere is on a crest: rounding hides the direction of descent.
+/// Speed, relative to that of a fall, below which rounding hides the direction of descent: the sphere is on a crest.
 inline constexpr double crest = 1e-7;
 
 }  // namespace nscdd

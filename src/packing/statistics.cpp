@@ -70,7 +70,7 @@ double sphere_box_volume(const std::array<double, 3>& low, const std::array<doub
   const auto slice = [&](double t) {
     return std::cos(t) * area_in({low[0], high[0]}, {low[1], high[1]}, 0, 0, std::cos(t));
   };
-  // The area has a kink where the disk begins to reach over a side or a corner: the integral is taken between them.
+  // The area has kinks where the disk begins to reach over a side or a corner: the integral is taken between them.
   const double from = std::asin(std::max(low[2], -1.0)), to = std::asin(std::min(high[2], 1.0));
   std::vector<double> ends{from, to};
   const auto add_kinks = [&](double reach) {
@@ -115,13 +115,10 @@ SolidFraction solid_fraction(const Packing& packing) {
 
 std::vector<char> rattlers(const ContactNetwork& network) {
   std::vector<Index> left = contact_counts(network);
-  // Neighbours of grain i: neighbour[start[i]] ... neighbour[start[i + 1] - 1].
-  std::vector<Index> start(left.size() + 1, 0);
-  for (std::size_t i = 0; i < left.size(); ++i) start[i + 1] = start[i] + left[i];
-  std::vector<Index> neighbour(at(start.back())), next(start.begin(), start.end() - 1);
+  std::vector<std::vector<Index>> neighbours(left.size());
   for (const Contact& contact : network.contacts) {
-    neighbour[at(next[at(contact.a)]++)] = contact.b;
-    neighbour[at(next[at(contact.b)]++)] = contact.a;
+    neighbours[at(contact.a)].push_back(contact.b);
+    neighbours[at(contact.b)].push_back(contact.a);
   }
   std::vector<char> loose(left.size(), 0);
   std::vector<Index> found;
@@ -134,9 +131,9 @@ std::vector<char> rattlers(const ContactNetwork& network) {
   while (!found.empty()) {
     const Index i = found.back();
     found.pop_back();
-    for (Index k = start[at(i)]; k < start[at(i) + 1]; ++k) {
-      --left[at(neighbour[at(k)])];
-      drop_where_loose(neighbour[at(k)]);
+    for (const Index other : neighbours[at(i)]) {
+      --left[at(other)];
+      drop_where_loose(other);
     }
   }
   return loose;

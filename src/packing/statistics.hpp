@@ -21,10 +21,10 @@ double sphere_box_volume(const std::array<double, 3>& low, const std::array<doub
 /// Area of the unit disk in x <= a, y <= b.
 double disk_corner_area(double a, double b);
 
-/// Rattlers as flags: grains that no load can reach through contacts. A grain with fewer than two contacts (three in
-/// space) cannot be in equilibrium by contact forces only. Removing it takes a contact from its neighbour, and so on:
-/// the rest is the 2-core of the contact graph (in space the 3-core). A grain that leans on a wall, which is no grain,
-/// may count as a rattler, and in space a grain that two opposite ones squeeze does.
+/// Rattlers as flags: grains that no load can reach through contacts, those outside the 2-core of the contact graph (in
+/// space the 3-core). A grain with fewer than two contacts (three in space) cannot be in equilibrium by contact forces
+/// only; removing it takes a contact from its neighbour, and so on. A grain that leans on a wall, which is no grain,
+/// may count as a rattler; in space a grain that two opposite ones squeeze does.
 std::vector<char> rattlers(const ContactNetwork& network);
 
 /// Grains of radius in [from, to), the last class with its upper end.

@@ -5,8 +5,7 @@
 
 namespace nscdd {
 
-/// Grains: disks at (x[i], y[i]), or spheres at (x[i], y[i], z[i]). The dimension is a property of the packing, never
-/// an option: a packing with z is in space.
+/// Grains: disks at (x[i], y[i]), or spheres at (x[i], y[i], z[i]). A packing with z is in space.
 struct Packing {
   std::vector<double> x, y;    ///< centres, m
   std::vector<double> radius;  ///< m
@@ -21,8 +20,8 @@ struct Packing {
   std::array<double, 3> centre(Index grain) const { return {x[at(grain)], y[at(grain)], z.empty() ? 0 : z[at(grain)]}; }
 };
 
-/// Throws Error for a coordinate that is not finite, a radius (or given mass) that is not finite and positive (naming
-/// the grain), for a packing without grains, and for one with z for some grains only.
+/// Throws Error for a packing without grains or with z for some grains only, and, naming the grain, for a coordinate
+/// that is not finite, and a radius or given mass that is not finite and positive.
 void check(const Packing& packing);
 
 /// Model of the masses of grains.
@@ -42,34 +41,33 @@ struct Masses {
 /// The packing with its masses set. Throws Error for `given` and a packing without masses.
 Packing with_masses(Packing packing, const Masses& masses);
 
-/// A pair of touching grains a < b.
+/// A pair of touching grains.
 struct Contact {
-  Index a = 0, b = 0;
+  Index a = 0, b = 0;                ///< a < b
   std::array<double, 3> normal{};    ///< unit vector from the centre of a to the centre of b; z = 0 in the plane
   std::array<double, 3> midpoint{};  ///< of the two centres, m: what partitions distribute ([ADI12] section 2)
   double gap = 0;                    ///< m, negative for an overlap
 };
 
-/// Pairs of grains a < b: their number, and the first few by (a, b).
+/// The number of some pairs of grains a < b, and the first few by (a, b).
 struct PairSample {
   Index size = 0;
   std::vector<std::array<Index, 2>> first = {};
 };
 
 /// Contacts in doubt because coordinates are rounded. The digits of a packing bound the error of its gaps
-/// (packing/precision.hpp), which is the least tolerance of gaps and of overlaps.
+/// (packing/precision.hpp); tolerances of gaps and overlaps are never below this bound.
 struct RoundingDoubt {
   std::string digits;      ///< of the coordinates: "6 decimals", "7 significant digits", "single precision", ...
-  double uncertainty = 0;  ///< of the gaps of near pairs, times the smaller radius: the largest one
+  double uncertainty = 0;  ///< largest uncertainty of the gaps of near pairs, times the smaller radius
   bool used = true;        ///< false: so few digits may be exact, and the tolerances of the detection decide
   PairSample decided;      ///< contacts beyond the tolerances of the detection, within the uncertainty
   /// Pairs that do not touch, although the gap is at most three times the uncertainty (once if it is not used).
   PairSample open;
   PairSample one_sided;  ///< pairs that do not touch, although others overlap by more than their gap
-  double overlap = 0;    ///< of two grains, the largest one, times the smaller radius
+  double overlap = 0;    ///< largest overlap, times the smaller radius
 
-  /// Whether more than a few contacts depend on missing digits.
-  bool ambiguous() const { return open.size > 3; }
+  bool ambiguous() const { return open.size > 3; }  ///< more than a few contacts depend on missing digits
 };
 
 /// The contact network of a packing, sorted by (a, b).
@@ -95,7 +93,7 @@ struct ContactDetection {
   }
 };
 
-/// Detects all contacts by a cell grid, in O(N). Coordinates rounded more coarsely than the tolerances raise these, see
+/// Detects all contacts by a cell grid, in O(N). Coordinates rounded more coarsely than the tolerances raise them, see
 /// RoundingDoubt. Throws Error naming both grains of a pair that overlaps too much or shares a centre.
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection = {});
 

@@ -10,7 +10,7 @@
 namespace nscdd {
 namespace {
 
-// A drop without an end is repeated elsewhere. None occurred among 10^7 drops of all kinds.
+// A drop that never comes to rest is repeated elsewhere; none did so among 10^7 of all kinds.
 constexpr int most_drops = 10;
 
 template <class Parameters>
@@ -39,7 +39,7 @@ std::function<double(double)> lognormal_quantile(const SizeDistribution& sizes) 
   };
 }
 
-// A box by the keys and lengths of its sides; 0 for a side that is chosen by its grains.
+// Keys and lengths of the sides of a box; a length of 0 is chosen by the grains.
 using Sides = std::vector<std::pair<const char*, double>>;
 
 template <class AnyDeposit>
@@ -61,12 +61,10 @@ void require_narrow(const Sides& sides, double radius_min) {
       fail("packing.{}: expected at most 10^7 radius_min = {} m, met {}", key, 1e7 * radius_min, size);
 }
 
-// A place of a grain between two walls.
 double random_place(RandomStream& random, double size, double radius) {
   return std::min(radius + random.uniform() * (size - 2 * radius), size - radius);
 }
 
-// Calls drop(grain, radius) for one grain after the other.
 template <class Drop>
 void drop_all(const std::vector<double>& radii, const Monitor& monitor, const Drop& drop) {
   for (Index i = 0; i < count(radii); ++i) {

@@ -69,11 +69,10 @@ void visit_deposit(AnyDeposit& deposit, Visitor& visit) {
   visit("seed", deposit.seed, Field{.description = "seed of sizes and places", .minimum = 0, .maximum = 4294967295.0});
 }
 
-/// Grains dropped one by one at random places into a box with a floor (y = 0) and two walls (x = 0, x = width), each
-/// rolling downhill over earlier grains until it rests on two supports (grains, wall) with its centre between
-/// them, or on the floor (Visscher & Bolsterli, Nature 239 (1972) 504-507). A placed grain never moves again. Every
-/// rest is a closed-form intersection of circles and lines: touching grains touch to rounding, nothing overlaps by
-/// more. Grains are numbered in the order of their fall.
+/// Grains dropped one by one at random places into a box with a floor (y = 0) and two walls (x = 0, x = width). Each
+/// rolls downhill over earlier grains until it rests on two supports (grains, wall) with its centre between them, or on
+/// the floor (Visscher & Bolsterli, Nature 239 (1972) 504-507), and never moves again. Places of rest are closed-form
+/// intersections of circles and lines: grains touch to rounding. They are numbered in the order of their fall.
 ///
 /// Floor and walls are no grains: a grain that leans on one has fewer contacts. All others rest on two grains each, so
 /// the network has at most 2 contacts per grain and is isostatic or less, except for stacks of equal sizes.
@@ -94,8 +93,8 @@ struct Deposit {
 
 /// Deposit in space: spheres dropped into a box with a floor (z = 0) and four walls (x = 0, x = width, y = 0,
 /// y = depth). Each falls, rolls over one sphere, then in the groove between two, always by steepest descent, until
-/// three (spheres, walls) hold it with its centre above the triangle of the points of contact, or the floor does. Its
-/// path consists of vertical lines and arcs of circles, whose ends are roots in closed form. The network has at most 3
+/// three supports (spheres, walls) hold it with its centre above the triangle of the points of contact, or the floor
+/// does. Paths are vertical lines and arcs of circles, whose ends are closed-form roots. The network has at most 3
 /// contacts per grain.
 struct SphereDeposit {
   static constexpr std::string_view name = "sphere_deposit";
@@ -114,11 +113,11 @@ struct SphereDeposit {
   }
 };
 
-/// Generate a deposit in O(N). Sizes far apart cost more: in the plane 1 : 100 some five times as much as equal sizes.
-/// The first `grains` numbers of the stream are the sizes, the next ones the places (x, in space x and y of each drop),
-/// so that equal seeds give equal sizes in boxes of any width. Throw Error for fields out of bounds, for sizes that
-/// radius_quantile refuses, and for a box narrower or less deep than the largest grain, or wider or deeper than
-/// 10^7 radius_min (where rounding would drown the tangencies).
+/// Generate a deposit in O(N); sizes 1 : 100 in the plane cost some five times as much as equal ones. The first
+/// `grains` random numbers are the sizes, the next ones the places (x, in space x and y of each drop): equal seeds give
+/// equal sizes in boxes of any width. Throw Error for fields out of bounds, for sizes that radius_quantile refuses, and
+/// for a box narrower or less deep than the largest grain, or wider or deeper than 10^7 radius_min (where rounding
+/// would hide which grains touch).
 Packing generate(const Deposit& deposit, const Monitor& monitor = {});
 Packing generate(const SphereDeposit& deposit, const Monitor& monitor = {});
 
