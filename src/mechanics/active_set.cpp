@@ -11,8 +11,8 @@
 namespace nscdd {
 namespace {
 
-// Bounds the weights of dependent columns by 1/proximal, whose steps would otherwise drown in rounding. The
-// proximal term is centred at the present x: it damps steps and leaves the solution as it is.
+// Bounds the weights of dependent columns by 1/proximal: their steps would otherwise be rounding. The proximal term is
+// centred at the present x, so that it damps steps without changing the solution.
 constexpr double proximal = 1e-9;
 
 // Largest step along d that keeps x >= 0.
@@ -24,7 +24,7 @@ struct Direction {
   Vector x, s;
 };
 
-// Newton's direction, which takes `excess` off the products x_i s_i and `infeasibility` = B^T u - s to nothing:
+// Newton's direction, which reduces the products x_i s_i by `excess` and `infeasibility` = B^T u - s to 0:
 //     s dx + x ds = -excess,   ds = B^T du + infeasibility + proximal dx,   du = B dx
 // dx eliminated:  (I + B D B^T) du = -B (excess + x infeasibility) / damped,   D = x / damped. damped = s + proximal x.
 Direction newton(const SparseMatrix& b, const SparseCholesky& factor, const Vector& x, const Vector& damped,
@@ -43,11 +43,10 @@ Direction newton(const SparseMatrix& b, const SparseCholesky& factor, const Vect
 // the complementarity problem of B^T B and B^T point. u and s are unique; x is not if columns are dependent.
 // Primal-dual interior point method (Mehrotra), one sparse Cholesky factorisation of I + B D B^T, D diagonal, per
 // iteration. It follows the central path, so x tends to a maximally complementary solution: x_i > 0 if any solution
-// has it (O. Guler, Y. Ye, Math. Program. 60 (1993) 145-162), so that the set of these i does not depend on choices of
-// the method. It ends with x_i s_i <= (0.001 tolerance max |B^T point|)^2 for every i, or when rounding lets it go no
-// further. x and s should be of comparable size (unit columns). A run that does not converge, or that a monitor stops,
-// is data: see `converged`. Throws std::bad_alloc if the factor does not fit. The result has x as its impulses, and the
-// natural map, max |min(x, s)| / max |B^T point|, as its residual, which is 0 at the solution only.
+// has it (O. Guler, Y. Ye, Math. Program. 60 (1993) 145-162), whatever the choices of the method. It ends with
+// x_i s_i <= (0.001 tolerance max |B^T point|)^2 for every i, or once rounding prevents progress. x and s should be of
+// comparable size (unit columns). The result has x as its impulses, and the natural map, max |min(x, s)| /
+// max |B^T point|, which is 0 at the solution only, as its residual.
 UnilateralImpulses project_on_cone(const SparseMatrix& b, const Vector& point, const UnilateralOptions& options,
                                    const Monitor& monitor) {
   UnilateralImpulses result;
@@ -114,7 +113,7 @@ RigidImpulses rigid_impulses(const ReferenceProblem& problem) {
     result.impulses = least.solution;
   } else {
     result.unique = sparse_rank(problem.h).value == problem.contacts();
-    result.impulses = minimum_norm_least_squares(b, load);  // the residual tells how far it got
+    result.impulses = minimum_norm_least_squares(b, load);
   }
   if (right.norm() > 0) result.residual = (b.transpose() * (b * result.impulses) - right).norm() / right.norm();
   return result;
@@ -151,7 +150,7 @@ UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const Un
     result.status.push_back(std::max(r, w) <= threshold ? UnilateralStatus::idle
                             : r > w                     ? UnilateralStatus::carrying
                                                         : UnilateralStatus::open);
-    // An interior point leaves a remainder of the order of tolerance^2 on contacts that open.
+    // The interior point method leaves impulses of the order of tolerance^2 on contacts that open.
     if (result.status.back() == UnilateralStatus::open) scaled[c] = 0;
   }
   result.impulses = scaled.cwiseQuotient(root).eval();

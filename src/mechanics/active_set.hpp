@@ -12,18 +12,16 @@ struct RigidImpulses {
   double residual = 0;  ///< ||W r + H^T V^-|| / ||H^T V^-||, 0 for a zero right-hand side
 };
 
-/// Contacts up to which `rigid_impulses` works densely.
+/// Most contacts for which `rigid_impulses` works densely.
 inline constexpr Index dense_impulse_limit = 4000;
 
-/// Solves  W r = -H^T V^-,  W = H^T M^-1 H: contacts neither open nor close, and may be in tension. Of the solutions of
-/// this least-squares problem, min || M^-1/2 H r + M^1/2 V^- ||, it returns the one of least norm: up to
-/// `dense_impulse_limit` contacts by a dense complete orthogonal decomposition, above by preconditioned conjugate
-/// gradients from zero, which may stop short: see the residual.
+/// Solves  W r = -H^T V^-,  W = H^T M^-1 H: contacts neither open nor close, and may be in tension. Returns the
+/// solution of least norm of min || M^-1/2 H r + M^1/2 V^- ||: up to `dense_impulse_limit` contacts by a dense complete
+/// orthogonal decomposition, above by preconditioned conjugate gradients, which may stop early: see the residual.
 RigidImpulses rigid_impulses(const ReferenceProblem& problem);
 
-/// The active contacts by the paper's rule ([ADI12] section 4.3), as flags: those in compression, r > 0. An impulse of
-/// at most 1e-10 times the largest counts as zero, so none may be active. Throws Error if no grain has an arriving
-/// velocity.
+/// The active contacts by the paper's rule ([ADI12] section 4.3), as flags: those in compression, r > 1e-10 times the
+/// largest |r|. Throws Error if no grain has an arriving velocity.
 std::vector<char> active_contacts(const ReferenceProblem& problem, const RigidImpulses& rigid);
 
 struct UnilateralOptions {
@@ -53,12 +51,10 @@ struct UnilateralImpulses {
 
 /// Solves the frictionless Signorini conditions in velocities, of every contact at once:
 ///     r >= 0,   w = W r + b >= 0,   r^T w = 0,      W = H^T M^-1 H,   b = H^T V^-,
-/// which is  V = argmin 1/2 (V - V^-)^T M (V - V^-)  subject to  H^T V >= 0. V and w are unique; r is not
-/// if W is singular on the contacts that stay closed. Residual and status are those of r_i sqrt(W_ii)
-/// and w_i / sqrt(W_ii), both in sqrt(kg) m/s: a contact carries if the first, and opens if the second,
-/// exceeds tolerance x the largest |b_i| / sqrt(W_ii). A network that nothing compresses has r = 0 and
-/// residual 0. Solved by an interior point method, W is never formed. Unlike in `rigid_impulses`, no contact
-/// pulls. If the method does not converge, or a monitor stops it, the result says so.
+/// which is  V = argmin 1/2 (V - V^-)^T M (V - V^-)  subject to  H^T V >= 0. V and w are unique; r is not if W is
+/// singular on the contacts that stay closed. A contact carries if r_i sqrt(W_ii), and opens if w_i / sqrt(W_ii), both
+/// in sqrt(kg) m/s, exceeds tolerance x the largest |b_i| / sqrt(W_ii). A network without compression has r = 0 and
+/// residual 0. The method is an interior point method, which never forms W; see `converged`.
 UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const UnilateralOptions& options = {},
                                        const Monitor& monitor = {});
 

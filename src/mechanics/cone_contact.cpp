@@ -4,7 +4,7 @@
 namespace nscdd {
 namespace {
 
-constexpr int most_steps = 200;  // a bracket of numbers is down to neighbours well before, whatever Newton's steps do
+constexpr int most_steps = 200;  // bisection alone reaches neighbouring numbers earlier
 constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
@@ -13,7 +13,7 @@ ConeContact::ConeContact(const FullDelassus<3>& w) : inverse_n_(1 / w.nn) {
   const TangentMatrix s = w.schur_complement();
   const double mean = (s.first + s.second) / 2, half = (s.first - s.second) / 2, radius = std::hypot(half, s.mixed);
   const double larger = mean + radius, determinant = s.first * s.second - s.mixed * s.mixed;
-  // Of a block that is singular to rounding the lesser one may come out as nothing, or less.
+  // By rounding, the smaller one may be 0 or negative if the block is nearly singular.
   stiffness_ = {larger, std::max(determinant / larger, std::numeric_limits<double>::epsilon() * larger)};
   if (radius > 0) {
     const double angle = std::atan2(s.mixed, half) / 2;
@@ -52,7 +52,7 @@ LocalVector<3> ConeContact::sliding(LocalVector<3> free, TangentVector b, double
     if (next == lambda || next <= low || next >= high) break;  // neighbours
     lambda = next;
   }
-  // On the edge whatever the rounding of the last step.
+  // Exactly on the edge of the cone.
   const double size = norm(t), n = std::max(0.0, -free.n - dot(coupling_, t));
   return size > 0 ? LocalVector<3>{n, (friction * n / size) * t} : LocalVector<3>{n, t};
 }

@@ -11,14 +11,14 @@ struct BodyRows {
   double arm = 1;    ///< lever arm of tangential impulses, m; 1 where the speed of the rim stands for the spin
 };
 
-/// The one builder of H, column by column: only it knows how an impulse at a contact acts on two bodies. A column
-/// belongs to a contact and a direction of its frame, (n, t) in the plane (D = 2) or (n, t_1, t_2) in space (D = 3):
-/// -impulse on a, +impulse on b, and on the spins of both -arm r_t, or -arm n x r_t in space. Directions without a
-/// tangential part leave the rows of spin out. A body has D rows of translations, then one of rotation or three.
+/// The one builder of H, column by column. A column belongs to a contact and a direction of its frame, (n, t) in the
+/// plane (D = 2) or (n, t_1, t_2) in space (D = 3): -impulse on a, +impulse on b, and on the spins of both -arm r_t, or
+/// -arm n x r_t in space; normal directions have no entries there. A body has D rows of translations, then one of
+/// rotation or three.
 template <int D>
 class ConnectivityBuilder {
  public:
-  /// `columns`: at the most.
+  /// `columns`: at most.
   ConnectivityBuilder(Index rows, std::size_t columns) : h_(rows, static_cast<Index>(columns)) {
     h_.reserve((2 * D + 1) * static_cast<Index>(columns));
   }
@@ -32,7 +32,7 @@ class ConnectivityBuilder {
     ++columns_;
   }
 
-  /// The matrix with as many columns as were added, once.
+  /// The matrix with the columns added; to be called once.
   SparseMatrix matrix() {
     h_.finalize();
     h_.conservativeResize(h_.rows(), columns_);
@@ -53,7 +53,7 @@ class ConnectivityBuilder {
   Index columns_ = 0;
 };
 
-/// The directions of a contact that have a column each, in their order.
+/// The directions of a contact, each of which has a column of H, in order.
 template <int D>
 constexpr std::array<LocalVector<D>, D> contact_directions() {
   if constexpr (D == 2)

@@ -9,7 +9,7 @@ namespace nscdd {
 namespace {
 
 constexpr Index contacts_at_a_time = 1024;
-constexpr Index contacts_for_threads = 8192;  // fewer take no longer than waking a thread does
+constexpr Index contacts_for_threads = 8192;  // fewer take as long as waking a thread
 
 }  // namespace
 

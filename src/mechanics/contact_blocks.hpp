@@ -4,13 +4,9 @@
 #include <nscdd/core/types.hpp>
 #include <nscdd/mechanics/law.hpp>
 
-#include <array>
-#include <functional>
-#include <span>
-
 namespace nscdd {
 
-/// Of a vector with D entries per contact.
+/// The entries of one contact of a vector with D entries per contact.
 template <int D>
 LocalVector<D> component(const Vector& values, Index contact) {
   const double* own = values.data() + D * contact;
@@ -31,19 +27,18 @@ void set_component(Vector& values, Index contact, const LocalVector<D>& value) {
   }
 }
 
-/// Contacts, or places, that one thread takes at a time.
+/// Part of the contacts, or places, that one thread takes at a time: first ... last - 1.
 struct ContactRange {
-  Index first, last;  ///< `last` is the first that it does not take
-  Index part;         ///< its number: 0 ... parts_of(n) - 1
+  Index first, last;
+  Index part;  ///< number of the part: 0 ... parts_of(n) - 1
 };
-/// Into how many parts n contacts are cut.
 Index parts_of(Index contacts);
-/// Calls visit(range) for all parts, in threads where contacts are many.
+/// Calls visit(range) for all parts, in parallel if contacts are many.
 void for_parts(Index contacts, const std::function<void(const ContactRange&)>& visit);
 
-/// A matrix of contacts, as W is, by rows of D x D blocks (n, t) x (n, t) of pairs of contacts, with zeros where only a
-/// part of a block is stored. A product is three times as fast as one with single entries. Contacts may be
-/// in another order than in the matrix: a "place" is a position in it.
+/// A matrix of contacts such as W, by rows of D x D blocks of pairs of contacts; entries that are not stored are 0.
+/// A product is three times as fast as one with single entries. Contacts may be in another order than in the matrix: a
+/// "place" is a position in this order.
 template <int D>
 class ContactBlocks {
  public:
@@ -54,12 +49,12 @@ class ContactBlocks {
   explicit ContactBlocks(const SparseMatrix& w, const std::vector<Index>& contact = {});
 
   Index places() const { return count(start_) - 1; }
-  /// The places whose blocks the row of a place has, by the numbers of their contacts.
+  /// The places of the blocks in the row of a place, by the numbers of their contacts.
   std::span<const int> row(Index place) const {
     return std::span(column_).subspan(at(start_[at(place)]), at(start_[at(place + 1)] - start_[at(place)]));
   }
   /// sum + the row of a place times x (D components per place), block by block from the left. Sweeps spend their time
-  /// here: a call would take as long as what it does.
+  /// here, so it is inline.
   LocalVector<D> add_row(Index place, const Vector& x, LocalVector<D> sum) const {
     for (Index k = start_[at(place)]; k < start_[at(place + 1)]; ++k) {
       const Block& b = block_[at(k)];

@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// Calls work(std::integral_constant<int, D>) with the dimension D of a system or of a problem.
+/// Calls work(std::integral_constant<int, D>()) with the dimension D of a system or problem.
 template <class Problem, class Work>
 decltype(auto) in_dimension(const Problem& problem, Work&& work) requires requires {
   problem.dimension;
@@ -31,13 +31,13 @@ inline Tangents tangents_of(const Direction<3>& n) {
 }
 
 /// H_c r on one of the two disks of a contact, (x, y, rim), N s; sign +1 for b, -1 for a. The speed of the rim, radius
-/// x angular velocity, stands for the spin. With r a unit vector, a column of H.
+/// x angular velocity, stands for the spin. A unit vector r gives a column of H.
 inline std::array<double, 3> impulse_on_grain(const Direction<2>& normal, double sign, const LocalVector<2>& r) {
   return {sign * (normal[0] * r.n - normal[1] * r.t), sign * (normal[1] * r.n + normal[0] * r.t), -r.t};
 }
 
-/// The same on a sphere, (x, y, z, rim), N s: p = sign (n r_n + t_1 r_1 + t_2 r_2), and -n x p_t on the rim of either
-/// sphere, for n points from a to the contact and from the contact to b.
+/// The same on a sphere, (x, y, z, rim), N s: p = sign (n r_n + t_1 r_1 + t_2 r_2), and -n x (t_1 r_1 + t_2 r_2) on the
+/// rim of either sphere.
 inline std::array<double, 6> impulse_on_grain(const Direction<3>& n, double sign, const LocalVector<3>& r) {
   const auto [t1, t2] = tangents_of(n);
   std::array<double, 6> impulse;
@@ -68,7 +68,7 @@ struct AxesTangent {
 inline AxesTangent operator-(AxesTangent a, AxesTangent b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline double dot(AxesTangent a, AxesTangent b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// LocalVector<3> without tangents, as a sweep stores it: t is a vector of space, orthogonal to n up to rounding.
+/// LocalVector<3> as a sweep stores it: t is a vector of space, orthogonal to n up to rounding.
 struct AxesVector {
   double n = 0;
   AxesTangent t{};
@@ -76,7 +76,7 @@ struct AxesVector {
 inline AxesVector operator-(AxesVector a, AxesVector b) { return {a.n - b.n, a.t - b.t}; }
 inline double squared(AxesVector a) { return a.n * a.n + dot(a.t, a.t); }
 
-/// A vector of a contact as a sweep has it, and back.
+/// A vector of a contact as a sweep stores it, and back.
 template <int D>
 using SweptVector = std::conditional_t<D == 2, LocalVector<2>, AxesVector>;
 inline LocalVector<2> swept(const Direction<2>& /*n*/, const LocalVector<2>& r) { return r; }

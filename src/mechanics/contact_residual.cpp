@@ -4,11 +4,8 @@
 namespace nscdd {
 namespace {
 
-// Rounding of a sum of impulses may leave the edge of the cone by some units in the last place.
-constexpr double edge_tolerance = 1e-12;
-
-constexpr double largest_growth = 1e5;  // of impulses over those that drive the step
-
+constexpr double edge_tolerance = 1e-12;    // of the cone, for the rounding of sums of impulses
+constexpr double largest_growth = 1e5;      // of impulses over those that drive the step
 constexpr double squared_rounding = 1e-28;  // of velocities of a step, relative to those that it begins with
 
 template <class Law, int D>

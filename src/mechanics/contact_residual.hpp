@@ -5,8 +5,8 @@
 
 namespace nscdd {
 
-/// What drives the contacts of a step, before any impulse acts: sums over contacts. r^1 is the impulse that a contact
-/// takes while the others have none, s the sum of the speeds of its two bodies, rims included.
+/// Scales of the impulses of a step, from the velocities without impulses: sums over contacts. r^1 is the impulse of a
+/// contact while the others have none, s the sum of the speeds of its two bodies, rims included.
 struct ImpulseScale {
   double alone = 0;     ///< |r^1|^2, (N s)^2
   double momenta = 0;   ///< p^2, the sum of (s/W_nn)^2, (N s)^2
@@ -15,7 +15,7 @@ struct ImpulseScale {
 
   /// Squared impulses below this part of `momenta` are rounding.
   static constexpr double squared_rounding = 1e-24;
-  /// max(|r^1|, p), N s: velocities that impulses must change are no larger than those of the bodies.
+  /// max(|r^1|, p), N s: the velocities that impulses change are at most those of the bodies.
   double driving() const { return std::sqrt(std::max(alone, momenta)); }
 };
 
@@ -24,9 +24,9 @@ inline constexpr double rounding_of_sums = 1e-14;
 
 /// The scale of natural maps of the norm `maps`, N s, for impulses of the norm `impulses` (docs/theory.md, section 7):
 ///     max(|r^1|, min(|r|, 10^5 max(|r^1|, p))).
-/// Natural maps up to 10^-14 max(|r|, p) are rounding. They are measured against max(|r|, |r^1|, p).
-/// `alone`: |r^1|; `momenta`: p. With `squared` all four and the result are squares, (N s)^2. `believed`: above this
-/// norm of the impulses no natural map counts as rounding, since impulses may have grown until everything is rounding.
+/// Natural maps up to 10^-14 max(|r|, p) are rounding; their scale is max(|r|, |r^1|, p). `alone`: |r^1|; `momenta`: p.
+/// With `squared` all four and the result are squares, (N s)^2. `believed`: impulses count as at most this in that
+/// test, since impulses that grow without bound would make every natural map rounding.
 double natural_map_scale(double maps, double impulses, double alone, double momenta, bool squared = false,
                          double believed = infinity);
 
@@ -39,15 +39,15 @@ double meeting_speed(const GrainContact<D>& contact, GrainVelocities<D> v) {
   return speed(v[static_cast<std::size_t>(contact.a)]) + speed(v[static_cast<std::size_t>(contact.b)]);
 }
 
-/// What a contact adds to the scale of its step, at the velocities V_free.
+/// Contribution of a contact to the scale of its step, at the velocities V_free.
 template <int D>
 ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> free);
 
-/// How well impulses and velocities obey the contact law: sums over contacts, so that subdomains add up.
+/// How well impulses and velocities obey the contact law: sums over contacts, which add up over subdomains.
 struct ContactResidual {
   double natural_map = 0;     ///< |natural map|^2 with rho = 1/W_nn of each contact, (N s)^2
   double impulses = 0;        ///< |r|^2, (N s)^2, with a law that pulls |r + pull n|^2
-  double violation = 0;       ///< |W_c (r_c' - r_c)|^2, r_c' the law's answer now; SumDVDV of LMGC90, (m/s)^2
+  double violation = 0;       ///< |W_c (r_c' - r_c)|^2, r_c' the law's impulse now; SumDVDV of LMGC90, (m/s)^2
   double work = 0;            ///< (r_c' + r_c)/2 . W_c (r_c' - r_c); SumDVoR of LMGC90, J
   double scale_work = 0;      ///< mean of r_c . W_c r_c and r_c' . W_c r_c'; SumWRR of LMGC90, J
   double scale_velocity = 0;  ///< mean of |W_c r_c|^2 and |W_c r_c'|^2; SumWRWR of LMGC90, (m/s)^2
@@ -73,7 +73,6 @@ template <int D>
 ContactResidual contact_residual(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
                                  GrainVelocities<D> v);
 
-/// Status of each contact under the law: open, stick or slide.
 template <int D>
 ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& contact);
 

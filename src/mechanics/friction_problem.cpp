@@ -12,6 +12,11 @@
 
 namespace nscdd {
 
+// Largest difference of entries (i, j) and (j, i) of M, relative to the largest entry. Siconos writes six digits.
+constexpr double symmetry_tolerance = 1e-5;
+// The same of W. Public problems of bodies in space differ by up to 2.5 10^-3 (docs/formats.md).
+constexpr double coupling_symmetry_tolerance = 5e-3;
+
 template <int D>
 FullDelassus<D> diagonal_block(const LocalFrictionProblem& problem, Index contact) {
   const Index n = D * contact, t = n + 1;
@@ -73,10 +78,10 @@ void require_friction(const std::string& name, const Vector& friction) {
       fail("{}: mu: expected coefficients of friction >= 0, met {} for contact {}", name, friction[c], c);
 }
 
-constexpr Index dense_up_to = 32;        // unknowns of a piece: a few bodies joined
-constexpr Index columns_at_a_time = 64;  // of the right-hand sides of a large piece, dense
+constexpr Index dense_up_to = 32;        // unknowns of a piece
+constexpr Index columns_at_a_time = 64;  // dense right-hand sides
 
-// The connected pieces of the pattern of M: the unknowns of each, ascending, and where each unknown is.
+// The connected pieces of the pattern of M: the unknowns of each, ascending, and the piece and place of each unknown.
 struct Pieces {
   std::vector<std::vector<Index>> unknowns;
   std::vector<Index> piece, place;
@@ -244,7 +249,7 @@ LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::str
   const std::vector<std::vector<Index>> columns = touching_columns(problem.h, pieces);
   std::size_t entries = 0;
   for (const std::vector<Index>& of_piece : columns) entries += of_piece.size() * of_piece.size();
-  // A triplet of each, and W twice while it is made of them: a number and a place.
+  // Triplets, and W twice, a number and an index per entry, while it is built.
   require_memory(static_cast<double>(entries) * (sizeof(Eigen::Triplet<double>) + 2 * 12),
                  fmt::format("W of {} contacts", problem.contacts()), "fewer contacts");
   SparseEntries w;

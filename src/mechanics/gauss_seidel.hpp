@@ -6,8 +6,8 @@
 namespace nscdd {
 
 /// The local step of a Gauss-Seidel sweep (the sweep over disks repeats it inline, for speed): r <- r + relaxation
-/// (wanted - r), where `wanted` is the impulse that the law gives while the other contacts keep theirs. Returns the
-/// change, which must act on the bodies at once. Without `relaxed` the impulse is `wanted` to the last bit.
+/// (wanted - r), where `wanted` is the impulse of the law while the other contacts keep theirs. Returns the change,
+/// which the caller applies to the bodies at once. Without `relaxed` the impulse is `wanted` to the last bit.
 template <bool relaxed, class Impulse>
 Impulse take_impulse(Impulse& impulse, Impulse wanted, double relaxation = 1) {
   const Impulse before = impulse;
@@ -15,7 +15,7 @@ Impulse take_impulse(Impulse& impulse, Impulse wanted, double relaxation = 1) {
   return impulse - before;
 }
 
-/// What a Gauss-Seidel sweep over contacts needs of a body of grains, prepared once.
+/// Matrices of a Gauss-Seidel sweep over contacts.
 struct ContactSystem {
   ContactSystem(const Vector& inertia, const SparseMatrix& connectivity)
       : h(connectivity), response(inertia.cwiseInverse().asDiagonal() * h), delassus(Vector::Zero(h.cols())) {
@@ -27,9 +27,9 @@ struct ContactSystem {
   Vector delassus;        ///< diagonal of W = H^T M^-1 H, c entries
 };
 
-/// One NonLinear Gauss-Seidel sweep in the order of the contacts: each takes the impulse its law gives for the present
-/// velocities, and its grains are updated at once: their velocities carry the off-diagonal part of W, which is never
-/// formed. `impulses`: r, c entries; `velocities`: V, d n entries, on entry and exit V = V_free + M^-1 H r.
+/// One nonlinear Gauss-Seidel sweep in the order of the contacts: each takes the impulse of its law at the present
+/// velocities, and its grains are updated at once. W is never formed: velocities carry its off-diagonal part.
+/// `impulses`: r, c entries; `velocities`: V, d n entries, on entry and exit V = V_free + M^-1 H r.
 template <class Law>
 void gauss_seidel_sweep(const ContactSystem& contacts, const Law& law, Vector& impulses, Vector& velocities) {
   for (Index c = 0; c < contacts.h.cols(); ++c) {
@@ -50,15 +50,15 @@ struct ProgressLimits {
   Index longer = 0;          ///< ... and so many times as many as it took to get there
 };
 
-/// Watches an iteration by an indicator that is to fall to a tolerance and by the size of its solution.
-/// Status: an enumeration that has at least converged, stalled and diverged.
+/// Watches an iteration by an indicator, which should fall to a tolerance, and by the size of its solution. `Status`:
+/// an enumeration with at least converged, stalled and diverged.
 template <class Status>
 class ProgressWatch {
  public:
   /// `not_finite`: the status of an indicator that is not a number or a size that is not finite.
   ProgressWatch(const ProgressLimits& limits, Status not_finite) : limits_(limits), not_finite_(not_finite) {}
 
-  /// How the iteration ended, or nothing if it goes on. `may_converge`: whether a small indicator is enough.
+  /// How the iteration ended; empty if it goes on. `may_converge`: whether a small indicator is enough.
   std::optional<Status> judge(Index step, double indicator, double size, double scale, bool may_converge = true) {
     if (std::isnan(indicator) || !std::isfinite(size)) return not_finite_;
     if (size > limits_.growth * scale) return Status::diverged;
@@ -72,7 +72,7 @@ class ProgressWatch {
     return stalled && indicator < infinity ? std::optional(Status::stalled) : std::nullopt;
   }
 
-  /// The step of the last progress, and a setter for progress that another test than the indicator sees.
+  /// The step of the last progress; set it for progress by another test than the indicator.
   Index last_progress() const { return last_progress_; }
   void take_for_progress(Index step) { last_progress_ = step; }
 

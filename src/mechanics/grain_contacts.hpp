@@ -7,8 +7,8 @@
 namespace nscdd {
 
 /// Velocity of a grain while a step is solved, a disk in the plane (D = 2) or a sphere in space (D = 3). The speed of
-/// the rim, radius x angular velocity, stands for the spin: a full disk has the inertia mass/2 in it and a full sphere
-/// 2 mass/5, whatever the radius, and contacts need no lever arm.
+/// the rim, radius x angular velocity, stands for the spin: its inertia is mass/2 for a full disk and 2 mass/5 for a
+/// full sphere, for any radius, and contacts need no lever arm.
 template <int D>
 struct GrainVelocity;
 template <>
@@ -16,7 +16,7 @@ struct GrainVelocity<2> {
   double x = 0, y = 0, rim = 0;  ///< m/s
   double inverse_mass = 0;       ///< 1/kg; 0 for a body whose motion is prescribed
 };
-/// On a cache line of its own: a sweep visits grains in no order.
+/// On its own cache line: a sweep visits grains in random order.
 template <>
 struct alignas(64) GrainVelocity<3> {
   double x = 0, y = 0, z = 0, rim_x = 0, rim_y = 0, rim_z = 0;  ///< m/s
@@ -33,7 +33,7 @@ using GrainUnknowns = std::array<double, at(unknowns_of_grain<D>)>;
 template <int D>
 inline constexpr double rim_mass_ratio = D == 2 ? 2.0 : 2.5;
 
-/// Velocities as an argument beside one that says the dimension.
+/// Velocities as an argument from which D is not deduced.
 template <int D>
 using GrainVelocities = std::type_identity_t<std::span<const GrainVelocity<D>>>;
 
@@ -46,7 +46,7 @@ inline GrainVelocity<3> with_unknowns(const GrainUnknowns<3>& u, double inverse_
   return {u[0], u[1], u[2], u[3], u[4], u[5], inverse_mass};
 }
 
-/// Inertia of unknown k over the mass: 1 of translations, that of the rim behind them.
+/// Inertia of unknown k over the mass: 1 for translations, that of the rim for the others.
 template <int D>
 constexpr double inertia_ratio(Index k) {
   return k < D ? 1 : 1 / rim_mass_ratio<D>;
@@ -55,7 +55,6 @@ constexpr double inertia_ratio(Index k) {
 /// |v|^2 without the rim, (m/s)^2.
 inline double squared_velocity(const GrainVelocity<2>& v) { return v.x * v.x + v.y * v.y; }
 inline double squared_velocity(const GrainVelocity<3>& v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
-/// The square of the speed of the rim, (m/s)^2.
 inline double squared_rim(const GrainVelocity<2>& v) { return v.rim * v.rim; }
 inline double squared_rim(const GrainVelocity<3>& v) {
   return v.rim_x * v.rim_x + v.rim_y * v.rim_y + v.rim_z * v.rim_z;
@@ -67,19 +66,18 @@ double kinetic_energy(const GrainVelocity<D>& v) {
   return (squared_velocity(v) + squared_rim(v) / rim_mass_ratio<D>) / (2 * v.inverse_mass);
 }
 
-/// W of a contact of two grains: W_nn = 1/m_a + 1/m_b, W_tt = 3 W_nn of disks and 7/2 W_nn of spheres in every
-/// tangential direction, W_nt = 0.
+/// W of a contact of two grains: W_nn = 1/m_a + 1/m_b, W_tt = 3 W_nn for disks and 7/2 W_nn for spheres, W_nt = 0.
 template <int D>
 DiagonalDelassus grain_delassus(const GrainVelocity<D>& a, const GrainVelocity<D>& b) {
   const double inverse = 1 / (a.inverse_mass + b.inverse_mass);
   return {inverse, inverse * (1 / (1 + rim_mass_ratio<D>))};
 }
 
-/// One contact of a <- b in its frame, n from a to b. In the plane t is n turned by +90 degrees:
+/// One contact in its frame, n from a to b, with all data of a law. In the plane t is n turned by +90 degrees:
 ///     v_n = n (V_b - V_a),   v_t = t (V_b - V_a) - rim_a - rim_b,
 /// in space (n, t_1, t_2) are those of tangents_of:
-///     v_n = n (V_b - V_a),   v_t = t (V_b - V_a - (rim_a + rim_b) x n)  for t_1 and t_2,
-/// with everything a law may need. Sweeps use the shorter ContactRows.
+///     v_n = n (V_b - V_a),   v_t = t (V_b - V_a - (rim_a + rim_b) x n)  for t_1 and t_2.
+/// Sweeps use the shorter ContactRows.
 template <int D>
 struct GrainContact {
   std::int32_t a = 0, b = 0;   ///< positions in the array of velocities
@@ -131,7 +129,7 @@ void apply_impulse(const GrainContact<D>& c, LocalVector<D> r, std::type_identit
   push(v[static_cast<std::size_t>(c.b)], impulse_on_grain(c.normal, 1, r));
 }
 
-/// The impulse with which the contact would be at rest, bias included: r - W^-1 (v + bias).
+/// The impulse that would bring the contact to rest, bias included: r - W^-1 (v + bias).
 template <int D>
 LocalVector<D> stopping_impulse(const GrainContact<D>& c, GrainVelocities<D> v) {
   return c.impulse - c.inverse_w.solve(relative_velocity(c, v) + c.bias);
@@ -145,8 +143,8 @@ struct ContactRow {
   double bias_n = 0;  ///< m/s
 };
 
-/// Contacts as a sweep reads them. At 10^5 grains memory limits its speed: what never changes is stored apart from the
-/// impulses, and nothing that the velocities (masses, hence W) or the law (friction) know already.
+/// Contacts as a sweep reads them. At 10^5 grains memory limits its speed: constant data are apart from the impulses,
+/// and masses (hence W) and friction are not repeated.
 template <int D>
 struct ContactRows {
   std::vector<ContactRow<D>> rows;
@@ -162,9 +160,9 @@ struct ContactRows {
   GrainContact<D> contact(std::size_t k, std::span<const GrainVelocity<D>> v) const;
 };
 
-/// One nonlinear Gauss-Seidel sweep over the contacts in the order they have in memory. Each takes the impulse that its
-/// law gives at the present velocities, or the part `relaxation` of the way to it, and its grains are updated at once:
-/// the velocities carry the off-diagonal part of W, which is never formed.
+/// One nonlinear Gauss-Seidel sweep over the contacts in their order in memory: r <- r + relaxation (wanted - r), where
+/// `wanted` is the impulse of the law at the present velocities. Grains are updated at once: W is never formed, and
+/// velocities carry its off-diagonal part.
 template <int D>
 SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows<D>& contacts,
                              std::type_identity_t<std::span<GrainVelocity<D>>> v, double relaxation = 1);

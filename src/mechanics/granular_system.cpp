@@ -3,8 +3,6 @@
 
 #include "core/fail.hpp"
 
-#include <fmt/format.h>
-
 namespace nscdd {
 
 RigidVelocity Motion::at(double t) const {

@@ -8,7 +8,7 @@
 
 namespace nscdd {
 
-/// A place, m, or another vector; in the plane the third number is 0.
+/// A place, m, or another vector; in the plane its third number is 0.
 using Place = Direction<3>;
 
 inline double dot(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -32,15 +32,14 @@ GrainVelocity<D> with_motion(const GrainMotion& v, double inverse_mass) {
     return with_unknowns(v, inverse_mass);
 }
 
-/// Velocity of a rigid body: of its reference point, m/s, and its spin, rad/s. In the plane the spin is that about z,
-/// and the last three are 0.
+/// Velocity of the reference point of a rigid body, m/s, and its spin, rad/s; the last three are 0 in the plane.
 struct RigidVelocity {
   double x = 0, y = 0, spin = 0;
   double z = 0, spin_x = 0, spin_y = 0;
 };
 
 /// Prescribed motion of a rigid body: velocities at given times, linear in between, constant before the first and after
-/// the last. No entry is rest. To turn a body about a foot or an axis, put the reference point there.
+/// the last; at rest without entries. The body turns about its reference point.
 struct Motion {
   std::array<double, 3> centre{0, 0, 0};  ///< reference point at time 0, m; in the plane z = 0
   std::vector<double> time;               ///< s, ascending
@@ -49,10 +48,10 @@ struct Motion {
   RigidVelocity at(double t) const;
 };
 
-/// What the grains of a boundary do while it turns.
+/// How grains of a boundary follow its turn.
 enum class Orientation {
   turning,  ///< they turn with it, as parts of one rigid body
-  fixed,    ///< their centres go round, but they keep their angle and do not spin
+  fixed,    ///< their centres go round, without spin
 };
 constexpr auto names_of(Orientation) { return std::to_array<std::string_view>({"turning", "fixed"}); }
 
@@ -63,16 +62,15 @@ struct Boundary {
   Orientation orientation = Orientation::turning;  ///< of its grains
 };
 
-/// Where a boundary is: its reference point and how far it has turned, in the plane by an angle, in space by a
-/// rotation.
+/// Place of the reference point of a boundary, and its turn: in the plane an angle, in space a rotation.
 struct Pose {
   double x = 0, y = 0, angle = 0;  ///< m, rad
   double z = 0;
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
 };
 
-/// A wall at time 0. It moves with its boundary. In the plane it is a straight line, in space a plane: grains stay on
-/// the side that `normal` points to. With a radius it is a circular cylinder in space, unbounded along its axis.
+/// A wall at time 0, which moves with its boundary: in the plane a straight line, in space a plane, with grains on the
+/// side that `normal` points to. With a radius it is a circular cylinder in space, unbounded along its axis.
 struct Wall {
   std::array<double, 3> point{0, 0, 0};   ///< m; of a cylinder on its axis
   std::array<double, 3> normal{0, 1, 0};  ///< unit; of a cylinder along its axis
@@ -80,7 +78,7 @@ struct Wall {
   double radius = 0;  ///< of a cylinder, m: > 0 with grains inside, < 0 with grains outside; 0 of a plane
 };
 
-/// Where a point of a body is after the body went from one pose to another: on the exact circle, not on its tangent.
+/// The place of a point of a body that goes from one pose to another: on the exact circle, not on its tangent.
 Place carried(const Place& p, const Pose& before, const Pose& after);
 
 /// The wall when its boundary has moved from the centre of its motion to `pose`.
@@ -95,8 +93,8 @@ Place velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const P
 /// Throws Error naming the boundary if times do not ascend, counts differ or a number is not finite.
 void check(const Boundary& boundary);
 
-/// Disks in the plane or spheres in space, walls, and what drives them. The grains of a packing come first, then the
-/// grains of boundaries.
+/// Disks in the plane or spheres in space, walls, and the boundaries that drive them. The grains of a packing come
+/// first, then those of boundaries.
 struct GranularSystem {
   Index dimension = 2;           ///< 2 in the plane, 3 in space
   std::vector<double> radius;    ///< m
@@ -108,7 +106,7 @@ struct GranularSystem {
   Index grains() const { return count(radius); }
   Index free_grains() const { return std::count(driven_by.begin(), driven_by.end(), Index{-1}); }
   bool free(Index grain) const { return driven_by[at(grain)] < 0; }
-  /// 1/kg; 0 of a driven grain
+  /// 1/kg; 0 for a driven grain.
   double inverse_mass(Index grain) const { return free(grain) ? 1 / mass[at(grain)] : 0; }
   /// The smaller radius of grain a and body b, m: that of the grain where b is a wall.
   double smaller_radius(Index a, Index b) const {
@@ -117,15 +115,15 @@ struct GranularSystem {
   double length(const Place& a) const { return dimension == 2 ? std::hypot(a[0], a[1]) : std::hypot(a[0], a[1], a[2]); }
 };
 
-/// Impulse that a contact carried, with its ends: grains by their number, wall w as grains() + w; a < b.
+/// Impulse of a contact in the last step. Bodies a < b: grains by their number, wall w as grains() + w.
 struct RememberedImpulse {
   Index a = 0, b = 0;
-  /// N s. In the plane (n, t, 0) in the frame of the contact. In space (x, y, z) on b: the tangents there may jump from
-  /// one normal to the next.
+  /// N s. In the plane (n, t, 0) in the frame of the contact. In space (x, y, z) on b, since tangents may jump between
+  /// neighbouring normals.
   std::array<double, 3> impulse{};
 };
 
-/// What is remembered of an impulse at a contact with that normal, and the impulse at a contact that has turned since.
+/// The impulse of a contact with that normal as it is remembered, and back, at a normal that may have turned since.
 template <int D>
 std::array<double, 3> to_remember(const LocalVector<D>& impulse, const Direction<D>& normal) {
   if constexpr (D == 2)
@@ -141,18 +139,18 @@ LocalVector<D> recalled(const std::array<double, 3>& impulse, const Direction<D>
     return in_frame(normal, impulse);
 }
 
-/// Interface impulse that held the copy of a grain in a subdomain, (A_E^T F_Gamma) of that copy.
+/// Interface impulse on the copy of a grain in a subdomain, (A_E^T F_Gamma) of that copy.
 struct RememberedGluing {
   Index grain = 0, subdomain = 0;
   std::array<double, 6> impulse{};  ///< on the unknowns of a grain, N s: (x, y, rim), in space (x, y, z, three rims)
 };
 
-/// Subdomain that a contact was given at the last decomposition.
+/// Subdomain of a contact at the last decomposition.
 struct RememberedSubdomain {
   Index a = 0, b = 0, subdomain = 0;
 };
 
-/// How a subdomain was modelled in the last step of a run that switches models.
+/// Model of a subdomain in the last step of a run that switches models.
 struct RememberedModel {
   Index switched = 0;             ///< 1 if it ended the step with the simpler model, 0 if with the law itself
   Index standing = 0;             ///< iterations, over steps, for which none of its statuses has changed
@@ -163,16 +161,16 @@ struct RememberedModel {
   double impulse_distance = 0;   ///< relative to the interface impulses
 };
 
-/// Everything that changes in a run. A run that restarts from it repeats every bit. If several processes share steps,
-/// each remembers the contacts of its own subdomains (share_step); the rest is replicated.
+/// Everything that changes in a run; a restart from it repeats every bit. If ranks share steps, each remembers the
+/// contacts of its own subdomains (share_step); the rest is replicated.
 struct GranularState {
   Index step = 0;                              ///< steps done
   double time = 0;                             ///< s
   std::vector<double> x, y, angle;             ///< of every disk, m and rad
   std::vector<double> velocity_x, velocity_y;  ///< m/s
   std::vector<double> spin;                    ///< rad/s, about z
-  std::vector<double> z, velocity_z;           ///< in space alone, m and m/s
-  std::vector<double> spin_x, spin_y;          ///< in space alone, rad/s
+  std::vector<double> z, velocity_z;           ///< only in space, m and m/s
+  std::vector<double> spin_x, spin_y;          ///< only in space, rad/s
   /// In space, in place of `angle`: the rotation of every sphere since time 0, unit quaternions w + x i + y j + z k.
   std::vector<double> turn_w, turn_x, turn_y, turn_z;
   std::vector<Pose> poses;                      ///< of every boundary
@@ -180,24 +178,21 @@ struct GranularState {
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
   std::vector<RememberedSubdomain> subdomains;  ///< of the contacts of the last step, ascending by (a, b)
   std::vector<RememberedModel> models;          ///< of the subdomains, in their order; empty unless they are switched
-  /// If several processes share steps, the owner of each subdomain; empty at the beginning of a run.
-  std::vector<Index> process_of_subdomain;
-  Index decomposed_at = -1;  ///< step whose contacts were partitioned afresh last
-  double eta = 0;            ///< best flexibility found at that step, 1/kg; 0 if none was asked for
+  std::vector<Index> process_of_subdomain;      ///< its owner, if ranks share steps; empty at the beginning of a run
+  Index decomposed_at = -1;                     ///< last step whose contacts were partitioned afresh
+  double eta = 0;                               ///< best flexibility at that step, 1/kg; 0 if none was asked for
 };
 
-/// "disk" or "sphere".
 constexpr std::string_view shape_of_grains(Index dimension) { return dimension == 2 ? "disk" : "sphere"; }
 
-/// Velocities of all boundaries at a time, s.
 std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, double time);
 
-/// The state at time 0: grains are at rest at their places in the packing, boundaries at their centres. `z`: empty in
-/// the plane.
+/// The state at time 0: grains at rest at their places in the packing, boundaries at their centres. z is empty in the
+/// plane.
 GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y,
                             std::vector<double> z = {});
 
-/// The arrays of the state with a number for every grain, of which none is empty in a system of that dimension.
+/// The arrays of the state with a number per grain in a system of that dimension.
 std::vector<std::vector<double> GranularState::*> numbers_of_grains(Index dimension);
 
 /// The centre of a grain, m.
@@ -205,7 +200,7 @@ inline Place centre_of(const GranularState& state, std::size_t grain) {
   return {state.x[grain], state.y[grain], state.z.empty() ? 0 : state.z[grain]};
 }
 
-/// The velocity of a grain, and the other way round; `radius` makes a speed of the rim of a spin.
+/// Gets and sets the velocity of a grain; the speed of the rim is `radius` x spin.
 GrainMotion motion_of(const GranularState& state, std::size_t grain, double radius);
 void set_motion(GranularState& state, std::size_t grain, const GrainMotion& velocity, double radius);
 

@@ -17,7 +17,7 @@ class Pair {
       boundary_ = std::max(path.system.driven_by[a_], path.system.driven_by[b_]);
   }
 
-  // Two round bodies have a line of centres, or of a centre and an axis. The others are flat or hollow.
+  // Round bodies have a line from centre to centre or axis. Other walls are flat or hollow.
   bool driven() const { return boundary_ >= 0; }
   bool round() const { return wall_ < 0 || wall(path_.places.back()).radius < 0; }
   double touch() const { return radius_ + (wall_ < 0 ? path_.system.radius[b_] : -wall(path_.places.back()).radius); }
@@ -42,7 +42,7 @@ class Pair {
 
  private:
   const Wall& wall(const Configuration& where) const { return where.walls[at(wall_)]; }
-  // A vector of the boundary as it turned with it to the end of the path.
+  // A vector fixed to the boundary, turned to the end of the path.
   Place seen(std::size_t place, const Place& arm) const {
     if (boundary_ < 0) return arm;
     const auto turn = [&](const Configuration& where) {
@@ -63,22 +63,21 @@ struct Followed {
   double at_bend = -infinity, at_end = 0;  // overlaps, m
 };
 
-// Whether the overlap was largest when a boundary turned back, and is smaller now. What the boundary did to the other
-// body is then over when contacts are found, and velocities do not show it. `small`: the smaller radius, m.
+// Whether the overlap was largest when a boundary turned back, and is smaller now: the hit is then over when contacts
+// are found, and velocities do not show it. `small`: the smaller radius, m.
 bool turned_back(const Followed& found, double small) {
-  constexpr double notable = 0.02;      // of the radius, more than chords of arcs are off by
-  const bool apart = found.before < 0;  // bodies that touched when contacts were found last are a contact since then
+  constexpr double notable = 0.02;      // of the radius, more than the error of chords
+  const bool apart = found.before < 0;  // bodies that touched when contacts were last found are a contact since then
   return apart && found.at_bend > notable * small && found.at_bend >= found.deepest && found.at_bend > found.at_end;
 }
 
-// Bodies with a line of centres: follows it from place to place. `limit`: the overlap whose time is wanted.
+// Follows the line of centres of round bodies. `limit`: the overlap whose time is wanted.
 Followed follow_line(const Path& path, const Pair& pair, double limit, std::optional<Place>& met) {
   const double touch = pair.touch();
   Place from = pair.line(0);
   double distance = path.system.length(from);
   Followed result{.before = touch - distance, .deepest = touch - distance};
-  // Bodies that touched when contacts were found last are a contact since then.
-  std::optional<Place> entered;
+  std::optional<Place> entered;  // none if they touched when contacts were last found: they are a contact since then
   if (path.begins_run) entered = from;
   for (std::size_t k = 1; k < path.places.size(); ++k) {
     const Place to = pair.line(k), move = difference(to, from);
@@ -100,7 +99,7 @@ Followed follow_line(const Path& path, const Pair& pair, double limit, std::opti
   return result;
 }
 
-// Flat and hollow bodies: nowhere on a straight path is a grain deeper than at one of its ends.
+// Follows the gap at a flat or hollow body: on a straight path a grain is deepest at one of the ends.
 Followed follow_gap(const Path& path, const Pair& pair, double limit) {
   double before = -pair.gap(0);
   Place from = pair.place_at_wall(0);

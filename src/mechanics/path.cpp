@@ -49,11 +49,11 @@ Configuration where_contacts_are(const StepStart& start) {
 
 namespace {
 
-// Places on the way are so close that chords of circles are off by this part of the smallest radius at the most.
+// Largest error of the chords of a path, times the smallest radius.
 constexpr double chord_error = 0.01;
-constexpr double most_chords = 32;  // of a boundary that turns by far too much
+constexpr double most_chords = 32;  // even if a boundary turns by far too much
 
-// How far the corners of a box of all grains are from a point, at the most.
+// Largest distance of a corner of the box of all grains from a point.
 double farthest(const GranularState& state, const Pose& pose) {
   const auto along = [](const std::vector<double>& x, double from) {
     const auto [low, high] = std::ranges::minmax(x);
@@ -64,7 +64,7 @@ double farthest(const GranularState& state, const Pose& pose) {
 
 double spin_of(const RigidVelocity& v) { return std::hypot(v.spin_x, v.spin_y, v.spin); }
 
-// No grain moves by more than this relative to another or to a wall in a second, m/s. velocity(i): of a free grain.
+// Bound of the speed of a grain relative to another or to a wall, m/s. velocity(i): of a free grain.
 template <class Velocity>
 double fastest_of(const StepStart& start, const std::vector<RigidVelocity>& motions, const Velocity& velocity) {
   const auto& [system, state, interaction, scheme] = start;
@@ -84,7 +84,7 @@ double fastest_of(const StepStart& start, const std::vector<RigidVelocity>& moti
   return system.length(difference(high, low)) + boundaries;
 }
 
-// In how many chords the arcs of a time are cut.
+// Number of chords for the arcs of a time.
 double chords(const StepStart& start, const std::vector<RigidVelocity>& motions, double time) {
   double most = 1;
   const double smallest = std::ranges::min(start.system.radius);
@@ -97,7 +97,7 @@ double chords(const StepStart& start, const std::vector<RigidVelocity>& motions,
   return std::min(most, most_chords);
 }
 
-// One part of a path: at constant velocities of the boundaries.
+// Part of a path with constant velocities of the boundaries.
 struct Leg {
   double from = 0, to = 0;  // s, relative to the state
   std::vector<RigidVelocity> motions;
@@ -112,7 +112,7 @@ Path path_of(const StepStart& start, const std::vector<Leg>& legs, bool always) 
     path.places.push_back(configuration(start, leg.motions, time));
   };
   for (const Leg& leg : legs) path.reach += (leg.to - leg.from) * fastest_of(start, leg.motions, velocity);
-  // Two grains that overlap by less than is refused have their centres 1.5 times the smaller radius apart.
+  // Centres of grains with the largest overlap accepted are 1.5 times the smaller radius apart.
   const bool followed = path.reach > 1.5 * largest_turn * std::ranges::min(system.radius);
   if (followed || always) {
     add(legs.front(), legs.front().from);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double least_hold = 0.05;  // the least singular value that counts as held
 
-// Whether rows, one for each bar, whose products with each other are these leave none of the unknowns free.
+// Whether rows, one per bar, with this Gram matrix R^T R leave none of the unknowns free.
 bool gram_holds(const Matrix& gram) {
   return symmetric_eigen(gram, Eigenvectors::not_wanted).values[0] > least_hold * least_hold;
 }
@@ -36,8 +36,7 @@ class ClusterSearch {
 
   std::vector<Index> run() {
     for (Index a = 0; a < centres_.cols(); ++a) seed({a});
-    while (merge_pairs()) {
-    }
+    while (merge_pairs()) continue;
     return numbered();
   }
 
@@ -47,7 +46,7 @@ class ClusterSearch {
   bool tied(Index i, Index j) const { return std::ranges::binary_search(neighbours(i), j); }
   Vector direction(Index from, Index to) const { return (centres_.col(to) - centres_.col(from)).normalized(); }
 
-  // A point whose neighbours in the cluster hold it.
+  // Whether its neighbours in the cluster hold a point.
   bool held(Index i, Index cluster) const {
     const auto own = [&](Index j) { return cluster_[at(j)] == cluster; };
     if (std::ranges::count_if(neighbours(i), own) < d_) return false;
@@ -60,7 +59,7 @@ class ClusterSearch {
     return gram_holds(gram);
   }
 
-  // All loose simplices that begin with these points, in ascending order. What does not grow beyond it is let go.
+  // Grows a cluster from each loose simplex that begins with these points, in ascending order.
   void seed(const std::vector<Index>& points) {
     if (!std::ranges::all_of(points, [&](Index i) { return loose(i); })) return;
     if (count(points) < d_) {
@@ -73,19 +72,16 @@ class ClusterSearch {
       }
       return;
     }
-    if (d_ == 3 && triangle_height(points) < least_hold) return;  // of three points in a line one may leave it
-    const Index cluster = clusters_++;
-    const std::vector<Index> members = grow(points, cluster);
+    if (d_ == 3) {  // three points in a line do not hold each other
+      const Eigen::Vector3d u = direction(points[0], points[1]), v = direction(points[0], points[2]);
+      if (u.cross(v).norm() < least_hold) return;
+    }
+    const std::vector<Index> members = grow(points, clusters_++);
     if (count(members) == d_)
       for (const Index i : members) cluster_[at(i)] = -1;
   }
 
-  double triangle_height(const std::vector<Index>& p) const {
-    const Eigen::Vector3d u = direction(p[0], p[1]), v = direction(p[0], p[2]);
-    return u.cross(v).norm();
-  }
-
-  // The members of a cluster with all that joins it.
+  // Adds all points that join a cluster; returns its members.
   std::vector<Index> grow(std::vector<Index> members, Index cluster) {
     for (const Index i : members) cluster_[at(i)] = cluster;
     std::size_t next = 0, ringed = 0;
@@ -96,7 +92,7 @@ class ClusterSearch {
     while (next < members.size()) {
       for (const Index i : neighbours(members[next]))
         if (loose(i) && held(i, cluster)) join(i);
-      // Only what is tied to a new member can have become part of a ring that is held.
+      // Rings that are held now touch a new member.
       if (++next == members.size())
         for (const std::size_t end = next; ringed < end; ++ringed)
           for (const Index i : neighbours(members[ringed]))
@@ -105,7 +101,7 @@ class ClusterSearch {
     return members;
   }
 
-  // Two more points with which a loose one is held, all three tied to each other; with that one, or nothing.
+  // A loose point and two others tied to it and to each other that are held together; empty if there are none.
   std::vector<Index> held_ring(Index i, Index cluster) const {
     const auto can = [&](Index j) {
       return loose(j) &&
@@ -120,7 +116,7 @@ class ClusterSearch {
     return {};
   }
 
-  // The bars between some points and from them to a cluster, a row each.
+  // One row for each bar between some points, and from them to a cluster.
   Matrix rows_of(const std::vector<Index>& points, Index cluster) const {
     std::vector<Vector> rows;
     for (Index p = 0; p < count(points); ++p)
@@ -138,7 +134,7 @@ class ClusterSearch {
     return all;
   }
 
-  // What a bar says of the motion of the body of b relative to that of a, about a point, lengths in units of `length`.
+  // Row of a bar for the motion of the body of b relative to that of a, about a point, lengths in units of `length`.
   Vector relative_row(const Bar& bar, const Vector& about, double length) const {
     const Vector n = direction(bar.a, bar.b), arm = (centres_.col(bar.b) - about) / length;
     if (d_ == 2) return Eigen::Vector3d(n[0], n[1], arm[0] * n[1] - arm[1] * n[0]);
@@ -160,7 +156,7 @@ class ClusterSearch {
     return hold(rows);
   }
 
-  // Makes clusters one that bars between them hold, each at most once; false if there are none.
+  // Merges pairs of clusters that bars between them hold, each at most once; false if there are none.
   bool merge_pairs() {
     std::map<std::array<Index, 2>, std::vector<Bar>> between;
     for (const Bar& bar : bars_) {

@@ -5,20 +5,19 @@
 
 namespace nscdd {
 
-/// Two points whose distance does not change, to first order: the centres of grains at a rigid contact without
-/// friction.
+/// Two points at constant distance, to first order: the centres of grains at a rigid frictionless contact.
 struct Bar {
   Index a = 0, b = 0;
 };
 
-/// Clusters of points that bars hold together: for each point the number of its cluster, or -1. A cluster moves as one
-/// rigid body under every motion that keeps the lengths of its bars to first order. `centres`: d x n, d = 2 or 3.
+/// Rigid clusters of points tied by bars: for each point the number of its cluster, or -1. A cluster moves as one rigid
+/// body under every motion that keeps the lengths of its bars to first order. `centres`: d x n, d = 2 or 3.
 ///
-/// A cluster begins with d points that are tied to each other. A point joins that bars tie to it in d independent
-/// directions, and so do three points at once that are tied to each other and which all bars together hold (the
-/// opposite sides of an octahedron). Clusters with enough independent bars between them become one. Each of these steps
-/// is held by singular values of at least 0.05, so what is found is rigid. There may be more: rings of clusters, for
-/// example, are not looked for. A cluster has more than d points. Equal input gives equal clusters.
+/// A cluster begins with d points that are tied to each other. A point joins if bars tie it in d independent
+/// directions; three points tied to each other join at once if all bars together hold them (as opposite sides of an
+/// octahedron). Clusters with enough independent bars between them merge. Each step requires singular values of at
+/// least 0.05, so that clusters are certainly rigid, but not always the largest: rings of clusters, for example, are
+/// not sought. A cluster has more than d points. Equal input gives equal clusters.
 std::vector<Index> rigid_clusters(const Matrix& centres, const std::vector<Bar>& bars);
 
 }  // namespace nscdd

@@ -9,8 +9,8 @@
 namespace nscdd {
 namespace {
 
-// Two grains that move by more than this relative to each other in a step, times the smaller radius, do not meet with
-// the normal that they have when contacts are found. Below it that normal is off by half of this, rad, at the most.
+// Relative motion of two grains in a step, times the smaller radius, above which the normal where they meet is sought.
+// Below it the normal when contacts are found is off by at most half of this, rad.
 constexpr double far_in_a_step = 0.5;
 
 // Throws Error if a grain moves too far in the step, at the velocity V^- + h M^-1 F.
@@ -49,10 +49,10 @@ class ContactSearch {
     }
     pulls_ =
         std::visit([](const auto& law) { return law.pulls; }, contact_law(start.interaction, start.scheme.step, 1));
-    // Bodies that hold each other are found however short the alert distance.
+    // Bodies that hold each other are found even if the alert distance is shorter.
     const double hold = pulls_ ? touching_gap * std::ranges::max(radius) : 0;
     alert_ = std::max(start.scheme.alert * std::ranges::min(radius), hold);
-    foreseen_ = std::max(alert_, 2 * fastest * start.scheme.step);  // the fastest pair may close so much
+    foreseen_ = std::max(alert_, 2 * fastest * start.scheme.step);  // largest approach of two grains
   }
 
   ConsideredContacts run() {
@@ -62,7 +62,6 @@ class ContactSearch {
   }
 
  private:
-  // The velocity of a body at a contact, m/s.
   Place velocity(Index body, const Place& point) const {
     if (body < system_.grains()) return velocity_of(free_motion(start_, motions_, body));
     return where_.velocity(where_.walls[at(body - system_.grains())], point);
@@ -107,7 +106,7 @@ class ContactSearch {
       }
   }
 
-  // `in_reach`: whether it may be near in this step; if not, it may have been near on the path.
+  // `in_reach`: whether they may come near in this step, not only on the path.
   void visit_if_near(StepContact c, bool in_reach) {
     const double gap = c.gap, step = start_.scheme.step;
     const auto [overlap, met] = Passage::of(path_, c.a, c.b, gap);
@@ -118,7 +117,7 @@ class ContactSearch {
       if (gap + step * dot(c.normal, move) > alert_) return;
       if (start_.interaction.restitution == 0 && c.b < system_.grains() &&
           step * system_.length(move) > far_in_a_step * system_.smaller_radius(c.a, c.b)) {
-        // Of grains that move far until they meet the line of centres turns. Those that miss each other are no contact.
+        // The line of centres turns until they meet. Grains that miss each other are no contact.
         const Place line = difference(where_.centre(at(c.b)), where_.centre(at(c.a)));
         const double touch = system_.length(line) - gap;
         const auto meeting = part_until(line, move, touch, step);
@@ -149,8 +148,8 @@ class ContactSearch {
   const std::vector<RigidVelocity> motions_;
   const Path path_ = Path::to_contacts(start_);
   const Configuration& where_ = path_.places.back();
-  bool pulls_ = false;               // whether the law does
-  double alert_ = 0, foreseen_ = 0;  // gaps of contacts, m: without regard to velocities, and at the most
+  bool pulls_ = false;               // of the law
+  double alert_ = 0, foreseen_ = 0;  // largest gaps of contacts, m: at any velocity, and at the velocities of the step
   ConsideredContacts considered_;
 };
 

@@ -3,11 +3,8 @@
 
 #include "mechanics/passage.hpp"
 
-#include <functional>
-
 namespace nscdd {
 
-/// Geometry of a contact considered in a step.
 struct StepContact {
   Index a = 0, b = 0;              ///< grains a < b, or wall b = disks + w
   std::array<double, 3> normal{};  ///< from a to b; in the plane the third number is 0
@@ -15,7 +12,7 @@ struct StepContact {
   double gap = 0;                  ///< m, at q_m
 };
 
-/// What a step considers.
+/// Summary of the contacts of a step.
 struct ConsideredContacts {
   Index number = 0;
   double boundary_speed = 0;      ///< of the fastest driven grain, or wall at one of its contacts, m/s
@@ -24,12 +21,12 @@ struct ConsideredContacts {
 
 /// Finds the contacts of a step at q_m and calls visit(contact) for each, in no order: pairs of a free grain and a
 /// grain or wall whose gap is within the alert distance, or would be after the step at the velocities V^- + h M^-1 F
-/// and those of the boundaries. Pairs that met on the path since contacts were found last and have turned since (see
-/// Passage) have the normal with which they met; if they are apart again, they touch. Without restitution, so do grains
-/// that move far in a step and meet before its end, and grains that miss each other are no contact. With restitution
-/// contacts act once they touch. Throws Error naming the grain if one would move by more than ten of its radii in the
-/// step or has a velocity that is not finite, and naming both grains if two have the same centre. Bodies may overlap,
-/// see check_overlaps.
+/// and those of the boundaries. Pairs that met on the path since contacts were last found, and have turned since (see
+/// Passage), have the normal with which they met, and gap 0 if they are apart again. Without restitution the same holds
+/// for grains that move far in a step and meet before its end; grains that miss each other are no contact. With
+/// restitution contacts act once they touch. Throws Error naming the grain if one would move by more than ten of its
+/// radii in the step or has a velocity that is not finite, and naming both grains if two have the same centre. Bodies
+/// may overlap, see check_overlaps.
 ConsideredContacts for_each_step_contact(const StepStart& start, const std::function<void(const StepContact&)>& visit);
 
 /// Whether the bodies of a contact touch, see touching_gap.
@@ -42,19 +39,19 @@ struct Interpenetration {
 };
 Interpenetration interpenetration(const GranularSystem& system, const std::vector<StepContact>& contacts);
 
-/// Throws Error if bodies overlap too far where the contacts of the next step are found, or on their way there. It
-/// names the bodies of the first such contact; or, where bodies came together because the step is too long, the step,
-/// how far they move, and a step that is short enough. `deep`: as ConsideredContacts has them.
+/// Throws Error if bodies overlap too far where the contacts of the next step are found, or on their path there. It
+/// names the bodies of the first such contact or, if the step is too long, the step, how far they move, and a step that
+/// is short enough. `deep`: of ConsideredContacts.
 void check_overlaps(const StepStart& start, const std::vector<DeepOverlap>& deep);
 
-/// The same of the path from there to the end of the step, with the velocities of all grains at its end.
+/// The same for the path from there to the end of the step, where grains have these velocities.
 void check_end_of_step(const StepStart& start, const std::vector<GrainMotion>& velocities);
 
-/// A time step, s, no longer than that of the scheme, at which the next step moves no grain too far and brings no
-/// bodies together that overlap too far; 0 if positions or velocities are not finite.
+/// A time step, s, at most that of the scheme, in which no grain moves too far and no bodies come to overlap too far; 0
+/// if positions or velocities are not finite.
 double safe_step(const StepStart& start);
 
-/// Largest motion of a grain in a step, in radii. No grid finds the contacts of grains that move further.
+/// Largest motion of a grain in a step, in radii; no grid would find the contacts of faster grains.
 inline constexpr double largest_move = 10;
 
 }  // namespace nscdd

@@ -5,7 +5,7 @@
 namespace nscdd {
 namespace {
 
-// Whether bodies came together on their way, rather than that they overlapped before or that contacts did not hold.
+// Whether bodies came together on the path: they did not overlap before, and were no contact that failed to hold.
 bool is_of_step(const DeepOverlap& one, const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   if (one.overlap <= one.before) return false;
@@ -21,9 +21,9 @@ double thrown(const DeepOverlap& one, const StepStart& start) {
   return std::max(1.0, (1 + interaction.restitution) * std::max(a, b) / (a + b));
 }
 
-// A step that is short enough for two bodies. Contacts are found wherever bodies are then, so that a step must not move
-// them, or what they meet next, further than they may overlap. Of two bodies alone more is known in the first step,
-// unless they bounce: contacts that are not reached yet are foreseen, and it is known when bodies overlap too far.
+// A step that is short enough for two bodies: it must not move them, or bodies they meet next, further than they may
+// overlap. If there are only two bodies, without restitution, the first step may be longer: contacts are foreseen, and
+// the time of the largest overlap accepted is known.
 double short_enough(const DeepOverlap& one, const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   const double h = scheme.step, small = system.smaller_radius(one.a, one.b);
@@ -35,8 +35,7 @@ double short_enough(const DeepOverlap& one, const StepStart& start) {
   return safe_part * largest_overlap * small / (speed * (two ? 1 : thrown(one, start)));
 }
 
-// To three digits, downwards.
-double rounded_down(double step) {
+double rounded_down(double step) {  // to three digits
   const double unit = std::pow(10, std::floor(std::log10(step)) - 2);
   return unit * std::floor(step / unit);
 }
@@ -51,10 +50,8 @@ double rounded_down(double step) {
                           one.path / system.smaller_radius(one.a, one.b), one.overlap));
 }
 
-// Whether some are left; in the order of their bodies.
-bool sort(std::vector<DeepOverlap>& deep) {
+void sort_by_bodies(std::vector<DeepOverlap>& deep) {
   std::ranges::sort(deep, {}, [](const DeepOverlap& one) { return std::pair(one.a, one.b); });
-  return !deep.empty();
 }
 
 bool all_finite(const StepStart& start) {
@@ -74,8 +71,7 @@ double safe_step(const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   TimeStepping shorter = scheme;
   const StepStart tried{system, state, interaction, shorter};
-  // A grain that was thrown in the run so far met another that came at it as fast: half of what they may overlap each.
-  constexpr double met = largest_overlap / 2;
+  constexpr double met = largest_overlap / 2;        // a grain may meet another that is as fast
   const bool bounces = interaction.restitution > 0;  // then contacts of this step are not foreseen
   constexpr int most_tries = 100;
   for (int k = 0; k < most_tries; ++k) {
@@ -101,14 +97,14 @@ double safe_step(const StepStart& start) {
 void check_overlaps(const StepStart& start, const std::vector<DeepOverlap>& found) {
   if (found.empty()) return;
   const GranularSystem& system = start.system;
-  // Now it is worth following all pairs.
   std::vector<DeepOverlap> deep = Passage::too_deep(Path::whole(start, false));
   if (deep.empty()) deep = found;
-  // A boundary that turned back from a contact that was known has done no harm.
+  // A boundary that turned back from a known contact did no harm.
   std::erase_if(deep, [&](const DeepOverlap& one) {
     return one.overlap <= largest_overlap * system.smaller_radius(one.a, one.b) && !is_of_step(one, start);
   });
-  if (!sort(deep)) return;
+  if (deep.empty()) return;
+  sort_by_bodies(deep);
   for (const DeepOverlap& one : deep)
     if (!is_of_step(one, start))
       fail("{} and {}: expected an overlap of at most {} of the smaller radius, met {} m", body_name(system, one.a),
@@ -127,7 +123,8 @@ void check_end_of_step(const StepStart& start, const std::vector<GrainMotion>& v
   const StepStart after{system, at_end, interaction, scheme};
   std::vector<DeepOverlap> deep = Passage::too_deep(Path::to_end(after));
   std::erase_if(deep, [&](const DeepOverlap& one) { return !is_of_step(one, after); });
-  if (!sort(deep)) return;
+  if (deep.empty()) return;
+  sort_by_bodies(deep);
   double safe = scheme.step;
   for (const DeepOverlap& one : deep) safe = std::min(safe, short_enough(one, after));
   refuse(after, deep.front(), rounded_down(safe));

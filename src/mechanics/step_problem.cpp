@@ -19,12 +19,11 @@ Direction<D> narrowed(const Place& a) {
     return a;
 }
 
-// Speed at which two bodies that overlap are pushed apart at the most, m/s: `maximum_push_speed`, or where that is
-// negative c (sqrt(g r) + w), c = natural_push_speed, with the smaller radius r, g = |gravity| and the speed w of the
-// fastest boundary. A push of bodies at rest brings at most c^2/2 of the energy m g r that lifts a grain by its
-// radius. Where N overlaps follow each other from a support, their speeds add up, and a column gains c^2 N/12 of its
-// weight times its height: 0.3 % for a hundred grains, whatever the overlaps, the grains and the step. Without gravity
-// and with boundaries at rest overlaps stay.
+// Largest speed at which overlapping bodies are pushed apart, m/s: `maximum_push_speed` or, if that is negative,
+// c (sqrt(g r) + w), c = natural_push_speed, with the smaller radius r, g = |gravity| and the speed w of the fastest
+// boundary. A push of bodies at rest brings at most c^2/2 of the energy m g r that lifts a grain by its radius. Speeds
+// of N overlaps above each other add up: a column gains c^2 N/12 of its weight times its height, 0.3 % for a hundred
+// grains, for any overlaps, grains and step. Without gravity, and with boundaries at rest, overlaps stay.
 double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed) {
   constexpr double natural_push_speed = 0.02;
   if (scheme.maximum_push_speed >= 0) return scheme.maximum_push_speed;
@@ -133,7 +132,7 @@ ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& c,
   ContactWork work;
   if (!carries(c.impulse)) return work;
   work.dissipation = -dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
-  // Work of the impulses -r on a, r on b at the velocities of those that are driven.
+  // Work of the impulses -r on a and r on b at the velocities of driven ones.
   for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
     const GrainVelocity<D>& v = velocities[static_cast<std::size_t>(body)];
     if (v.inverse_mass > 0) continue;
@@ -146,7 +145,7 @@ ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& c,
 template <int D>
 GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodies,
                                        const std::vector<GrainContact<D>>& contacts, std::span<const double> radius) {
-  std::vector<BodyRows> rows_of(bodies.size());  // lever arms are radii; walls, which have none, are driven
+  std::vector<BodyRows> rows_of(bodies.size());  // lever arms are radii; driven bodies, such as walls, have no rows
   std::vector<double> inertia, momentum;
   std::vector<GrainVelocity<D>> driven = bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {

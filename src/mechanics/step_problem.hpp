@@ -8,25 +8,25 @@ namespace nscdd {
 struct GlobalFrictionProblem;
 
 /// The contact problem of one step. Bodies are grains, then one per wall contact, which moves as the wall there. If
-/// several processes share a step, the part of each has only the grains of its own contacts.
+/// ranks share a step, the part of each has only the grains of its own contacts.
 template <int D>
 struct StepProblem {
   ContactLaw law;                              ///< of all contacts
   double scale = 0;                            ///< W, the mean of the W_nn of the contacts, 1/kg; 0 without contacts
   double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one
-  bool tangential_bias = false;                ///< whether contacts have a bias_t (tangential restitution)
-  bool pulls = false;                          ///< whether the law pulls; then contacts that touch have a pull
+  bool tangential_bias = false;                ///< contacts have a bias_t (tangential restitution)
+  bool pulls = false;                          ///< the law pulls: contacts that touch have a pull
   double h = 0;                                ///< s
   std::vector<StepContact> geometry;           ///< ascending by (a, b)
   std::vector<GrainContact<D>> contacts;       ///< the same contacts for the solver, impulses to start from
   std::vector<GrainVelocity<D>> start;         ///< V^- of the bodies (of driven ones: in this step)
   std::vector<GrainVelocity<D>> free;          ///< V^- + h M^-1 F
-  /// What each body is: a grain by its number, ascending, or disks + k for the k-th body of a wall. Of a whole step
-  /// these are 0, 1, 2, ...
+  /// Number of each body: of a grain, ascending, or grains + k for the k-th body of a wall. 0, 1, 2, ... in a whole
+  /// step.
   std::vector<std::int32_t> numbers;
 };
 
-/// The body that a grain is in a step, -1 if none of the contacts of this part of a step touches it.
+/// The body of a grain in a step, -1 if no contact of this part of a step touches it.
 template <int D>
 Index body_of(const StepProblem<D>& problem, Index grain) {
   const auto number = static_cast<std::int32_t>(grain);
@@ -36,24 +36,24 @@ Index body_of(const StepProblem<D>& problem, Index grain) {
 }
 
 /// Finds contacts and sets the problem up, see for_each_step_contact. Impulses start from those of the last step if
-/// `warm_start`, otherwise from zero. Bodies that overlap too far are accepted unless `shallow`.
+/// `warm_start`, else from zero. With `shallow`, check_overlaps throws if bodies overlap too far.
 template <int D>
 StepProblem<D> prepare_step(const StepStart& start, bool warm_start, bool shallow = false);
 
-/// Sets up the problem of the contacts in `geometry`, ascending by (a, b), with the grains `grains`, ascending, which
-/// must be those of these contacts at least. Impulses start from those in `last`, ascending by (a, b).
+/// Sets up the problem of the contacts in `geometry`, ascending by (a, b), with `grains`, ascending, among them all
+/// grains of these contacts. Impulses start from those in `last`, ascending by (a, b).
 template <int D>
 StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact> geometry, double boundary_speed,
                                 std::vector<std::int32_t> grains, const std::vector<RememberedImpulse>& last);
 
-/// Sets the scale W, 1/kg, and the law that depends on it; without this call W is that of the contacts of the problem.
+/// Sets the scale W, 1/kg, and the law that depends on it; by default W is that of the contacts of the problem.
 template <int D>
 void set_scale(StepProblem<D>& problem, const Interaction& interaction, double scale) {
   problem.scale = scale;
   problem.law = contact_law(interaction, problem.h, scale);
 }
 
-/// What was remembered of each contact, or null. Both lists ascend by (a, b).
+/// The remembered item of each contact, or null. Both lists ascend by (a, b).
 template <class Remembered>
 std::vector<const Remembered*> remembered(const std::vector<Remembered>& last,
                                           const std::vector<StepContact>& contacts) {
@@ -80,7 +80,7 @@ template <int D>
 ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& contact,
                     const std::vector<GrainVelocity<D>>& velocities);
 
-/// The impulses that are not zero, to be kept for the next step; `contacts` are those of the problem.
+/// The nonzero impulses, to be kept for the next step; `contacts` are those of the problem.
 template <int D>
 std::vector<RememberedImpulse> impulses_to_remember(const StepProblem<D>& problem,
                                                     const std::vector<GrainContact<D>>& contacts) {
@@ -93,13 +93,13 @@ std::vector<RememberedImpulse> impulses_to_remember(const StepProblem<D>& proble
   return impulses;
 }
 
-/// The contact problem of a step in the unknowns (v_x, v_y, spin) of its free bodies, three rows each in their order,
-/// in space (v, spin) with six, as other programs have it:
+/// The contact problem of a step in the unknowns of other programs: (v_x, v_y, spin) of the free bodies, three rows
+/// each in their order, in space (v, spin), six rows each:
 ///     M = diag(m, m, m R^2 / 2), in space diag(m, m, m, 2/5 m R^2 I_3),   f = M V_free,
 ///     M v = H r + f,   u = H^T v + w.
 /// The law acts on u: w holds its biases (gap / h, restitution) and the velocities of driven bodies, which have no
 /// rows. In the rows of spin a tangential column has the lever arm, -R. `bodies`: V_free and inverse masses. `radius`:
-/// of each body, m; it may end before the driven bodies at the end (walls have no radius).
+/// of each body but the walls at the end, m.
 template <int D>
 GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodies,
                                        const std::vector<GrainContact<D>>& contacts, std::span<const double> radius);

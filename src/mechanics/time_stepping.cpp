@@ -14,7 +14,6 @@ std::vector<RigidVelocity> step_motions(const GranularSystem& system, const Gran
   return boundary_velocities(system, state.time + scheme.step / 2);
 }
 
-// The state knows the velocity of a free grain; a boundary gives those of the grains it drives.
 GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain) {
   const auto& [system, state, interaction, scheme] = start;
   const double radius = system.radius[at(grain)];

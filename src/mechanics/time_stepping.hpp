@@ -11,8 +11,8 @@ namespace nscdd {
 ///     q_m = q^- + (1 - theta) h V^-              contacts are found here
 ///     M (V - V^-) = h F + H r,  law(H^T V, r)    solved by Gauss-Seidel sweeps, whole or decomposed
 ///     q   = q_m + theta h V
-/// q_m moves by exactly h V from one step to the next, so v_n + gap/h >= 0 keeps it free of overlap. Where
-/// bodies overlap already, the contact asks for v_n >= min(penetration_correction |gap|/h, push speed).
+/// q_m moves by exactly h V from one step to the next, so v_n + gap/h >= 0 keeps it free of overlap. Bodies that
+/// overlap already must obey v_n >= min(penetration_correction |gap|/h, push speed).
 struct TimeStepping {
   double step = 0.005;  ///< h, s
   Index steps = 100;
@@ -54,10 +54,9 @@ struct TimeStepping {
   }
 };
 
-/// Gravity in a system of that dimension. The default is downwards there: along -z in space.
+/// Gravity in a system of that dimension. The default in space is along -z.
 Place gravity_of(const TimeStepping& scheme, Index dimension);
 
-/// What a step begins with.
 struct StepStart {
   const GranularSystem& system;
   const GranularState& state;
@@ -65,16 +64,16 @@ struct StepStart {
   const TimeStepping& scheme;
 };
 
-/// Velocities of the boundaries in a step: those in its middle.
+/// Velocities of the boundaries in the middle of a step, which hold for the whole step.
 std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
                                         const TimeStepping& scheme);
 
-/// The velocity of a grain at the beginning of a step, V^-, of a driven one in the step, with the motions of the
-/// boundaries in it; and V^- + h M^-1 F, also of grains that touch nothing.
+/// V^-, the velocity of a grain at the beginning of a step, of a driven one in the step; and V^- + h M^-1 F. `motions`:
+/// of the boundaries in the step.
 GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain);
 GrainMotion free_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain);
 
-/// What a step did to the energy of the free grains, J:
+/// Energy balance of the free grains in a step, J:
 ///     change of kinetic + potential = boundary_work - dissipation + numerical.
 struct StepEnergy {
   double kinetic = 0, potential = 0;  ///< at the end of the step
@@ -83,17 +82,17 @@ struct StepEnergy {
   double numerical = 0;               ///< what is left; at theta = 1/2 only rounding
 };
 
-/// What the impulse of a contact did in a step, J.
+/// Work of the impulse of a contact in a step, J.
 struct ContactWork {
-  double boundary = 0;     ///< done by the bodies of it that are driven
+  double boundary = 0;     ///< done by its driven bodies
   double dissipation = 0;  ///< - r . (v + v^-)/2
 };
 
-/// Ends a step: moves all grains, whose velocities at its end are given, and boundaries. `work`: of all contacts.
+/// Ends a step: moves boundaries and all grains, whose velocities at its end are given. `work`: of all contacts.
 StepEnergy finish_step(const GranularSystem& system, GranularState& state, const TimeStepping& scheme,
                        const std::vector<GrainMotion>& velocities, const ContactWork& work);
 
-/// Kinetic and potential energy of the free grains.
+/// Sets kinetic and potential energy only.
 StepEnergy energy_of(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);
 
 }  // namespace nscdd

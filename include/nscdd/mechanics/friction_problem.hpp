@@ -6,10 +6,10 @@
 
 namespace nscdd {
 
-/// A frictional contact problem in the unknowns of its contacts alone: find impulses r and velocities u = W r + q such
-/// that every contact obeys Signorini's and Coulomb's laws. A contact c has D rows from D c on, its normal component
-/// and then its tangential ones: (n, t) in the plane, D = 2, and (n, t_1, t_2) in space, D = 3. W is stored in full.
-/// Impulses are in N s and velocities in m/s, or forces in N and displacements in m.
+/// A frictional contact problem in the unknowns of its contacts: find impulses r and velocities u = W r + q such that
+/// every contact obeys Signorini's and Coulomb's laws. Contact c has D rows from D c on: (n, t) in the plane, D = 2,
+/// and (n, t_1, t_2) in space, D = 3. W is stored in full. Impulses are in N s and velocities in m/s, or forces in N
+/// and displacements in m.
 struct LocalFrictionProblem {
   SparseMatrix w;   ///< W, D c x D c, symmetric, 1/kg
   Vector q;         ///< relative velocities without contact impulses, D c entries
@@ -18,7 +18,7 @@ struct LocalFrictionProblem {
   SparseMatrix mass{}, h{};
   Index dimension = 2;  ///< D: 2 or 3
   /// For each contact the speeds |H|^T |M^-1 f| + |w| that cancel in q, m/s, if `reduce` computed q; else empty. Their
-  /// rounding is that of q.
+  /// rounding is the error of q.
   Vector speeds{};
 
   Index contacts() const { return friction.size(); }
@@ -39,15 +39,9 @@ struct GlobalFrictionProblem {
   Index size() const { return dimension * contacts(); }
 };
 
-/// Largest difference of entries (i, j) and (j, i) of M, relative to the largest entry. Siconos writes six digits.
-inline constexpr double symmetry_tolerance = 1e-5;
-/// The same of W. Public problems of bodies that turn in space come with up to 2.5 10^-3 (docs/formats.md): solvers
-/// take W as it was given.
-inline constexpr double coupling_symmetry_tolerance = 5e-3;
-
-/// Throw Error, beginning with `name`, for sizes that do not fit together, numbers that are not finite, a
-/// negative coefficient of friction, W or M that is not symmetric, and a contact whose D x D block of W is
-/// not positive definite. Whether M is positive definite is left to `reduce`.
+/// Throw Error, beginning with `name`, for sizes that do not fit together, numbers that are not finite, a negative
+/// coefficient of friction, W or M that is not symmetric, and a contact whose D x D block of W is not positive
+/// definite. `reduce` checks whether M is positive definite.
 void check(const LocalFrictionProblem& problem, const std::string& name);
 void check(const GlobalFrictionProblem& problem, const std::string& name);
 
@@ -56,14 +50,14 @@ template <int D>
 FullDelassus<D> diagonal_block(const LocalFrictionProblem& problem, Index contact);
 
 /// Eliminates the velocities:  W = H^T M^-1 H,  q = H^T M^-1 f + w. Each connected piece of the pattern of M, in most
-/// problems one body, is factorised alone, densely if it is small: W couples only contacts that share a piece. Throws
-/// Error, beginning with `name`, for a problem that `check` refuses and for an M that is not positive definite.
+/// problems one body, is factorised separately, densely if it is small: W couples only contacts that share a piece.
+/// Throws Error, beginning with `name`, for a problem that `check` refuses and an M that is not positive definite.
 LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::string& name = "problem");
 
-/// A problem of bodies as the linear study takes it: M is diagonal with three rows per body in the plane (two
-/// translations and a rotation) and six in space (three of each), V^- = M^-1 f, and a contact is two links, its normal
-/// and its tangent, or three. The velocities w of supports change no operator and are left out. Throws Error, beginning
-/// with `name`, for a problem that `check` refuses, an M that is not diagonal and positive, and other rows per body.
+/// The linear problem of the same bodies: M is diagonal with three rows per body in the plane (two translations and a
+/// rotation) and six in space (three of each), V^- = M^-1 f, and each of the D rows of a contact is a link. The
+/// velocities w of supports change no operator and are left out. Throws Error, beginning with `name`, for a problem
+/// that `check` refuses, an M that is not diagonal and positive, and other numbers of rows per body.
 ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const std::string& name = "problem");
 
 /// v = M^-1 (H r + f), n entries. The problem must be one that `reduce` accepts.

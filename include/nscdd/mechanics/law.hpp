@@ -63,13 +63,13 @@ double squared(LocalVector<D> a) {
   return dot(a, a);
 }
 
-/// Whether it is not 0. (Its square may be where it is not.)
+/// Whether it is not 0 (its square may underflow).
 inline bool carries(const LocalVector<2>& r) { return r.n != 0 || r.t != 0; }
 inline bool carries(const LocalVector<3>& r) { return r.n != 0 || r.t.first != 0 || r.t.second != 0; }
 
 /// Status of a contact with Coulomb friction. Open: r = 0. Stick: v = 0, the impulse inside the cone. Slide: v_n = 0
 /// and |r_t| = friction r_n against the velocity. In the plane r_t = -friction r_n (forward, v_t >= 0) or +friction r_n
-/// (backward, v_t <= 0); in space there is one `slide`, whose direction is that of the impulse.
+/// (backward, v_t <= 0); in space the impulse gives the direction.
 enum class ContactStatus : signed char { open, stick, slide_forward, slide_backward, slide };
 
 constexpr auto names_of(ContactStatus) {
@@ -78,8 +78,8 @@ constexpr auto names_of(ContactStatus) {
 
 constexpr bool slides(ContactStatus status) { return status > ContactStatus::stick; }
 
-/// The diagonal block W_c of the Delassus operator of one contact, symmetric and positive definite, 1/kg. Of two disks
-/// or spheres it is diagonal, for the contact point lies on the line of centres: normal impulses cause no spin. In
+/// The diagonal block W_c of the Delassus operator of one contact, symmetric and positive definite, 1/kg. For two disks
+/// or spheres it is diagonal, since the contact point lies on the line of centres: normal impulses cause no spin. In
 /// space W_tt is the same in all tangential directions.
 struct DiagonalDelassus {
   static constexpr bool coupled = false;
@@ -108,7 +108,7 @@ inline TangentVector operator*(const TangentMatrix& m, TangentVector a) {
   return {m.first * a.first + m.mixed * a.second, m.mixed * a.first + m.second * a.second};
 }
 
-/// The block of bodies of any other shape: W_nn, the coupling W_nt, and W_tt.
+/// The block W_c of bodies of any shape: W_nn, the coupling W_nt, and W_tt.
 template <int D>
 struct FullDelassus {
   static constexpr bool coupled = true;
@@ -121,7 +121,7 @@ struct FullDelassus {
     if constexpr (D == 2) {
       const double determinant = nn * tt - nt * nt;
       return {(tt * v.n - nt * v.t) / determinant, (nn * v.t - nt * v.n) / determinant};
-    } else {  // by elimination, first of the normal component
+    } else {  // eliminates the normal component first
       const TangentVector over = nt / nn, rest = v.t - v.n * over;
       const TangentMatrix s = schur_complement();
       const double lower = s.mixed / s.first, second = s.second - s.mixed * lower;
@@ -130,7 +130,7 @@ struct FullDelassus {
       return {v.n / nn - dot(over, t), t};
     }
   }
-  /// W_tt - W_nt W_nt^T / W_nn: what a tangential impulse meets while v_n stays as it is.
+  /// W_tt - W_nt W_nt^T / W_nn: change of v_t by a tangential impulse at constant v_n.
   TangentMatrix schur_complement() const requires(D == 3) {
     const TangentVector over = nt / nn;
     return {tt.first - nt.first * over.first, tt.mixed - nt.first * over.second, tt.second - nt.second * over.second};
@@ -165,7 +165,7 @@ struct LinearViscous {
   /// Impulse of one contact: solves v = free_velocity + delassus r together with the law; delassus > 0.
   double impulse(double free_velocity, double delassus) const { return -free_velocity / (delassus + epsilon); }
 
-  /// The same of a contact with both components, as Coulomb::impulse.
+  /// The same with both components, as Coulomb::impulse.
   template <int D, class Delassus>
   LocalVector<D> impulse(LocalVector<D> stop, const Delassus& w, double /*friction*/) const {
     return w.soften(stop, epsilon);

@@ -8,9 +8,9 @@ namespace nscdd {
 
 /// A load on a whole packing: every grain arrives with the velocity of a homogeneous deformation about the mass centre,
 ///     V^-_i = D (x_i - x_c),   D = [ -compression_x  shear ; shear  -compression_y ],  1/s,
-/// in space with a third row and column (0, 0, -compression_z): shear stays in the planes z = const.
-/// D symmetric is no restriction: a rotation opens and closes no contact. Nor does a uniform velocity or acceleration
-/// (gravity): without walls the packing just moves. No net momentum is brought in.
+/// in space with a third row and column (0, 0, -compression_z): shear stays in the planes z = const. Symmetric D is no
+/// restriction: rotations, and uniform velocities or accelerations (gravity), open and close no contact without walls.
+/// The net momentum is 0.
 struct Loads {
   Components<double> compression;  ///< along x and y, in space along z too
   double shear = 0;
@@ -27,8 +27,7 @@ struct Loads {
   }
 };
 
-/// Throws Error naming loads.compression unless it has a rate for each direction. An empty compression fits every
-/// packing.
+/// Throws Error naming loads.compression unless it is 0 or has a rate for each direction.
 void require_fit(const Loads& loads, Index dimension);
 
 /// Velocity with which a grain arrives, imposed on it as an impact (V^-, m/s); its mass stays free.
@@ -39,7 +38,7 @@ struct PrescribedVelocity {
 
 /// The dynamics of one step in velocities V and contact impulses r ([ADI12] eqs. (1), (3)):
 ///     M V = M V^- + H r,   v = H^T V.
-/// No layer above knows the geometry, only M and H, and the centres to find grains that move as one.
+/// Higher layers know no geometry but M and H, and the centres, by which they find grains that move as one.
 struct ReferenceProblem {
   Index dimension = 2;            ///< of the bodies: 2 in the plane, 3 in space
   Index dofs_per_grain = 2;       ///< d: translations of a frictionless grain, 2 or 3; with its rotations 3 or 6
@@ -53,21 +52,21 @@ struct ReferenceProblem {
   Index contacts() const { return h.cols(); }  ///< links of the linear study: columns of H
 };
 
-/// M and H of a packing with masses and its contacts. r > 0 is compression, v > 0 separation.
-/// Grains arrive with the velocities of `loads`, those in `prescribed` with their own instead.
-/// Throws Error if masses are missing, if a prescribed grain does not exist or has no finite velocity, and if
-/// velocities or loads have not a component for each direction of the packing.
+/// M and H of a packing with masses and its contacts. r > 0 is compression, v > 0 separation. Grains arrive with the
+/// velocities of `loads`, those in `prescribed` with their own instead. Throws Error if masses are missing, a
+/// prescribed grain does not exist or has no finite velocity, or velocities or loads lack a component for each
+/// direction.
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
                           const std::vector<PrescribedVelocity>& prescribed = {}, const Loads& loads = {});
 
-/// Throws Error, which says how to give one, if no grain has an arriving velocity: all impulses would be zero.
+/// Throws Error, with advice, if no grain has an arriving velocity: all impulses would be zero.
 void require_arriving_velocity(const ReferenceProblem& problem);
 
 /// Grains that a contact acts on, ascending, read off the pattern of H.
 std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index contact);
 
-/// Scale of flexibilities: the mean over the contacts of W_nn = h_n^T M^-1 h_n, h_n their normal columns of H, 1/kg:
-/// that is 1/m_i + 1/m_j for two grains. 0 without contacts.
+/// Scale of flexibilities: mean over the contacts of W_nn = h_n^T M^-1 h_n (1/m_i + 1/m_j for two grains), with the
+/// normal columns h_n of H, 1/kg. 0 without contacts.
 double mean_normal_delassus(const ReferenceProblem& problem);
 
 /// M^-1/2 H: its Gram matrix is the Delassus operator W = H^T M^-1 H, its rank that of W.
