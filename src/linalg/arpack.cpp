@@ -15,7 +15,7 @@ constexpr double share_of_fixed_vector = 0.001;
 
 std::mutex one_call_at_a_time;  // ARPACK's Fortran SAVE variables are shared by the whole process
 
-// Reproducible start: the same vector for the same size, with a component along every mode of practice.
+// The same vector for the same size, with a component along every eigenvector of practice.
 Vector start_vector(Index n) {
   Vector v(n);
   std::uint64_t state = 0x9e3779b97f4a7c15ULL;
@@ -36,8 +36,7 @@ a_int checked_size(Index n, Index basis) {
   return static_cast<a_int>(n);
 }
 
-// One reverse-communication run, the only one in the process, with ARPACK's own names. Mode 2 is for symmetric
-// problems.
+// A reverse-communication run, in ARPACK's names; no other runs at the same time. Mode 2 is for symmetric problems.
 struct Workspace {
   OneBlasThread serial_blas;
   a_int n, nev, ncv;
@@ -106,7 +105,7 @@ LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const Lin
 
 ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options, double unit_tolerance) {
   ArnoldiResult result;
-  // Six wanted: neighbours of the dominant one converge with it, and a pair cut at the edge does no harm.
+  // With six wanted, a complex pair cut at the last one does no harm.
   Workspace w(n, std::min<Index>(6, n - 3), options, 1);
   while (true) {
     arpack::naupd(w.ido, arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev, options.tolerance,
@@ -127,7 +126,7 @@ ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options,
                 options.tolerance, w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(),
                 w.workl.data(), w.lworkl, status);
   if (status != 0) return result;
-  // A complex pair stands in two columns: the real part of its vector, then the imaginary part.
+  // A complex pair has two columns: the real part of its vector, then the imaginary part.
   const Index found = w.iparam[4];
   Index best = -1;
   for (Index k = 0; k < found; ++k) {

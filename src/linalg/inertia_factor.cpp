@@ -3,6 +3,7 @@
 #include <nscdd/linalg/inertia_factor.hpp>
 
 namespace nscdd {
+
 InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern) {
   const auto spread = [n = pattern.lower.rows()](const Vector& g) {
     Vector x = Vector::Zero(n);

@@ -23,10 +23,10 @@ struct LanczosResult {
 
 enum class SpectrumEnd { smallest, largest };
 
-/// Implicitly restarted Lanczos (ARPACK dsaupd, mode 2) in the inner product of M. `a`, `m`, `m_inverse`: x -> A x, M
-/// x, M^-1 x, A symmetric, M symmetric positive definite. `start`: initial vector, such as that of a neighbouring
-/// problem; empty for a fixed vector, a thousandth of which is added to any other, to escape a wrong eigenvector. Equal
-/// calls give equal bits. Calls wait for each other (static memory). Throws Error for n < 5.
+/// Implicitly restarted Lanczos (ARPACK dsaupd, mode 2) in the inner product of M. `a`, `m`, `m_inverse`: x -> A x,
+/// M x, M^-1 x, A symmetric, M symmetric positive definite. `start`: initial vector, such as that of a neighbouring
+/// problem, plus a thousandth of a fixed vector, to escape a wrong eigenvector; if empty, the fixed vector. Equal calls
+/// give equal bits. Calls wait for each other (static memory). Throws Error for n < 5.
 LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse, SpectrumEnd end,
                       const ArpackOptions& options = {}, const Vector& start = {});
 
@@ -40,11 +40,11 @@ struct ArnoldiResult {
 };
 
 /// Implicitly restarted Arnoldi (ARPACK dnaupd, mode 1) for the eigenvalue of largest modulus, n >= 5. Several
-/// eigenvalues are computed, so that a complex pair is never split; those nearer to 1 than `unit_tolerance` are skipped
-/// (not converged if all of them are). Fixed start vector.
+/// eigenvalues are computed, so that a complex pair is never split; those nearer to 1 than `unit_tolerance` are
+/// skipped; not converged if all of them are. The start vector is fixed.
 ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options = {}, double unit_tolerance = 0);
 
-/// Stopping criteria: a run stops at the first step at which every wanted eigenvalue meets one of the two accuracies.
+/// Stopping criteria: a run stops once every wanted eigenvalue meets one of the two accuracies.
 struct ShiftInvertOptions {
   Index maximum_steps = 300;  ///< Krylov vectors, cut to the size of the problem
   double tolerance = 1e-12;   ///< residual of nu = 1 / (lambda - sigma), relative to nu
@@ -71,12 +71,12 @@ struct ShiftedProblem {
   double sigma;
 };
 
-/// Shift-inverted Lanczos in the inner product of M, every vector orthogonalised against all others, without restarts.
-/// `end` = smallest looks above the shift, where the smallest eigenvalues lie if none is below it; largest looks below.
-/// `start`: where the iteration starts, such as the vector of a neighbouring problem; empty for a fixed vector, a tenth
-/// of which is added to any other, so that the run can leave a wrong eigenvector. `locked`: M-orthonormal eigenvectors
-/// to stay orthogonal to, size x l: from one start Lanczos sees one copy of a multiple eigenvalue, and the others come
-/// one by one as their predecessors are locked. Equal calls give equal bits. Throws Error for a size < 5.
+/// Shift-inverted Lanczos in the inner product of M, with full orthogonalisation, without restarts. `end` = smallest
+/// looks above the shift, where the smallest eigenvalues lie if none is below it; largest looks below. `start`: initial
+/// vector, such as that of a neighbouring problem, plus a tenth of a fixed vector, to escape a wrong eigenvector; if
+/// empty, the fixed vector. `locked`: M-orthonormal eigenvectors to stay orthogonal to, size x l: a run finds one copy
+/// of a multiple eigenvalue, further runs the others, one by one, once the found ones are locked. Equal calls give
+/// equal bits. Throws Error for a size < 5.
 ShiftInvertResult shift_invert_lanczos(const ShiftedProblem& problem, SpectrumEnd end, Index wanted,
                                        const ShiftInvertOptions& options = {}, const Vector& start = {},
                                        const Matrix& locked = {});
@@ -104,9 +104,8 @@ IteratedSolution conjugate_gradients(const LinearMap& a, const LinearMap& p_inve
 IteratedSolution generalised_minimal_residuals(const LinearMap& a, const LinearMap& p_inverse, const Vector& b,
                                                const IterationLimits& limits = {});
 
-/// Predicted iterations of GMRES on a normal matrix with these eigenvalues, every eigenvector having the same weight in
-/// the right-hand side. (For a symmetric matrix conjugate gradients take as many, to within a few.) Complex pairs are
-/// adjacent.
+/// Predicted iterations of GMRES on a normal matrix with these eigenvalues, if all eigenvectors have the same weight in
+/// the right-hand side; nearly as many as of conjugate gradients if it is symmetric. Complex pairs are adjacent.
 Index predicted_iterations(const Eigen::VectorXcd& eigenvalues, const IterationLimits& limits = {});
 
 }  // namespace nscdd

@@ -30,8 +30,7 @@ LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolera
   return {x.head(a.cols()), rank};
 }
 
-// Conjugate gradients on A^T A x = A^T b. Once A^T (b - A x) is rounding, further steps only grow the kernel component:
-// the x with the smallest of these residuals is kept, and the iteration ends when it no longer improves.
+// Once A^T (b - A x) is rounding, further steps only add components in the kernel: the best x is kept.
 Vector minimum_norm_least_squares(const SparseMatrix& a, const Vector& b) {
   Vector x = Vector::Zero(a.cols()), best = x;
   double longest = 0;

@@ -81,7 +81,7 @@ IteratedSolution generalised_minimal_residuals(const LinearMap& a, const LinearM
     result.x += parts[at(k)] * directions[at(k)];
   }
   result.converged = result.residual <= limits.tolerance;
-  // All diagonal entries of the triangle are positive, and the last turn is not one of that square matrix.
+  // All diagonal entries of the triangle are positive, and the square matrix does not contain the last turn.
   result.determinant_sign = !turns.empty() && turns.back()[0] < 0 ? -1 : 1;
   return result;
 }

@@ -18,7 +18,7 @@ inline Moebius over_minus_one(double factor, const Moebius& m) {
   return {factor * m.c - m.a, factor * m.d - m.b, m.a, m.b};
 }
 
-/// Positive roots of a x^2 + b x + c. Rounding may lose or move a root; bounds stay valid then.
+/// Positive roots of a x^2 + b x + c. Rounding may lose or move a root; bounds of the radius stay valid then.
 inline std::vector<double> positive_roots(double a, double b, double c) {
   const double discriminant = b * b - 4 * a * c;
   if (!(discriminant >= 0)) return {};

@@ -3,9 +3,6 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <functional>
-#include <string_view>
-
 namespace nscdd {
 
 /// Both ends of the spectrum of a symmetric definite pencil, A x = lambda P x.
@@ -13,18 +10,17 @@ struct PencilEnds {
   std::string_view failure = {};     ///< reason for missing eigenvalues, else empty
   Vector low, high;                  ///< k eigenvalues from each end inwards: ascending, descending
   Matrix low_vectors, high_vectors;  ///< n x k, their eigenvectors, x^T P x = 1
-  /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs: an eigenvalue lies within this distance of each
-  /// value.
+  /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs. An eigenvalue lies this near to each value.
   double residual = not_a_number;
 };
 
 /// Ends of the spectrum of (A, P), A n x n symmetric, P n x n symmetric positive definite, n >= 1 (LAPACK):
-/// tridiagonalisation of L^-1 A L^-T with P = L L^T, bisection (Sturm counts) and inverse iteration for the
-/// k = min(wanted, n) eigenvalues of each end. If these two fail, as they may if many eigenvalues are equal, the QR
-/// iteration computes all eigenvalues. Fails if P has no Cholesky factor in double precision.
+/// tridiagonalisation of L^-1 A L^-T with P = L L^T, bisection and inverse iteration for the k = min(wanted, n)
+/// eigenvalues of each end, or QR iteration for all if these fail, as they may if many eigenvalues are equal. Fails if
+/// P has no Cholesky factor in double precision.
 PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted = 1);
 
-/// Largest residual of such pairs for another pencil, P = L L^T given by its factor.
+/// Largest residual of such pairs for any pencil, P = L L^T.
 double pair_residual(const Matrix& a, const Matrix& p, const Matrix& lower, const Vector& values,
                      const Matrix& vectors);
 
@@ -35,19 +31,18 @@ struct ValuesAndVectors {
 };
 enum class Eigenvectors { wanted, not_wanted };
 
-/// All eigenvalues of a symmetric matrix, and its eigenvectors if they are wanted. The values are NaN if the QR
-/// iteration fails. Eigen's decompositions are slow to compile: only this file does.
+/// All eigenvalues of a symmetric matrix, and its eigenvectors if wanted. The values are NaN if the QR iteration fails.
+/// (Eigen's decompositions are slow to compile, so only this source does.)
 ValuesAndVectors symmetric_eigen(const Matrix& a, Eigenvectors vectors = Eigenvectors::wanted);
-/// The same of a tridiagonal matrix, given by its diagonal and the line below it.
+/// The same for a tridiagonal matrix, given by its diagonal and subdiagonal.
 ValuesAndVectors tridiagonal_eigen(const Vector& diagonal, const Vector& below);
 
 /// The n singular values of an n x c matrix, with n - c zeros if c < n, and its left singular vectors (LAPACK dgesdd,
-/// or dgesvd if that fails). Unlike eigenvalues of A A^T, small values and their spaces keep
-/// their digits. There are no values if both fail.
+/// or dgesvd if that fails; no values if both fail). Unlike by eigenvalues of A A^T, small values keep their digits.
 ValuesAndVectors left_singular(Matrix a);
 
-/// All eigenvalues of a general square matrix, n >= 1, and optionally its eigenvectors (LAPACK). There are no values if
-/// the iteration fails.
+/// All eigenvalues of a general square matrix, n >= 1, and optionally its eigenvectors (LAPACK); no values if the
+/// iteration fails.
 struct GeneralEigen {
   Eigen::VectorXcd values;
   Matrix packed;  ///< a column per real eigenvalue; real and imaginary part for the two of a pair, the upper one first
@@ -69,7 +64,7 @@ struct KernelSplit {
   Matrix range;   ///< n x (n - m)
 };
 
-/// Splits R^n by such a matrix of known nullity: the kernel is the space of its `nullity` smallest eigenvalues.
+/// The kernel is the space of the `nullity` smallest eigenvalues.
 KernelSplit split_kernel(const Matrix& s, Index nullity);
 
 }  // namespace nscdd

@@ -19,7 +19,7 @@ constexpr double reliable = 1e-2;
 constexpr Index dense_limit = 1500;  // columns up to which a dense spectrum decides if no factors do
 constexpr double margin = 0.3;       // of the square of the tolerance, for a clear rank
 constexpr int most_refinements = 20;
-constexpr double refined = 1e-15;      // of the projected vector: below, corrections are rounding
+constexpr double refined = 1e-15;      // smaller corrections of the projected vector are rounding
 constexpr double blurred = 1e-3;       // tau for choosing columns
 constexpr double faint = 1e-6;         // tau for parts outside their span
 constexpr double clearly_apart = 0.1;  // from the span of others
@@ -63,7 +63,7 @@ SparseMatrix with_unit_columns(SparseMatrix a) {
 
 SymmetricFactor faint_factor(const SparseMatrix& b) { return saddle_point_factor(b, -faint * faint); }
 
-// The largest singular value of a map, from below, by the power method from a random vector.
+// Lower bound of the largest singular value of a map, by the power method from a random vector.
 double norm_of(const LinearMap& map, const LinearMap& transposed, Index columns) {
   Vector y = RandomStream(2).normal_vector(columns).normalized();
   double norm = 0;
@@ -79,16 +79,15 @@ double norm_of(const LinearMap& map, const LinearMap& transposed, Index columns)
   return norm;
 }
 
-// The columns of `others` that add most to the span of the columns `taken`, as many as wanted, in order, each with its
-// approximate distance from the span of all before it.
+// The columns of `others` that add most to the span of the columns `taken`, in order, each with its approximate
+// distance from the span of all before it.
 struct Additions {
   std::vector<Index> order;
   Vector distance;
 };
 
-// Random vectors orthogonal to that span sample its complement: Q R with column exchanges on their products with
-// `others` ranks the columns. Of m random vectors, k of which earlier columns have used, the others see a distance d as
-// d sqrt(m - k).
+// Random vectors orthogonal to that span sample its complement: Q R with column exchanges of their products with
+// `others` ranks the columns. After k of m random vectors are used, a distance d appears as d sqrt(m - k).
 Additions additions(const SparseMatrix& taken, const SparseMatrix& others, Index wanted) {
   const SymmetricFactor factor = faint_factor(taken);
   if (!factor.regular()) return {};
@@ -111,12 +110,12 @@ Additions additions(const SparseMatrix& taken, const SparseMatrix& others, Index
 
 struct ChosenBasis {
   RangeBasis basis;
-  std::optional<Complement> complement;  // none if the basis is not conclusive, or has no columns
+  std::optional<Complement> complement;  // empty if the basis is not conclusive, or has no columns
 };
 
 // Columns are taken in three rounds.
 // 1. The pivot of column j in [I B; B^T -tau^2 I] is -(tau^2 + d_j^2), d_j its distance from the span of the columns
-//    before it (short of directions that these have by less than tau). All columns that are clearly apart are taken.
+//    before it (without directions below tau). All columns that are clearly apart are taken.
 // 2. Of the others those that add most, as long as they clearly add something.
 // 3. For the missing directions, the parts of columns outside the span of all columns taken.
 // With the columns of B in the order [B_1 B_2], B_1 independent, the space of the singular values that count is tilted
@@ -198,8 +197,8 @@ CountedRank::CountedRank(const SparseMatrix& a, double tolerance)
   conclusive = false;
 }
 
-// The pivots of dependent columns are as small as tolerance^2. The reliability of their signs is estimated by solving
-// for known coefficients, one for each column.
+// The pivots of dependent columns are as small as tolerance^2. A solve for known coefficients, one per column,
+// estimates whether their signs are reliable.
 bool CountedRank::exact_enough(const SparseMatrix& matrix) const {
   Vector x = Vector::Zero(matrix.rows());
   for (Index j = 0; j < b.cols(); ++j) x[b.rows() + j] = std::cos(1.0 + 0.7 * static_cast<double>(j));

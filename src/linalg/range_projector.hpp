@@ -5,19 +5,18 @@
 
 namespace nscdd {
 
-/// Factorisation of  [I B; B^T D],  D = `diagonal` I. The multiplier of a column of B is eliminated with the last row
-/// that it ties.
+/// Factorisation of  [I B; B^T D],  D = `diagonal` I, each multiplier with the last row of B that it ties.
 SymmetricFactor saddle_point_factor(const SparseMatrix& b, double diagonal);
 
-/// Tolerance of a rank: smaller singular values of a matrix with unit columns count as zero.
+/// Singular values of a matrix with unit columns below this count as zero.
 inline constexpr double rank_tolerance = 1e-6;
 
 /// The rank of a sparse matrix A by inertia. With B the columns of A scaled to unit length, those that are zero left
 /// out, the factorisation
 ///     [ I    B              ]
 ///     [ B^T  tolerance^2 I  ]  =  L D L^T
-/// has as many negative eigenvalues as B^T B has eigenvalues above tolerance^2. Sparse QR without column exchanges,
-/// such as SuiteSparseQR, finds too large a rank for lattices of a few thousand disks.
+/// has as many negative eigenvalues as B^T B has eigenvalues above tolerance^2. (Sparse QR without column exchanges,
+/// such as SuiteSparseQR, finds too large a rank for lattices of a few thousand disks.)
 struct CountedRank {
   explicit CountedRank(const SparseMatrix& a, double tolerance = rank_tolerance);
 
@@ -26,8 +25,7 @@ struct CountedRank {
   std::optional<SymmetricAnalysis> analysis;  ///< of the saddle point, as `factor`; none if B has no columns
   std::optional<SymmetricFactor> factor;
   Index value = 0;
-  /// False unless two reliable factorisations, with tolerances near the requested one, agree on the rank. The rank is
-  /// then the last one counted.
+  /// Two reliable factorisations, with tolerances near the requested one, agree on the rank; else it is the last count.
   bool conclusive = true;
   /// False if B has a singular value between 0.55 and 1.8 times the tolerance.
   bool clear = true;
@@ -36,14 +34,12 @@ struct CountedRank {
   bool exact_enough(const SparseMatrix& matrix) const;
 };
 
-/// The rank of a matrix, and whether it is clear (CountedRank).
 struct MatrixRank {
   Index value = 0;
-  bool clear = true;
+  bool clear = true;  ///< see CountedRank
 };
 
-/// Rank of a sparse matrix by such a factorisation or, if that is not conclusive, by the dense spectrum of B^T B for up
-/// to 1 500 columns.
+/// Rank by CountedRank or, if that is not conclusive, by the dense spectrum of B^T B for up to 1 500 columns.
 MatrixRank sparse_rank(const SparseMatrix& a, double tolerance = rank_tolerance);
 
 /// A well-conditioned basis of the range of a matrix.
@@ -51,8 +47,8 @@ struct RangeBasis {
   std::vector<Index> columns;  ///< of the matrix, ascending
   Matrix others;               ///< rows x k, orthonormal: the rest of the range, nearly orthogonal to these columns
   bool conclusive = true;      ///< false if the range is uncertain, or its rank not clear (CountedRank)
-  /// Estimated sine of the angle between the span of the basis and the space of the singular values that count:
-  /// rounding over the smallest of these, unless nonzero singular values count as zero. 0 if not measured.
+  /// Estimated sine of the angle between the span of the basis and the space of the nonzero singular values: rounding
+  /// over the smallest of these, or more if others count as zero. 0 if not measured.
   double tilt = 0;
 
   Index size() const { return count(columns) + others.cols(); }
@@ -71,7 +67,7 @@ class Complement {
   bool regular() const { return factor_.regular(); }
   void leave_out(const Vector& unit);  ///< adds a unit direction orthogonal to the span
   const Matrix& others() const { return others_; }
-  /// The part of x orthogonal to all of them: v of [I B; B^T 0] [v; r] = [x; 0] by iterative refinement.
+  /// The part of x orthogonal to the span: v of [I B; B^T 0] [v; r] = [x; 0] by iterative refinement.
   Vector apply(const Vector& x) const;
   double pseudo_inverse_norm() const;  ///< 1 over the smallest singular value of B, by the power method
 
@@ -81,8 +77,7 @@ class Complement {
   Matrix others_;
 };
 
-/// Orthogonal projector onto the range of a sparse matrix A (any shape, rank 0 and no columns included), by a basis of
-/// the range if its columns are dependent.
+/// Orthogonal projector onto the range of a sparse matrix A of any shape and rank.
 class RangeProjector {
  public:
   explicit RangeProjector(const SparseMatrix& a, double tolerance = rank_tolerance, Tilt tilt = Tilt::not_measured);

@@ -13,7 +13,7 @@ struct LinearFit {
   double slope_error = 0;  ///< standard error of the slope
 };
 
-/// Fits a line to at least three points; x and y have the same length. Throws Error for fewer.
+/// Fits a line to points x, y of the same number. Throws Error for fewer than three.
 LinearFit linear_fit(std::span<const double> x, std::span<const double> y);
 
 /// Result of a scalar search.
@@ -27,12 +27,10 @@ struct ScalarSearch {
 ScalarSearch find_root(const std::function<double(double)>& f, double a, double b, double tolerance);
 
 /// Integral of f from a to b by adaptive Gauss-Kronrod rules of 21 points (GSL), to an estimated error of
-/// max(absolute, 10^-12 x the integral). f may have kinks, and is not called at a or b. Throws Error if it is not
-/// reached.
+/// max(absolute, 10^-12 x the integral); throws Error for a larger one. f may have kinks, and is not called at a or b.
 double integral(const std::function<double(double)>& f, double a, double b, double absolute);
 
-/// Minimum of f between a and b by Brent's method (GSL), given an inner point m with f(m) below both ends.
-/// Throws Error if (a, m, b) does not bracket a minimum.
+/// Minimum of f between a and b by Brent's method (GSL), with f(m) below f(a) and f(b). Throws Error for other m.
 ScalarSearch find_minimum(const std::function<double(double)>& f, double a, double m, double b, double tolerance);
 
 }  // namespace nscdd

@@ -9,10 +9,10 @@ namespace nscdd {
 namespace {
 
 constexpr double share_of_fixed_vector = 0.1;
-constexpr double breakdown = 1e-14;  // a new direction counts if it is longer than this times the image it comes from
-constexpr Index first_estimate = 3;  // steps before the gaps of Ritz values are meaningful
-constexpr Index every_step = 40;     // steps that each check convergence; later every tenth does
-constexpr std::uint64_t fixed_seed = 12;  // of the fixed vector and of those that follow a breakdown
+constexpr double breakdown = 1e-14;       // least length of a new direction, relative to its image
+constexpr Index first_estimate = 3;       // steps before the gaps of Ritz values are meaningful
+constexpr Index every_step = 40;          // steps that each check convergence; later every tenth does
+constexpr std::uint64_t fixed_seed = 12;  // of the fixed vector and of those after a breakdown
 
 // M-orthonormal basis with its images, orthogonal to the locked vectors as well.
 class Basis {
@@ -22,7 +22,7 @@ class Basis {
     for (Index k = 0; k < locked.cols(); ++k) locked_image_.col(k) = m(locked.col(k));
   }
 
-  // Appends the part of w orthogonal to the basis, if there is room; returns its length, 0 if w has none.
+  // Appends the part of w orthogonal to the basis, if there is room; returns its length, 0 if it is rounding.
   double append(Vector w) {
     double old = 0;
     for (int pass = 0; pass < 2; ++pass) {  // twice is enough
@@ -109,7 +109,7 @@ ShiftInvertResult shift_invert_lanczos(const ShiftedProblem& problem, SpectrumEn
   if (n < arpack_smallest_size) fail("Lanczos: expected a problem of size >= {}, met {}", arpack_smallest_size, n);
   ShiftInvertResult result;
   const Index capacity = std::min(n - locked.cols(), std::max(options.maximum_steps, wanted + 1));
-  // With multiple eigenvalues, the runs before have exhausted the span of their random vectors.
+  // A multiple eigenvalue needs new random vectors in each run.
   RandomStream random(fixed_seed + static_cast<std::uint64_t>(locked.cols()));
   Basis basis(n, capacity, problem.m, locked);
   Vector first = random.normal_vector(n);

@@ -31,7 +31,7 @@ struct CholmodFactor {
   CholmodFactor(const CholmodFactor&) = delete;
   CholmodFactor& operator=(const CholmodFactor&) = delete;
 
-  // Throws std::bad_alloc if the last call ran out of memory or gave no result.
+  // Throws std::bad_alloc if the last call ran out of memory or returned no result.
   void require_memory(bool result) const {
     if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE || !result) throw std::bad_alloc();
   }
@@ -77,7 +77,7 @@ CholeskyAnalysis::CholeskyAnalysis(const SparseMatrix& pattern) {
       if (e.row() != j) graph.neighbours.push_back(static_cast<int>(e.row()));
     graph.start.push_back(static_cast<int>(graph.neighbours.size()));
   }
-  // The best for the planar networks of grains. CHOLMOD would not see that METIS failed, and lose a signal.
+  // METIS is best for planar networks of grains. CHOLMOD would not see METIS fail, and would lose a signal.
   std::vector<int> order = nested_dissection(std::move(graph), {}, -1);
   const auto symbolic = std::make_shared<CholmodFactor>();
   cholmod_sparse a = view(pattern);

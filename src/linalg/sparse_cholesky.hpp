@@ -14,7 +14,7 @@ class CholeskyAnalysis {
   /// `pattern`: n x n symmetric, n >= 1, lower triangle read, values ignored.
   explicit CholeskyAnalysis(const SparseMatrix& pattern);
 
-  /// Bytes that CHOLMOD allocates at most while it factorises a matrix of this pattern, its factor among them.
+  /// Largest number of bytes that CHOLMOD allocates to factorise a matrix of this pattern, its factor included.
   double bytes_at_once(const SparseMatrix& a) const;
 
  private:
@@ -22,8 +22,8 @@ class CholeskyAnalysis {
   std::shared_ptr<const CholmodFactor> symbolic_;
 };
 
-/// A = L L^T (up to a permutation) of a sparse symmetric positive definite matrix. One that is not so numerically is no
-/// error: `positive_definite()` is false and `solve` must not be called. Solving is safe from one thread at a time.
+/// A = L L^T (up to a permutation) of a sparse symmetric positive definite matrix. If it is not so numerically,
+/// `positive_definite()` is false and `solve` must not be called. Solve from one thread at a time.
 class SparseCholesky {
  public:
   /// Throws Error before any work if the factor does not fit into memory (require_memory).
@@ -49,7 +49,7 @@ struct Graph {
 /// Throws std::bad_alloc if memory runs out.
 std::vector<int> nested_dissection(Graph graph, std::vector<int> weight, int seed);
 
-/// Runs of columns of a Cholesky factor with the same rows below them. A "position" is a place in their order.
+/// Runs of columns of a Cholesky factor with equal rows below them. A "position" is a place in their order.
 struct Supernodes {
   std::vector<int> node;          ///< at each position, the row of the matrix
   std::vector<int> first_column;  ///< supernode s eliminates positions first_column[s] ... first_column[s + 1] - 1
@@ -58,13 +58,13 @@ struct Supernodes {
   Index size() const { return count(first_column) - 1; }
 };
 
-/// Largest numbers of columns for merging a supernode with its parent: for any zeros this stores, for at most 80 % of
-/// zeros, and for at most 10 %. CHOLMOD's own numbers.
+/// Largest numbers of columns of a supernode to be merged with its parent, with any number of zeros stored, with at
+/// most 80 % of zeros, and with at most 10 %. The defaults are those of CHOLMOD.
 using MergedColumns = std::array<std::size_t, 3>;
 constexpr MergedColumns usually_merged{4, 16, 48};
 
-/// The supernodes of a pattern, given as for CholeskyAnalysis, n >= 1, that is eliminated in this order, apart from
-/// those that are put together. Throws std::bad_alloc if memory runs out.
+/// The supernodes of a pattern as for CholeskyAnalysis, n >= 1, eliminated in this order up to merging. Throws
+/// std::bad_alloc if memory runs out.
 Supernodes supernodes(const SparseMatrix& pattern, std::vector<int> order,
                       const MergedColumns& merged = usually_merged);
 

@@ -52,7 +52,7 @@ void for_each_in_parallel(Index n, const std::function<void(Index)>& work) {
 
 int metis_status(const std::function<int()>& call) {
   static std::mutex one_at_a_time;
-  alignas(8) char numbers[128];  // of the size the C library begins with
+  alignas(8) char numbers[128];  // the default size of the C library
   std::unique_lock lock(one_at_a_time);
   char* const before = initstate(1, numbers, sizeof numbers);
   int status = call();

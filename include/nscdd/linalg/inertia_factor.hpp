@@ -6,10 +6,10 @@
 namespace nscdd {
 
 /// A = L D L^T, up to a permutation, of a sparse symmetric n x n matrix: by Sylvester's law of inertia D has as many
-/// negative eigenvalues as A. Most solutions are wanted on the last m rows only, the border; E = [0; I], n x m.
+/// negative eigenvalues as A. Most solutions are wanted only on the border, the last m rows; E = [0; I], n x m.
 ///
-/// If several ranks share a matrix, each holds the lower triangle of its part: its own rows, and the border, which is
-/// common to all. A is the sum of the parts. Vectors have the own rows and the whole border.
+/// If ranks share a matrix, A is the sum of their parts. Each rank holds the lower triangle of its part: its own rows
+/// and the border, which is common to all. Vectors have the own rows and the whole border.
 struct InertiaFactor {
   using Solve = std::function<Vector(const Vector&)>;
   bool regular = false;            ///< false if the factorisation broke down; other members are then invalid
@@ -23,32 +23,31 @@ struct InertiaFactor {
 /// Pattern of a family of matrices, factorised one after the other.
 struct InertiaPattern {
   SparseMatrix lower;  ///< n x n, lower triangle, values ignored
-  /// For each row the number of its group, 0 ... groups - 1, or -1: any group that the row touches, preferably one with
+  /// Number of the group of each row, 0 ... groups - 1, or -1: any group that the row touches, preferably one with
   /// interior rows. Rows of a group should be eliminated together: a multiplier of a saddle point belongs with the rows
   /// it ties, unless their block is definite. Groups of border rows only may be eliminated after all others, which
   /// keeps the border small.
   std::vector<Index> group;
-  Index border = 0;  ///< m, the number of the last rows; all rows apart from their groups are the interior
+  Index border = 0;  ///< m; rows outside the groups of the border are the interior
 };
 
-/// Factorisations of the matrices of one pattern.
 struct InertiaFamily {
-  /// Factorises the matrix with this lower triangle. With equal `parameters` the interior is the same and may be kept.
+  /// Factorises the matrix with this lower triangle. Matrices with equal `parameters` have equal interiors.
   std::function<InertiaFactor(const SparseMatrix& lower, const std::array<double, 2>& parameters)> factorise;
   std::function<void()> release;  ///< frees the interior
 };
 
-/// A factorisation method, as a record of functions: our own or another.
+/// A factorisation method, as a record of functions.
 struct InertiaMethod {
   std::string name;
   std::function<InertiaFamily(const InertiaPattern&)> analyse;
 };
 
-/// Our multifrontal factorisation (src/linalg/multifrontal/README.md). It keeps the interior, and solves on the border
-/// without visiting it. The bits do not depend on the number of threads. `work`: counts its operations.
+/// Our multifrontal factorisation (src/linalg/multifrontal/README.md). It keeps the factored interior, and skips it in
+/// solves on the border. The bits do not depend on the number of threads. `work`: counts its operations.
 InertiaMethod multifrontal(std::shared_ptr<WorkCount> work = std::make_shared<WorkCount>());
 
-/// A factor that solves from, to and on the border by whole solves, for methods without such a shortcut.
+/// A factor that solves from, to and on the border by whole solves.
 InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern);
 
 /// Error of a factor: ||d|| / ||x|| on the border, where x = A^-1 E 1 by the factor and d is the correction of one step
@@ -56,11 +55,11 @@ InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve
 double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index border,
                    const Processes& processes = {});
 
-/// Inexactness below which an inertia and solutions are used.
+/// Inexactness below which the inertia and solutions of a factor are used.
 inline constexpr double reliable_inexactness = 1e-3;
 
-/// Factorises with `first`. If that factor is not regular or not reliable, returns the more exact one of it and that of
-/// `second`.
+/// Factorises with `first` and, if that factor is not regular or not reliable, with `second`; returns the more exact
+/// one.
 InertiaMethod first_reliable(InertiaMethod first, InertiaMethod second);
 
 /// Settings of ARPACK, the matrix-free solver of eigenvalue problems, which factorises nothing.

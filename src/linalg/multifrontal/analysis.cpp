@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/multifrontal/analysis.hpp"
 
-#include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 
 namespace nscdd {
@@ -60,7 +59,7 @@ struct RowGroups {
     for (Index k = 0; k < groups; ++k) position_of[at(nodes.node[at(k)])] = k;
     for (Index s = 0; s < nodes.size(); ++s)
       for (int k = nodes.first_column[at(s)]; k < nodes.first_column[at(s + 1)]; ++k) supernode[at(k)] = s;
-    // What comes behind the dissection takes such a row only if it touches nothing else.
+    // Groups behind the dissection take a row without a group only if it touches no other.
     const auto behind = [&](Index g) {
       return std::ranges::any_of(std::array{&flags.last, &flags.kept},
                                  [&](const auto* marked) { return !marked->empty() && (*marked)[at(g)] != 0; });
@@ -87,7 +86,6 @@ struct RowGroups {
   std::vector<Index> position_of;         // of a group
 };
 
-// One front for each supernode.
 void lay_out_fronts(FrontTree& tree, const Supernodes& nodes, const RowGroups& groups) {
   tree.fronts.resize(at(nodes.size()));
   for (Index s = 0; s < nodes.size(); ++s) {
@@ -136,7 +134,7 @@ void share_out_entries(FrontTree& tree, const SparseMatrix& pattern, const RowGr
   for_front_entries([&](Front& front, const FrontEntry& entry) { tree.entries[at(front.last_entry++)] = entry; });
 }
 
-// From rows of the matrix to places in a front, for its entries and for the updates of its children.
+// Replaces rows of the matrix by places in a front, for its entries and for the updates of its children.
 void place_rows(FrontTree& tree, const RowGroups& groups) {
   tree.place_in_parent.assign(tree.row_of.size(), -1);
   std::vector<int> first(groups.supernode.size(), 0);  // place of the first row of a group, by position

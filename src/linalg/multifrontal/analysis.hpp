@@ -13,14 +13,14 @@ struct Front {
   Index rows = 0, pivots = 0;
   Index parent = -1;
   Index first_entry = 0, last_entry = 0;  ///< its entries of the matrix: first_entry ... last_entry - 1
-  std::vector<Index> panels;              ///< ends of the panels of pivot columns, the last one being `pivots`
+  std::vector<Index> panels;              ///< ends of the panels of pivot columns, the last one is `pivots`
   std::vector<Index> children;            ///< ascending
   double subtree_flops = 0;               ///< of the front and all below it
   bool on_border = false;                 ///< on the path from a border row to the root
   Index update_rows() const { return rows - pivots; }
 };
 
-/// Cuts the pivots of a front into panels. A panel ends where a group ends.
+/// Cuts the pivots of a front into panels, at the ends of groups.
 std::vector<Index> cut_panels(const std::vector<Index>& group_ends);
 
 /// An entry of the matrix put into a front.
@@ -29,10 +29,10 @@ struct FrontEntry {
   int row = 0, column = 0;  ///< in the front, row >= column
 };
 
-/// Over which fronts a walk goes.
+/// Fronts of a walk.
 enum class Fronts {
   all,
-  border,  ///< those on the way from a border row to the root
+  border,  ///< on the path from a border row to the root
 };
 
 /// The elimination tree, and walks over it in parallel over subtrees with enough work for a task.
@@ -75,13 +75,13 @@ struct FrontTree {
     for_roots(which, [&](Index root) { down(root, which, visit); });
   }
 
-  /// Whether the subtrees of its children are tasks of their own.
+  /// Whether the subtrees of its children are separate tasks.
   bool in_parallel(const Front& front) const {
     return front.subtree_flops >= parallel_subtree_flops && front.children.size() >= 2;
   }
 
  private:
-  static constexpr double parallel_subtree_flops = 2e6;  // below, a task costs more than it brings
+  static constexpr double parallel_subtree_flops = 2e6;  // below, a task costs more than it saves
 
   template <class Visit>
   void for_roots(Fronts which, const Visit& visit) const {
@@ -105,7 +105,7 @@ struct FrontTree {
   }
 };
 
-/// What the interior and the border of a matrix take: additions and multiplications of the elimination, and entries of
+/// Work on the interior and the border of a matrix: additions and multiplications of the elimination, and entries of
 /// the factor, each of which a triangular solve multiplies and adds once.
 struct EliminationWork {
   double interior_flops = 0, interior_entries = 0, border_flops = 0, border_entries = 0;
@@ -114,22 +114,23 @@ struct EliminationWork {
   double solve_flops(Fronts up, Fronts down) const;
 };
 
-/// The same of one dense front on the border.
+/// The work of one dense front on the border.
 EliminationWork work_of_front(Index eliminated, Index others);
 
 /// Elimination order and fronts of one sparsity pattern, for every matrix that has it: nested dissection (METIS) of the
 /// graph of row groups, supernodes of the groups (CHOLMOD).
 class SymmetricAnalysis {
  public:
-  /// `pattern`: n x n symmetric, lower triangle stored, values ignored. `group`: for each row the number of its group,
-  /// 0 ... groups - 1. Rows of a group are eliminated together, so that pivots can be chosen among them: a multiplier
-  /// of a saddle point belongs with what it ties. -1 puts a row with the last of the groups that it touches, one at
-  /// least; by then all that the row ties can serve as its pivot. Groups that come last, or are kept, take such a row
-  /// only if it touches no other. Groups that come last make `SymmetricFactor::inverse_block` on their rows cheap; only
-  /// groups of the border may be kept. `border`: rows on which solutions are wanted. The matrices of a family may
-  /// differ between two rows of groups of the border only; fronts on no way from a border row to the root then serve
-  /// the whole family, see SymmetricInterior. `merged`: of groups, see supernodes. Throws std::bad_alloc if the
-  /// libraries run out of memory.
+  /// `pattern`: n x n symmetric, lower triangle stored, values ignored.
+  /// `group`: the number of the group of each row, 0 ... groups - 1. Rows of a group are eliminated together, so that
+  /// pivots can be chosen among them: a multiplier of a saddle point belongs with the rows it ties. A row with -1 joins
+  /// the last group that it touches, so that all rows it ties can be its pivot; it must touch one. Groups that are last
+  /// or kept take such a row only if it touches no other.
+  /// `flags`: groups that are last make `SymmetricFactor::inverse_block` on their rows cheap; only groups of the border
+  /// may be kept.
+  /// `border`: rows on which solutions are wanted. If the matrices of a family differ only between rows of groups of
+  /// the border, fronts on no path from a border row to the root serve the whole family, see SymmetricInterior.
+  /// `merged`: see supernodes. Throws std::bad_alloc if the libraries run out of memory.
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const GroupFlags& flags = {},
                     const std::vector<Index>& border = {}, const MergedColumns& merged = usually_merged);
 
@@ -147,10 +148,10 @@ class SymmetricAnalysis {
 struct FactorMemory {
   double held = 0;     ///< by a factor, its interior included
   double border = 0;   ///< by another factor with the same interior
-  double at_once = 0;  ///< during the first factorisation at most, on as many threads as there may be
+  double at_once = 0;  ///< at most, during the first factorisation, on any number of threads
 };
 
-/// What a factor has of a front: the lower triangle, or both.
+/// Triangles of a front in a factor: the lower one, or both.
 enum class FactorShape { symmetric, full };
 
 FactorMemory factor_memory(const FrontTree& tree, FactorShape shape);

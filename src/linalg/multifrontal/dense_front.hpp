@@ -5,8 +5,8 @@
 
 namespace nscdd {
 
-/// A single front: L D L^T of the first rows of a dense symmetric matrix, with pivots chosen as in
-/// SymmetricFactor, and the Schur complement on the others.
+/// A single front: L D L^T of the first rows of a dense symmetric matrix, pivoted as in SymmetricFactor, and the Schur
+/// complement on the others.
 class DenseFront {
  public:
   /// `lower`: its lower triangle. `group_ends`: ends of the groups of rows that are eliminated, ascending.
@@ -16,9 +16,9 @@ class DenseFront {
   Index negative_eigenvalues() const { return negative_.value(); }  ///< among the pivots
   Matrix take_update() { return std::move(update_); }               ///< the Schur complement, lower triangle
 
-  /// Forward step: L^-1 times the values of eliminated rows, whose contribution is subtracted from the others.
+  /// Multiplies the values of eliminated rows by L^-1 and subtracts their contribution from the others.
   void go_forward(Vector& values) const;
-  /// Backward step: the solution on eliminated rows from that on the others.
+  /// Solves for the eliminated rows, given the solution on the others.
   void go_back(Vector& values) const;
 
  private:

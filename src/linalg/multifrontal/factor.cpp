@@ -9,14 +9,13 @@
 #include <sys/mman.h>
 #include <tbb/parallel_for.h>
 
-#include <cstdlib>
 #include <new>
 
 namespace nscdd {
 namespace {
 
 constexpr std::size_t huge_page = 2 << 20, large_from = 4 * huge_page;  // bytes
-constexpr Index block_columns = 128;  // so many columns of an update matrix are one task
+constexpr Index block_columns = 128;                                    // columns of an update matrix in one task
 
 Index negative_pivots(const Block& diagonal, const double* e) {
   Index negative = 0;
@@ -32,7 +31,8 @@ Index negative_pivots(const Block& diagonal, const double* e) {
   return negative;
 }
 
-// target -= left right^T on and below the diagonal of the target, by blocks of columns. `fresh`: it has no values yet.
+// target -= left right^T on and below the diagonal of the target, by blocks of columns. `fresh`: the target counts as
+// 0.
 template <class Right>
 void subtract_product(Block target, const Block& left, const Right& right, bool fresh) {
   const Index blocks = (target.cols() + block_columns - 1) / block_columns;
@@ -62,7 +62,7 @@ std::optional<Index> factorise_panel(Block& diagonal, lapack_int n, lapack_int s
   return negative_pivots(diagonal, off);
 }
 
-// The columns of a panel become L with D on its diagonal; those to the right of it lose its product.
+// Turns the columns of a panel into L with D on its diagonal, and subtracts its product from those to the right.
 std::optional<Index> eliminate_panel(FrontFactor& own, Block& columns, Matrix& multiples, Index first, Index width) {
   const Index rows = columns.rows(), next = first + width, rest = rows - next, columns_left = columns.cols() - next;
   Block diagonal(&columns(first, first), width, width, Eigen::OuterStride<>(rows));
@@ -84,7 +84,7 @@ std::optional<Index> eliminate_panel(FrontFactor& own, Block& columns, Matrix& m
   return negative;
 }
 
-// Update rows first ... first + length - 1 of a child that follow each other in its parent too, from `place` on.
+// Update rows first ... first + length - 1 of a child, which follow each other in its parent from `place` on.
 struct Run {
   Index first, place, length;
 };
@@ -107,7 +107,7 @@ void add(const double* from, double* to, Index length) {
 // Eliminates fronts of one matrix, children before parents.
 class Elimination {
  public:
-  // `below`: the fronts of the interior, which are eliminated already and keep their updates.
+  // `below`: the eliminated fronts of the interior, which keep their updates.
   Elimination(const FrontTree& tree, const SparseMatrix& lower, EliminatedFronts& result, const EliminatedFronts* below)
       : tree_(tree), values_(lower.valuePtr()), result_(result), below_(below) {}
 
@@ -165,7 +165,7 @@ class Elimination {
   const EliminatedFronts* below_;
 };
 
-// Size of the columns of all fronts on the border, or of all others.
+// Size of the columns of all fronts on the border, or of the interior.
 Index column_entries(const FrontTree& tree, bool on_border) {
   Index sum = 0;
   for (const Front& front : tree.fronts)

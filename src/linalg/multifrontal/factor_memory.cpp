@@ -5,8 +5,7 @@
 namespace nscdd {
 namespace {
 
-// Bytes that the factor has of a front, those of the update that it hands to its parent, and those of L D, which go
-// with its elimination.
+// Bytes of a front in the factor, of its update for the parent, and of L D during its elimination.
 struct FrontMemory {
   FrontMemory(const Front& front, FactorShape shape) {
     const bool full = shape == FactorShape::full;
@@ -20,10 +19,10 @@ struct FrontMemory {
 
 }  // namespace
 
-// Updates wait until the parent has added them; those of the interior stay for the next factor. Where children are
-// eliminated in parallel, all of them may be at their largest at once.
+// Updates wait until the parent has added them; those of the interior stay for the next factor. Children that are
+// eliminated in parallel may all need their most memory at once.
 FactorMemory factor_memory(const FrontTree& tree, FactorShape shape) {
-  const bool full = shape == FactorShape::full;  // without an interior
+  const bool full = shape == FactorShape::full;  // has no interior
   const double records = static_cast<double>(sizeof(FrontFactor) + sizeof(Matrix)) * static_cast<double>(tree.size());
   double interior = records, of_border = records, stays = 0, interior_at_once = 0, border_at_once = 0;
   std::vector<double> largest(tree.fronts.size());  // of the updates below a front, and of its elimination

@@ -15,7 +15,7 @@ class SymmetricFamily {
 
   /// With equal parameters the interior is kept, see InertiaFamily.
   SymmetricFactor factorise(const SparseMatrix& lower, const std::array<double, 2>& parameters);
-  bool keeps_interior(const std::array<double, 2>& parameters);  ///< usable for a matrix with these
+  bool keeps_interior(const std::array<double, 2>& parameters);  ///< for matrices with these parameters
   void release();                                                ///< frees the interior
 
   const SymmetricAnalysis& analysis() const { return analysis_; }
@@ -29,7 +29,7 @@ class SymmetricFamily {
   std::array<double, 2> parameters_{};
 };
 
-/// Marks the groups of a pattern with border rows only; empty if there are none.
+/// Flags of the groups with border rows only; empty if there are none.
 std::vector<char> groups_of_border(const InertiaPattern& pattern);
 
 }  // namespace nscdd

@@ -45,7 +45,7 @@ void interchange_back(const lapack_int* ipiv, Index n, Swap&& swap) {
   }
 }
 
-/// Replaces b by D^-1 b, where D has this diagonal and the subdiagonal e; a 2 x 2 block is where e is not 0.
+/// Replaces b by D^-1 b, where D has this diagonal and the subdiagonal e, which is nonzero in 2 x 2 blocks.
 template <class Diagonal, class Rows>
 void solve_diagonal(const Diagonal& diagonal, const double* e, Rows&& b) {
   const Index n = diagonal.rows();
@@ -85,7 +85,7 @@ auto exchange_rows(auto& head) {
   };
 }
 
-/// Replaces the values of a front's rows, one column per right-hand side, by L^-1 times them.
+/// Multiplies the values of a front's rows, one column per right-hand side, by L^-1.
 template <class Values>
 void go_forward(const Front& front, const FrontFactor& factor, Values& local) {
   for_panels(front, factor, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
@@ -95,7 +95,7 @@ void go_forward(const Front& front, const FrontFactor& factor, Values& local) {
     local.bottomRows(left.rows()).noalias() -= left * head;
   });
 }
-/// The same by L^-T D^-1.
+/// Multiplies them by L^-T D^-1.
 template <class Values>
 void go_back(const Front& front, const FrontFactor& factor, Values& local) {
   for_panels<true>(front, factor, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
@@ -107,20 +107,20 @@ void go_back(const Front& front, const FrontFactor& factor, Values& local) {
   });
 }
 
-/// Eliminates the pivots of a front whose entries are in `columns` (rows x pivots, which becomes L with D on its
-/// diagonal) and in `update` (the lower triangle of the rest, which becomes the Schur complement). `fresh`: the update
-/// is uninitialised and counts as zero. Returns the number of negative pivots, nothing if one is zero.
+/// Eliminates the pivots of a front. `factor.columns`: entries, rows x pivots, replaced by L with D on its diagonal.
+/// `update`: lower triangle of the rest, replaced by the Schur complement; uninitialised and counted as zero if
+/// `fresh`. Returns the number of negative pivots, nothing if one is zero.
 std::optional<Index> eliminate_front(const Front& front, FrontFactor& factor, Matrix& update, bool fresh);
 
-/// Uninitialised array of numbers. A large one uses huge pages if available: gigabytes in pages of 4 KiB take seconds
-/// to obtain. Throws std::bad_alloc.
+/// Uninitialised array of numbers, in huge pages if it is large: gigabytes in pages of 4 KiB take seconds to obtain.
+/// Throws std::bad_alloc.
 struct Free {
   void operator()(double* data) const { std::free(data); }
 };
 using LargeArray = std::unique_ptr<double[], Free>;
 LargeArray large_array(Index size);
 
-/// The eliminated fronts of the border, or those of the interior.
+/// The eliminated fronts of the border or of the interior.
 struct EliminatedFronts {
   EliminatedFronts(const FrontTree& tree, bool on_border, LargeArray memory);
 

@@ -20,7 +20,7 @@ void sort_once(std::vector<int>& numbers) {
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
-// For each unmarked node the number of its connected part, by the first node of each.
+// The connected part of each unmarked node; parts are numbered by their first nodes.
 std::vector<int> connected_parts(const Graph& graph, const std::vector<char>& last) {
   DisjointSets sets(count(last));
   for (std::size_t node = 0; node < last.size(); ++node)
@@ -93,7 +93,7 @@ class MinimumDegree {
   }
 
  private:
-  // The segments left that share a clique with this one, and itself.
+  // The segments left that share a clique with this one, itself included.
   std::vector<int> tied_to(const Segment& segment) const {
     std::vector<int> tied;
     for (const int clique : segment.cliques)
@@ -125,8 +125,8 @@ class MinimumDegree {
   std::vector<std::vector<int>> cliques_;  // the segments of each
 };
 
-// Nodes tied to many others, such as the motions of a large rigid cluster to all impulses at its interface: eliminated
-// before these they would tie them all to each other.
+// Nodes tied to many others, as the motions of a large rigid cluster are to all impulses at its interface: eliminated
+// first, they would tie all of these to each other.
 std::vector<char> hubs_of(const Graph& graph, const std::vector<char>& last) {
   constexpr int many = 16;
   std::vector<char> hubs(last.size(), 0);
@@ -192,8 +192,8 @@ std::vector<int> order_of_elimination(const Graph& graph, const std::vector<int>
   return order;
 }
 
-// Moves the groups marked `kept` behind all others again, by their numbers (CHOLMOD traverses the tree branch by
-// branch), and out of their supernodes into one of their own. Groups after a kept one are kept, too.
+// Moves the groups marked `kept` into one supernode, behind all others and by their numbers, since CHOLMOD traverses
+// the tree branch by branch. Groups after a kept one in its supernode are kept, too.
 Supernodes with_kept_apart(const Supernodes& nodes, const std::vector<char>& kept) {
   const auto keeps = [&](int position) { return kept[at(nodes.node[at(position)])] != 0; };
   const int all = static_cast<int>(nodes.node.size());

@@ -11,16 +11,16 @@ struct GroupFlags {
   std::vector<char> kept;  ///< not to be eliminated
 };
 
-/// Order of the nodes marked in `last` (one flag per node) once all others are eliminated. The others fall into
-/// connected parts, each of which then ties all nodes marked that it touches. Nodes that touch the same parts are one
-/// segment. Segments are eliminated one after the other, always the one with the fewest rows tied to it (George, Liu,
-/// SIAM Review 31 (1989) 1-19), and among equals the one with the shortest chain of segments below it: a chain of
-/// subdomains is then eliminated from both ends. `weight`: rows of each node. Ties between marked nodes are ignored.
+/// Order of the nodes marked in `last` (one flag per node) once all others are eliminated. The others form connected
+/// parts, each of which ties all marked nodes that it touches. Marked nodes that touch the same parts are a segment.
+/// Segments are in minimum-degree order: next is the one with the fewest rows tied to it (George, Liu, SIAM Review 31
+/// (1989) 1-19), among equals the one with the shortest chain of segments below it, so that a chain of subdomains is
+/// eliminated from both ends. `weight`: rows of each node. Ties between marked nodes are ignored.
 std::vector<int> order_of_last(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last);
 
-/// Orders groups of `weight` rows each, nodes of this graph, by nested dissection (METIS), those that come last behind
-/// the others and those kept behind these, and finds the supernodes of that order. With kept groups, the last one
-/// contains all of them, and no other.
+/// Orders the groups of this graph, of `weight` rows each, by nested dissection (METIS), then those that are last, then
+/// those kept, and finds the supernodes of that order. The last supernode contains all kept groups, if any, and no
+/// other.
 Supernodes ordered_supernodes(const Graph& graph, const std::vector<int>& weight, const GroupFlags& flags,
                               const MergedColumns& merged);
 

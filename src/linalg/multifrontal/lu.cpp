@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// See README.md, L U. U_12 is kept transposed: columns are exchanged and divided faster than rows.
+// See README.md, L U. U_12 is stored transposed: columns are exchanged and divided faster than rows.
 #include "linalg/multifrontal/lu.hpp"
 
 #include "core/fail.hpp"
@@ -12,20 +12,19 @@
 namespace nscdd {
 namespace {
 
-// A front of so many pivots or fewer is eliminated pivot by pivot: calls of LAPACK would take longer than the
-// arithmetic.
+// Fronts of at most so many pivots are eliminated pivot by pivot: calls of LAPACK take longer than the arithmetic.
 constexpr Index few_pivots = 16;
 
-// Groups have some rows each: zeros cost more here than small fronts do (measured with benchmarks/lu.cpp).
+// Groups have several rows: zeros cost more than small fronts (measured with benchmarks/lu.cpp).
 constexpr MergedColumns merged{1, 3, 8};
 
-// Where an entry of the matrix goes among the values of the factors.
+// Target of an entry of the matrix among the values of the factors.
 struct LuEntry {
   int source;  // position among the stored values of the matrix
   std::ptrdiff_t target;
 };
 
-// What stays of a front, and what it hands to its parent.
+// The factors of a front, and its update for the parent.
 struct LuFront {
   double *left, *upper;  // L_21 under L_11 and U_11, rows x pivots; U_12^T, update rows x pivots
   lapack_int* swaps;     // of the pivots, as LAPACK has them
@@ -40,7 +39,7 @@ SparseMatrix symmetric_lower(const SparseMatrix& pattern) {
   return entries.matrix(pattern.rows(), pattern.cols());
 }
 
-// Rows that follow each other and are tied to the same rows, as those of a body are, form a group.
+// Neighbouring rows tied to the same rows, as those of a body are, form a group.
 std::vector<Index> groups_of_equal_rows(const SparseMatrix& lower) {
   std::vector<std::vector<Index>> tied(at(lower.rows()));
   for_entries(lower, [&](Index i, Index j, double) {
@@ -55,8 +54,8 @@ std::vector<Index> groups_of_equal_rows(const SparseMatrix& lower) {
 
 Index values_of(const Front& front) { return front.pivots * (front.rows + front.update_rows()); }
 
-// Both leave L_21 under L_11 and U_11 in `columns` and U_12^T in `rows`. They return false for a pivot that is zero or
-// not finite.
+// Eliminate the pivots of a front: L_21 under L_11 and U_11 in `columns`, U_12^T in `rows`. False for a pivot that is
+// zero or not finite.
 bool eliminate_few(Block& columns, Block& rows, lapack_int* swaps) {
   const Index pivots = columns.cols();
   for (Index k = 0; k < pivots; ++k) {

@@ -103,7 +103,7 @@ Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
   const OneBlasThread serial_blas;
   const FactorFronts& fronts = *fronts_;
   const FrontTree& tree = fronts.tree;
-  // The fronts that the right-hand sides reach, and a compact numbering of their pivot rows.
+  // The fronts on the paths from the rows to the root, and a compact numbering of their pivot rows.
   std::vector<char> reached(at(tree.size()), 0);
   for (const Index row : rows)
     for (Index s = tree.front_of_row[at(row)]; s >= 0 && !reached[at(s)]; s = tree.front(s).parent) reached[at(s)] = 1;
