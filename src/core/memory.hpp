@@ -7,8 +7,7 @@ namespace nscdd {
 
 inline constexpr double gibibyte = 1 << 30;
 
-/// Sets the limit of resident memory of this process (RLIMIT_RSS, `ulimit -m`), bytes. Linux records this limit and
-/// does not enforce it.
+/// Sets the limit of resident memory (RLIMIT_RSS, `ulimit -m`), bytes. Linux records and does not enforce it.
 void limit_memory(double bytes);
 
 /// Bytes that this process may hold: its limit or, without one, 90 % of what it holds and of what the system and the
@@ -30,8 +29,7 @@ struct OutOfMemory : Error {
   using Error::Error;
 };
 
-/// Throws OutOfMemory with all amounts unless `bytes` more fit within the limit. `what` needs them, such as "a factor of
-/// 12 rows".
+/// Throws OutOfMemory unless `bytes` more fit within the limit. `what` needs them, such as "a factor of 12 rows".
 void require_memory(double bytes, std::string_view what, std::string_view advice = "fewer grains or subdomains");
 
 }  // namespace nscdd

@@ -42,8 +42,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-// Length in bytes of the first character of a UTF-8 text; 0 if it is invalid or a control character beyond ASCII
-// (U+0080 to U+009F).
+// Bytes of the first character of a UTF-8 text; 0 if invalid, or a control character beyond ASCII (U+0080 to U+009F).
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
   const unsigned char first = byte(0);

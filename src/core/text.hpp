@@ -18,8 +18,7 @@ std::optional<double> number_of(std::string_view text);
 /// Printable text: control characters except line feeds and tabs, and invalid UTF-8, are escaped as "\x1B".
 std::string printable(std::string_view text);
 
-/// Throws Error "name: expected UTF-8, met UTF-16" if the first bytes are UTF-16 or UTF-32, by a byte order mark or a
-/// NUL byte among them.
+/// Throws Error "name: expected UTF-8, met UTF-16" for UTF-16 or UTF-32, by their mark or a NUL byte at the beginning.
 void require_utf8(std::string_view text, std::string_view name);
 
 /// The character that ends the lines of a text: a line feed or, in a text without any, a carriage return.
@@ -27,8 +26,7 @@ char line_end_of(std::string_view text);
 
 std::string_view without_byte_order_mark(std::string_view text);  ///< of UTF-8
 
-/// The lines of a text from any program, one at a time. Lines end as line_end_of says; a carriage return before a line
-/// feed and a byte order mark are left out.
+/// The lines of a text, one at a time, without byte order mark, line ends and carriage returns before them.
 class TextLines {
  public:
   explicit TextLines(std::string_view text);

@@ -56,8 +56,7 @@ struct ShiftInvertResult {
   Vector values;   ///< Ritz values lambda, as many as wanted if there are as many on that side
   Matrix vectors;  ///< their vectors, n x k, M-orthonormal
   Vector bounds;   ///< an eigenvalue lies within this distance of each
-  /// Expected distance, of second order: min(bound, residual^2 / gap), with the gap to the next Ritz value. No proof:
-  /// the gap may contain an undetected eigenvalue.
+  /// Expected distance, min(bound, residual^2 / gap to the next Ritz value). No proof: the gap may hide an eigenvalue.
   Vector errors;
   Index applications = 0;  ///< products with (A - sigma M)^-1
   bool converged = false;  ///< all wanted ones
@@ -74,9 +73,8 @@ struct ShiftedProblem {
 /// Shift-inverted Lanczos in the inner product of M, with full orthogonalisation, without restarts. `end` = smallest
 /// looks above the shift, where the smallest eigenvalues lie if none is below it; largest looks below. `start`: initial
 /// vector, such as that of a neighbouring problem, plus a tenth of a fixed vector, to escape a wrong eigenvector; if
-/// empty, the fixed vector. `locked`: M-orthonormal eigenvectors to stay orthogonal to, size x l: a run finds one copy
-/// of a multiple eigenvalue, further runs the others, one by one, once the found ones are locked. Equal calls give
-/// equal bits. Throws Error for a size < 5.
+/// empty, the fixed vector. `locked`: M-orthonormal eigenvectors to stay orthogonal to, size x l: each run finds one
+/// copy of a multiple eigenvalue that is not locked. Equal calls give equal bits. Throws Error for a size < 5.
 ShiftInvertResult shift_invert_lanczos(const ShiftedProblem& problem, SpectrumEnd end, Index wanted,
                                        const ShiftInvertOptions& options = {}, const Vector& start = {},
                                        const Matrix& locked = {});

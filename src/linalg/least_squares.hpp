@@ -16,9 +16,8 @@ LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolera
 
 /// The same solution for a sparse A, by conjugate gradients on A^T A x = A^T b from zero, preconditioned by
 /// (A^T A + tau^2 I)^-1 from one sparse factorisation: it has the eigenvectors of A^T A, so that iterates stay in the
-/// range of A^T, which contains the solution of least norm. tau^2 = 1e-6 max_j ||a_j||^2: with less, rounding grows in
-/// the kernel. Returns the iterate with the smallest ||A^T (b - A x)||, which may stay above 1e-13 ||A^T b||; zero if
-/// the factorisation fails.
+/// range of A^T. tau^2 = 1e-6 max_j ||a_j||^2: with less, rounding grows in the kernel. Returns the iterate with the
+/// smallest ||A^T (b - A x)||, which may stay above 1e-13 ||A^T b||; zero if the factorisation fails.
 Vector minimum_norm_least_squares(const SparseMatrix& a, const Vector& b);
 
 }  // namespace nscdd

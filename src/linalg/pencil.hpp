@@ -14,10 +14,9 @@ struct PencilEnds {
   double residual = not_a_number;
 };
 
-/// Ends of the spectrum of (A, P), A n x n symmetric, P n x n symmetric positive definite, n >= 1 (LAPACK):
-/// tridiagonalisation of L^-1 A L^-T with P = L L^T, bisection and inverse iteration for the k = min(wanted, n)
-/// eigenvalues of each end, or QR iteration for all if these fail, as they may if many eigenvalues are equal. Fails if
-/// P has no Cholesky factor in double precision.
+/// Ends of the spectrum of (A, P), A n x n symmetric, P n x n symmetric positive definite, n >= 1 (LAPACK): bisection
+/// and inverse iteration on the tridiagonal form of L^-1 A L^-T, P = L L^T, for the k = min(wanted, n) eigenvalues of
+/// each end, or QR iteration if these fail, as they may if many are equal. Fails if P has no Cholesky factor.
 PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted = 1);
 
 /// Largest residual of such pairs for any pencil, P = L L^T.
@@ -41,8 +40,7 @@ ValuesAndVectors tridiagonal_eigen(const Vector& diagonal, const Vector& below);
 /// or dgesvd if that fails; no values if both fail). Unlike by eigenvalues of A A^T, small values keep their digits.
 ValuesAndVectors left_singular(Matrix a);
 
-/// All eigenvalues of a general square matrix, n >= 1, and optionally its eigenvectors (LAPACK); no values if the
-/// iteration fails.
+/// All eigenvalues of a general square matrix, n >= 1, with eigenvectors if wanted (LAPACK); none if it fails.
 struct GeneralEigen {
   Eigen::VectorXcd values;
   Matrix packed;  ///< a column per real eigenvalue; real and imaginary part for the two of a pair, the upper one first
@@ -51,8 +49,7 @@ struct GeneralEigen {
 };
 GeneralEigen general_eigen(Matrix a, Eigenvectors vectors = Eigenvectors::wanted);
 
-/// B -> A^+ B, the least-squares solutions of smallest norm, by a complete orthogonal decomposition: pivots below
-/// `threshold` times the largest count as zero.
+/// B -> A^+ B by a complete orthogonal decomposition; pivots below `threshold` times the largest count as zero.
 std::function<Matrix(const Matrix&)> minimum_norm_map(const Matrix& a, double threshold);
 
 /// Orthonormal basis of the complement of n x m independent columns: n x (n - m).

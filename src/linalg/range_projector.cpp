@@ -79,8 +79,7 @@ double norm_of(const LinearMap& map, const LinearMap& transposed, Index columns)
   return norm;
 }
 
-// The columns of `others` that add most to the span of the columns `taken`, in order, each with its approximate
-// distance from the span of all before it.
+// The columns of `others` that add most to the span of those `taken`, and the distance of each from all before it.
 struct Additions {
   std::vector<Index> order;
   Vector distance;
@@ -197,8 +196,7 @@ CountedRank::CountedRank(const SparseMatrix& a, double tolerance)
   conclusive = false;
 }
 
-// The pivots of dependent columns are as small as tolerance^2. A solve for known coefficients, one per column,
-// estimates whether their signs are reliable.
+// Pivots of dependent columns are as small as tolerance^2. A solve for known coefficients checks their signs.
 bool CountedRank::exact_enough(const SparseMatrix& matrix) const {
   Vector x = Vector::Zero(matrix.rows());
   for (Index j = 0; j < b.cols(); ++j) x[b.rows() + j] = std::cos(1.0 + 0.7 * static_cast<double>(j));

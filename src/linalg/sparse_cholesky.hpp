@@ -45,8 +45,7 @@ struct Graph {
   std::vector<int> start{0}, neighbours;
 };
 
-/// Order of elimination by nested dissection (METIS). `weight`: of each node; if empty, 1. `seed`: -1 for METIS's own.
-/// Throws std::bad_alloc if memory runs out.
+/// Nested dissection order (METIS). `weight`: of nodes; empty: 1. `seed`: -1 for METIS's own. Throws std::bad_alloc.
 std::vector<int> nested_dissection(Graph graph, std::vector<int> weight, int seed);
 
 /// Runs of columns of a Cholesky factor with equal rows below them. A "position" is a place in their order.
@@ -63,8 +62,7 @@ struct Supernodes {
 using MergedColumns = std::array<std::size_t, 3>;
 constexpr MergedColumns usually_merged{4, 16, 48};
 
-/// The supernodes of a pattern as for CholeskyAnalysis, n >= 1, eliminated in this order up to merging. Throws
-/// std::bad_alloc if memory runs out.
+/// The supernodes of a pattern as for CholeskyAnalysis, n >= 1, in this order up to merging. Throws std::bad_alloc.
 Supernodes supernodes(const SparseMatrix& pattern, std::vector<int> order,
                       const MergedColumns& merged = usually_merged);
 

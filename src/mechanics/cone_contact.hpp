@@ -25,8 +25,7 @@ class ConeContact {
   ConeContact() = default;
   explicit ConeContact(const FullDelassus<3>& w);
 
-  /// `free`: v without an impulse of this contact, m/s. If it is not finite, neither is the impulse, unless
-  /// free_n >= 0 opens the contact.
+  /// `free`: v without an impulse of this contact, m/s. If not finite, so is the impulse, unless free_n >= 0.
   LocalVector<3> impulse(LocalVector<3> free, double friction) const;
 
  private:

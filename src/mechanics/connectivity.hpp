@@ -12,9 +12,8 @@ struct BodyRows {
 };
 
 /// The one builder of H, column by column. A column belongs to a contact and a direction of its frame, (n, t) in the
-/// plane (D = 2) or (n, t_1, t_2) in space (D = 3): -impulse on a, +impulse on b, and on the spins of both -arm r_t, or
-/// -arm n x r_t in space; normal directions have no entries there. A body has D rows of translations, then one of
-/// rotation or three.
+/// plane (D = 2) or (n, t_1, t_2) in space (D = 3): -impulse on a, +impulse on b, and, unless it is n, on the spins of
+/// both -arm r_t, or -arm n x r_t in space. A body has D rows of translations, then one of rotation or three.
 template <int D>
 class ConnectivityBuilder {
  public:

@@ -36,9 +36,8 @@ Index parts_of(Index contacts);
 /// Calls visit(range) for all parts, in parallel if contacts are many.
 void for_parts(Index contacts, const std::function<void(const ContactRange&)>& visit);
 
-/// A matrix of contacts such as W, by rows of D x D blocks of pairs of contacts; entries that are not stored are 0.
-/// A product is three times as fast as one with single entries. Contacts may be in another order than in the matrix: a
-/// "place" is a position in this order.
+/// A matrix of contacts such as W, by rows of D x D blocks, which make products three times as fast as single entries.
+/// Contacts may be in another order than in the matrix: a "place" is a position in this order.
 template <int D>
 class ContactBlocks {
  public:
@@ -53,8 +52,7 @@ class ContactBlocks {
   std::span<const int> row(Index place) const {
     return std::span(column_).subspan(at(start_[at(place)]), at(start_[at(place + 1)] - start_[at(place)]));
   }
-  /// sum + the row of a place times x (D components per place), block by block from the left. Sweeps spend their time
-  /// here, so it is inline.
+  /// sum + the row of a place times x (D components per place), block by block from the left; inline for speed.
   LocalVector<D> add_row(Index place, const Vector& x, LocalVector<D> sum) const {
     for (Index k = start_[at(place)]; k < start_[at(place + 1)]; ++k) {
       const Block& b = block_[at(k)];

@@ -36,8 +36,7 @@ inline std::array<double, 3> impulse_on_grain(const Direction<2>& normal, double
   return {sign * (normal[0] * r.n - normal[1] * r.t), sign * (normal[1] * r.n + normal[0] * r.t), -r.t};
 }
 
-/// The same on a sphere, (x, y, z, rim), N s: p = sign (n r_n + t_1 r_1 + t_2 r_2), and -n x (t_1 r_1 + t_2 r_2) on the
-/// rim of either sphere.
+/// The same on a sphere, (x, y, z, rim), N s: p = sign (n r_n + p_t), p_t = t_1 r_1 + t_2 r_2, and -n x p_t on the rim.
 inline std::array<double, 6> impulse_on_grain(const Direction<3>& n, double sign, const LocalVector<3>& r) {
   const auto [t1, t2] = tangents_of(n);
   std::array<double, 6> impulse;

@@ -65,8 +65,7 @@ struct ContactResidual {
   double mean_dv_over_r() const;
 };
 
-/// Sums over the contacts at the velocities v. With a cohesive law the natural map is that of the shifted impulses,
-/// with a viscous law r' - r.
+/// Sums over the contacts. The natural map of a cohesive law is that of the shifted impulses, of a viscous law r' - r.
 template <int D>
 ContactResidual contact_residual(const ContactLaw& law, const ContactRows<D>& contacts, GrainVelocities<D> v);
 template <int D>

@@ -160,9 +160,8 @@ struct ContactRows {
   GrainContact<D> contact(std::size_t k, std::span<const GrainVelocity<D>> v) const;
 };
 
-/// One nonlinear Gauss-Seidel sweep over the contacts in their order in memory: r <- r + relaxation (wanted - r), where
-/// `wanted` is the impulse of the law at the present velocities. Grains are updated at once: W is never formed, and
-/// velocities carry its off-diagonal part.
+/// One nonlinear Gauss-Seidel sweep over the contacts in their order in memory, see take_impulse. Grains are updated at
+/// once: W is never formed, and velocities carry its off-diagonal part.
 template <int D>
 SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows<D>& contacts,
                              std::type_identity_t<std::span<GrainVelocity<D>>> v, double relaxation = 1);

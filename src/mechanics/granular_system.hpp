@@ -93,8 +93,7 @@ Place velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const P
 /// Throws Error naming the boundary if times do not ascend, counts differ or a number is not finite.
 void check(const Boundary& boundary);
 
-/// Disks in the plane or spheres in space, walls, and the boundaries that drive them. The grains of a packing come
-/// first, then those of boundaries.
+/// Disks in the plane or spheres in space, walls, and boundaries that drive them. Grains of a packing come first.
 struct GranularSystem {
   Index dimension = 2;           ///< 2 in the plane, 3 in space
   std::vector<double> radius;    ///< m
@@ -118,8 +117,7 @@ struct GranularSystem {
 /// Impulse of a contact in the last step. Bodies a < b: grains by their number, wall w as grains() + w.
 struct RememberedImpulse {
   Index a = 0, b = 0;
-  /// N s. In the plane (n, t, 0) in the frame of the contact. In space (x, y, z) on b, since tangents may jump between
-  /// neighbouring normals.
+  /// N s: in the plane (n, t, 0) in the frame of the contact, in space (x, y, z) on b, since tangents may jump.
   std::array<double, 3> impulse{};
 };
 
@@ -187,8 +185,7 @@ constexpr std::string_view shape_of_grains(Index dimension) { return dimension =
 
 std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, double time);
 
-/// The state at time 0: grains at rest at their places in the packing, boundaries at their centres. z is empty in the
-/// plane.
+/// The state at time 0: grains at rest at their places, boundaries at their centres. z is empty in the plane.
 GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y,
                             std::vector<double> z = {});
 
@@ -207,12 +204,10 @@ void set_motion(GranularState& state, std::size_t grain, const GrainMotion& velo
 /// Moves the centre of a grain there, m, and turns the grain by an axis times an angle, rad.
 void move_grain(GranularState& state, std::size_t grain, const Place& centre, const Place& angle);
 
-/// "disk 3" or in space "sphere 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" for body grains()
-/// + its number.
+/// "disk 3", "sphere 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" (grains() + its number).
 std::string body_name(const GranularSystem& system, Index body);
 
-/// Throws Error naming the disk or boundary if sizes differ, a number is not finite, a disk is driven by a boundary
-/// that does not exist, or no disk is free.
+/// Throws Error naming the grain or boundary for wrong sizes, numbers not finite, a missing boundary, no free grain.
 void check(const GranularSystem& system, const GranularState& state);
 
 }  // namespace nscdd

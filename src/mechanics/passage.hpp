@@ -24,8 +24,7 @@ struct DeepOverlap {
 
 /// What happened to two bodies on their path.
 struct Passage {
-  /// If they overlap too far at the end of the path or did so on it; also if a boundary reversed on the path, since
-  /// what it hit before would not be found.
+  /// If they overlap too far at the end of the path or on it, or a boundary turned back on it and hid what it hit.
   std::optional<DeepOverlap> deep = {};
   /// From a to b where they met, if the line of centres has turned by more than largest_turn since.
   std::optional<Place> normal = {};

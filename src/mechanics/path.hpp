@@ -19,8 +19,7 @@ struct Configuration {
   }
 };
 
-/// The configuration `time` after the state, at its velocities and those of the boundaries; and that at q_m, where the
-/// contacts of a step are found.
+/// The configuration `time` after the state, at its velocities and those of boundaries; and where contacts are found.
 Configuration configuration(const StepStart& start, const std::vector<RigidVelocity>& motions, double time);
 Configuration where_contacts_are(const StepStart& start);
 
@@ -31,8 +30,7 @@ struct WallPoint {
 };
 WallPoint nearest_point(const Wall& wall, const Place& centre);
 
-/// Positions of all bodies from one check of the geometry to the next, the last place. Grains move straight between
-/// places.
+/// Positions of all bodies from one check of the geometry to the next. Grains move straight between places.
 struct Path {
   const GranularSystem& system;
   std::vector<double> times = {};          ///< s, ascending, relative to the state
@@ -52,13 +50,11 @@ struct Path {
   static Path to_end(const StepStart& after);
 };
 
-/// Whether nothing moves far enough from q_m to the end of a step, where grains have these velocities, to make separate
-/// bodies overlap too far.
+/// Whether, at these velocities, nothing moves far enough from q_m to the end of a step to overlap too far.
 bool end_is_near(const StepStart& start, const std::vector<GrainMotion>& velocities);
 
 /// Largest turn of the line of centres of two grains from their meeting until contacts are found, rad: the error of
-/// their normal. A pair that touches and leaves in between approaches at most at v sin(largest_turn / 2), 5 % of its
-/// relative speed v, an error of the same size.
+/// their normal. A pair that touches and leaves in between approaches at most at 5 % of its relative speed.
 inline constexpr double largest_turn = 0.1;
 
 /// Overlap that ends a run, since bodies would pass each other, and one that is reported, times the smaller radius.

@@ -47,8 +47,7 @@ void check_overlaps(const StepStart& start, const std::vector<DeepOverlap>& deep
 /// The same for the path from there to the end of the step, where grains have these velocities.
 void check_end_of_step(const StepStart& start, const std::vector<GrainMotion>& velocities);
 
-/// A time step, s, at most that of the scheme, in which no grain moves too far and no bodies come to overlap too far; 0
-/// if positions or velocities are not finite.
+/// A time step, s, at most that of the scheme, without too large moves and overlaps; 0 if the state is not finite.
 double safe_step(const StepStart& start);
 
 /// Largest motion of a grain in a step, in radii; no grid would find the contacts of faster grains.

@@ -21,8 +21,7 @@ struct StepProblem {
   std::vector<GrainContact<D>> contacts;       ///< the same contacts for the solver, impulses to start from
   std::vector<GrainVelocity<D>> start;         ///< V^- of the bodies (of driven ones: in this step)
   std::vector<GrainVelocity<D>> free;          ///< V^- + h M^-1 F
-  /// Number of each body: of a grain, ascending, or grains + k for the k-th body of a wall. 0, 1, 2, ... in a whole
-  /// step.
+  /// Number of each body: of a grain, ascending, or grains + k for the k-th wall body. 0, 1, 2, ... in a whole step.
   std::vector<std::int32_t> numbers;
 };
 

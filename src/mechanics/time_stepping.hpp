@@ -68,8 +68,7 @@ struct StepStart {
 std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
                                         const TimeStepping& scheme);
 
-/// V^-, the velocity of a grain at the beginning of a step, of a driven one in the step; and V^- + h M^-1 F. `motions`:
-/// of the boundaries in the step.
+/// V^-, the velocity of a grain as a step begins (if driven: in the step, by `motions`); and V^- + h M^-1 F.
 GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain);
 GrainMotion free_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain);
 

@@ -27,8 +27,7 @@ class CellGrid {
         for (Index column = 0; column < columns_; ++column) visit_cell(column, row, layer, visit);
   }
 
-  /// Calls visit(i) for every point no farther than `distance` from a place in all coordinates, and some that are. The
-  /// place may be outside the grid.
+  /// Calls visit(i) for every point no farther than `distance` from a place in all coordinates, and some that are.
   template <class Visit>
   void for_each_near(const std::array<double, 3>& place, double distance, Visit&& visit) const {
     distance += rounding * side_;

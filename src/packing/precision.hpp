@@ -16,8 +16,7 @@ struct Uncertainty {
 /// Precision of the numbers of a packing, inferred from them: six decimals reproduce numbers written by "%.6f", six
 /// significant digits those by "%g". Numbers that need 17 digits have the precision of a double or a float.
 struct Precision {
-  /// Common decimals behind the point, or significant digits; both if numbers of one magnitude fit either; neither for
-  /// a binary format.
+  /// Common decimals or significant digits; both if either fits numbers of one magnitude; neither for binary formats.
   struct Digits {
     std::optional<int> decimals, significant;
   };
@@ -31,8 +30,7 @@ struct Precision {
   std::string text() const;  ///< "6 decimals", "7 significant digits", "single precision", "double precision"
 };
 
-/// Infers the precision of a packing: O(1) for numbers of full length, O(N) otherwise. One number in twenty may have
-/// more digits than the others.
+/// Infers the precision, in O(1) for numbers of full length, else O(N). One number in twenty may have more digits.
 Precision precision_of(const Packing& packing);
 
 /// Error of the gap of a contact: the sum of the errors of its coordinates along the normal and of its radii.

@@ -11,8 +11,7 @@ constexpr double balance_rounding = 1e-14;
 // Tolerance for nearly dependent normals, if no better set exists.
 constexpr double most_missed = 1e-9;
 
-// Velocity for a set of supports, and how far the others violate it. False if a support does not push, or the normals
-// are dependent.
+// Velocity for a set of supports, and how far others violate it. False if one does not push, or normals are dependent.
 bool try_supports(std::span<const SpacePoint> normals, Carried& carried, double& missed) {
   const auto n = [&](std::size_t i) -> const SpacePoint& { return normals[carried.by[i]]; };
   std::array<double, 3> lambda{};

@@ -14,8 +14,7 @@ struct SolidFraction {
 };
 SolidFraction solid_fraction(const Packing& packing);
 
-/// Volume of the unit sphere in the box low <= (x, y, z) <= high, to 10^-10: the integral over z of the exact area of
-/// its disk in the rectangle.
+/// Volume of the unit sphere in the box low <= (x, y, z) <= high, to 10^-10, by integrals of exact areas over z.
 double sphere_box_volume(const std::array<double, 3>& low, const std::array<double, 3>& high);
 
 /// Area of the unit disk in x <= a, y <= b.

@@ -86,8 +86,7 @@ struct Alternatives<std::variant<Types...>> {
   }
 };
 
-/// "; did you mean NAME?" for the nearest known name by edit distance (insert, delete, change, swap neighbours), or ""
-/// if none is near.
+/// "; did you mean NAME?" for the nearest known name by edit distance (swaps count as one), or "" if none is near.
 std::string suggestion(std::string_view met, std::span<const std::string> known);
 
 }  // namespace nscdd

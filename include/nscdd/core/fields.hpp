@@ -104,8 +104,7 @@ inline void check_bounds(const std::string&, const Field&, std::string_view) {}
 template <Named Enum>
 void check_bounds(Choice<Enum>, const Field&, std::string_view) {}
 
-/// Throws Error(key, "expected two numbers for a packing in the plane, met ...") unless `value` has `dimension`
-/// numbers.
+/// Throws Error(key, "expected two numbers for a packing in the plane, met ...") for another number of components.
 template <class Number>
 void require_components(const Components<Number>& value, Index dimension, std::string_view key) {
   if (static_cast<Index>(value.size()) == dimension) return;

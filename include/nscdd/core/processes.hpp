@@ -13,8 +13,7 @@ struct FailedElsewhere : Error {
   using Error::Error;
 };
 
-/// Array entries shared with another rank, ascending. Both ranks list the same entries, in the same order, by their
-/// positions in their own arrays.
+/// Array entries shared with another rank, ascending: the same in the same order, by positions in each rank's array.
 struct SharedEntries {
   Index process = 0;
   std::vector<Index> entries;
@@ -67,8 +66,7 @@ struct Processes {
     return combined(largest, own);
   }
   bool any(bool own) const { return maximum(own ? 1 : 0) > 0; }
-  /// Sum over parts, one column each, in their order: no bit depends on the number of ranks. Columns of parts on other
-  /// ranks are 0 on entry.
+  /// Sum over parts, one column each (0 for those of other ranks), in their order: no bit depends on the ranks.
   Vector sum_of_parts(Matrix parts) const {
     add_up({parts.data(), at(parts.size())});
     Vector sum = Vector::Zero(parts.rows());
@@ -101,8 +99,7 @@ struct Processes {
     }
   }
 
-  /// The result of the work. If it throws Error on some ranks, the first of these throws its Error, all others
-  /// FailedElsewhere with the same message.
+  /// The result of the work. If some ranks throw Error, the first of them throws its own, all others FailedElsewhere.
   template <class Work>
   auto together(Work&& work) const {
     std::optional<std::invoke_result_t<Work>> result;

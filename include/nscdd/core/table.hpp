@@ -54,8 +54,7 @@ Cell to_cell(const Value& value) {
     return std::string(value);
 }
 
-/// A table column for results of one kind: its heading, and a getter that std::invoke takes: a member of Result, or a
-/// function of one.
+/// A table column for results of one kind: its heading, and a getter that std::invoke takes with a Result.
 template <class Result>
 struct ResultColumn {
   Column heading;

@@ -66,8 +66,7 @@ constexpr Index count(const Container& c) {
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message);
-  /// Invalid value of a key of a case ("solver.criterion"): what() is "key: message"; the file's reader adds name and
-  /// line.
+  /// Invalid value of a key of a case ("solver.criterion"); what() is "key: message". The reader adds file and line.
   Error(std::string key, const std::string& message) : Error(key + ": " + message) { key_ = std::move(key); }
   const std::string& key() const { return key_; }
 

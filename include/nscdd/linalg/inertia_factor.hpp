@@ -23,10 +23,9 @@ struct InertiaFactor {
 /// Pattern of a family of matrices, factorised one after the other.
 struct InertiaPattern {
   SparseMatrix lower;  ///< n x n, lower triangle, values ignored
-  /// Number of the group of each row, 0 ... groups - 1, or -1: any group that the row touches, preferably one with
-  /// interior rows. Rows of a group should be eliminated together: a multiplier of a saddle point belongs with the rows
-  /// it ties, unless their block is definite. Groups of border rows only may be eliminated after all others, which
-  /// keeps the border small.
+  /// Group of each row, 0 ... groups - 1, or -1: any group that it touches, preferably one with interior rows. Rows of
+  /// a group should be eliminated together: a multiplier of a saddle point belongs with the rows it ties, unless their
+  /// block is definite. Groups of border rows only may be eliminated last, which keeps the border small.
   std::vector<Index> group;
   Index border = 0;  ///< m; rows outside the groups of the border are the interior
 };
@@ -58,8 +57,7 @@ double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index
 /// Inexactness below which the inertia and solutions of a factor are used.
 inline constexpr double reliable_inexactness = 1e-3;
 
-/// Factorises with `first` and, if that factor is not regular or not reliable, with `second`; returns the more exact
-/// one.
+/// Factorises with `first`, and with `second` if that is not reliable; returns the more exact of the two factors.
 InertiaMethod first_reliable(InertiaMethod first, InertiaMethod second);
 
 /// Settings of ARPACK, the matrix-free solver of eigenvalue problems, which factorises nothing.

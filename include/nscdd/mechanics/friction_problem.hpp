@@ -6,10 +6,9 @@
 
 namespace nscdd {
 
-/// A frictional contact problem in the unknowns of its contacts: find impulses r and velocities u = W r + q such that
-/// every contact obeys Signorini's and Coulomb's laws. Contact c has D rows from D c on: (n, t) in the plane, D = 2,
-/// and (n, t_1, t_2) in space, D = 3. W is stored in full. Impulses are in N s and velocities in m/s, or forces in N
-/// and displacements in m.
+/// A frictional contact problem in the unknowns of its contacts: find impulses r and velocities u = W r + q that obey
+/// Signorini's and Coulomb's laws. Contact c has D rows from D c on: (n, t) in the plane, D = 2, and (n, t_1, t_2) in
+/// space, D = 3. W is stored in full. Impulses are in N s and velocities in m/s, or forces in N, displacements in m.
 struct LocalFrictionProblem {
   SparseMatrix w;   ///< W, D c x D c, symmetric, 1/kg
   Vector q;         ///< relative velocities without contact impulses, D c entries
@@ -17,8 +16,7 @@ struct LocalFrictionProblem {
   /// M and H if `reduce` computed W = H^T M^-1 H from them; else 0 x 0. Solvers that factorise are faster with them.
   SparseMatrix mass{}, h{};
   Index dimension = 2;  ///< D: 2 or 3
-  /// For each contact the speeds |H|^T |M^-1 f| + |w| that cancel in q, m/s, if `reduce` computed q; else empty. Their
-  /// rounding is the error of q.
+  /// The speeds |H|^T |M^-1 f| + |w| that cancel in q, whose rounding is its error, m/s; empty unless by `reduce`.
   Vector speeds{};
 
   Index contacts() const { return friction.size(); }

@@ -53,9 +53,8 @@ struct ReferenceProblem {
 };
 
 /// M and H of a packing with masses and its contacts. r > 0 is compression, v > 0 separation. Grains arrive with the
-/// velocities of `loads`, those in `prescribed` with their own instead. Throws Error if masses are missing, a
-/// prescribed grain does not exist or has no finite velocity, or velocities or loads lack a component for each
-/// direction.
+/// velocities of `loads`, those in `prescribed` with their own. Throws Error if masses are missing, a prescribed grain
+/// does not exist or has no finite velocity, or velocities or loads have not the dimension of the packing.
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
                           const std::vector<PrescribedVelocity>& prescribed = {}, const Loads& loads = {});
 

@@ -5,8 +5,7 @@
 
 namespace nscdd {
 
-/// A single front: L D L^T of the first rows of a dense symmetric matrix, pivoted as in SymmetricFactor, and the Schur
-/// complement on the others.
+/// L D L^T of the first rows of a dense matrix, pivoted as in SymmetricFactor, and the Schur complement on the others.
 class DenseFront {
  public:
   /// `lower`: its lower triangle. `group_ends`: ends of the groups of rows that are eliminated, ascending.

@@ -31,8 +31,7 @@ Index negative_pivots(const Block& diagonal, const double* e) {
   return negative;
 }
 
-// target -= left right^T on and below the diagonal of the target, by blocks of columns. `fresh`: the target counts as
-// 0.
+// target -= left right^T on and below the diagonal of the target, by blocks of columns. `fresh`: the target counts as 0
 template <class Right>
 void subtract_product(Block target, const Block& left, const Right& right, bool fresh) {
   const Index blocks = (target.cols() + block_columns - 1) / block_columns;

@@ -112,8 +112,7 @@ void go_back(const Front& front, const FrontFactor& factor, Values& local) {
 /// `fresh`. Returns the number of negative pivots, nothing if one is zero.
 std::optional<Index> eliminate_front(const Front& front, FrontFactor& factor, Matrix& update, bool fresh);
 
-/// Uninitialised array of numbers, in huge pages if it is large: gigabytes in pages of 4 KiB take seconds to obtain.
-/// Throws std::bad_alloc.
+/// Uninitialised array; a large one in huge pages: gigabytes in pages of 4 KiB take seconds. Throws std::bad_alloc.
 struct Free {
   void operator()(double* data) const { std::free(data); }
 };

@@ -19,8 +19,7 @@ struct GroupFlags {
 std::vector<int> order_of_last(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last);
 
 /// Orders the groups of this graph, of `weight` rows each, by nested dissection (METIS), then those that are last, then
-/// those kept, and finds the supernodes of that order. The last supernode contains all kept groups, if any, and no
-/// other.
+/// those kept, and finds the supernodes of that order. The kept groups form the last supernode.
 Supernodes ordered_supernodes(const Graph& graph, const std::vector<int>& weight, const GroupFlags& flags,
                               const MergedColumns& merged);
 

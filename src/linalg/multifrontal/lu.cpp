@@ -54,8 +54,7 @@ std::vector<Index> groups_of_equal_rows(const SparseMatrix& lower) {
 
 Index values_of(const Front& front) { return front.pivots * (front.rows + front.update_rows()); }
 
-// Eliminate the pivots of a front: L_21 under L_11 and U_11 in `columns`, U_12^T in `rows`. False for a pivot that is
-// zero or not finite.
+// Eliminate a front: L_21 under L_11 and U_11 in `columns`, U_12^T in `rows`. False for a zero or infinite pivot.
 bool eliminate_few(Block& columns, Block& rows, lapack_int* swaps) {
   const Index pivots = columns.cols();
   for (Index k = 0; k < pivots; ++k) {

@@ -7,18 +7,16 @@ namespace nscdd {
 
 struct LuFactors;
 
-/// P A P^T = L U of a sparse matrix with a heavy diagonal, for many matrices of one pattern, which is analysed once
-/// (see README.md here). Rows are exchanged only inside the pivots of a front, so the caller should refine solutions,
-/// or check b - A x. The bits do not depend on the number of threads. Copies share their factors, to be used from one
-/// thread at a time.
+/// P A P^T = L U of sparse matrices with a heavy diagonal and one pattern, analysed once (see README.md here). Rows are
+/// exchanged only inside the pivots of a front, so the caller should refine solutions, or check b - A x. The bits do
+/// not depend on the number of threads. Copies share their factors, to be used from one thread at a time.
 class SparseLu {
  public:
   /// `pattern`: n x n, compressed, values ignored; made symmetric by zeros. Throws Error if the factors do not fit into
   /// memory (require_memory), std::bad_alloc if memory runs out.
   explicit SparseLu(const SparseMatrix& pattern);
 
-  /// `a`: of that pattern. Returns false if a pivot is zero or not finite; do not call `solve` then. Throws Error for
-  /// another number of stored entries.
+  /// `a`: of that pattern, else throws Error. Returns false if a pivot is zero or not finite; do not `solve` then.
   bool factorise(const SparseMatrix& a);
   /// A^-1 b for the matrix factorised last, without iterative refinement.
   Vector solve(const Vector& b) const;

@@ -26,8 +26,7 @@ std::vector<char> vacant_sites(const std::vector<double>& numbers, double fracti
   return flags;
 }
 
-// The grains of `rows` rows of sites, counted over all layers. add_centre(packing, column, row) appends the centre of a
-// site.
+// The grains of `rows` rows of sites, over all layers. add_centre(packing, column, row) appends the centre of a site.
 template <class Sites, class AddCentre>
 Packing occupied_sites(const Sites& lattice, Index rows, const AddCentre& add_centre, const Monitor& monitor) {
   const Index sites = lattice.columns * rows;

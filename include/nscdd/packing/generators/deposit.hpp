@@ -92,10 +92,9 @@ struct Deposit {
 };
 
 /// Deposit in space: spheres dropped into a box with a floor (z = 0) and four walls (x = 0, x = width, y = 0,
-/// y = depth). Each falls, rolls over one sphere, then in the groove between two, always by steepest descent, until
-/// three supports (spheres, walls) hold it with its centre above the triangle of the points of contact, or the floor
-/// does. Paths are vertical lines and arcs of circles, whose ends are closed-form roots. The network has at most 3
-/// contacts per grain.
+/// y = depth). Each falls, rolls over one sphere, then in the groove between two, by steepest descent, until the floor
+/// or three supports (spheres, walls) hold it, with its centre above the triangle of the points of contact. Paths are
+/// vertical lines and arcs, whose ends are closed-form roots. The network has at most 3 contacts per grain.
 struct SphereDeposit {
   static constexpr std::string_view name = "sphere_deposit";
   static constexpr std::string_view summary =
@@ -115,9 +114,8 @@ struct SphereDeposit {
 
 /// Generate a deposit in O(N); sizes 1 : 100 in the plane cost some five times as much as equal ones. The first
 /// `grains` random numbers are the sizes, the next ones the places (x, in space x and y of each drop): equal seeds give
-/// equal sizes in boxes of any width. Throw Error for fields out of bounds, for sizes that radius_quantile refuses, and
-/// for a box narrower or less deep than the largest grain, or wider or deeper than 10^7 radius_min (where rounding
-/// would hide which grains touch).
+/// equal sizes in any box. Throw Error for fields out of bounds, for sizes that radius_quantile refuses, and for a box
+/// narrower than the largest grain, or wider than 10^7 radius_min (where rounding would hide which grains touch).
 Packing generate(const Deposit& deposit, const Monitor& monitor = {});
 Packing generate(const SphereDeposit& deposit, const Monitor& monitor = {});
 
