@@ -14,15 +14,13 @@ void limit_memory(double bytes);
 /// control groups leave to it. Infinite if the system does not say.
 double memory_limit();
 
-/// Bytes allocated, and those of the program and its libraries.
-double memory_in_use();
+double memory_in_use();  ///< bytes allocated, and those of the program and its libraries
 
 inline double bytes_of_matrix(Index rows, Index columns) {
   return static_cast<double>(sizeof(double)) * static_cast<double>(rows) * static_cast<double>(columns);
 }
 
-/// Smaller needs are not compared with the limit, bytes.
-inline constexpr double smallest_checked_need = 1 << 20;
+inline constexpr double smallest_checked_need = 1 << 20;  ///< smaller needs are not compared with the limit, bytes
 
 /// Work does not fit into memory. A single rank may throw it, unknown to the others.
 struct OutOfMemory : Error {

@@ -9,8 +9,7 @@
 
 namespace nscdd {
 
-/// The text without blanks and tabs at its ends.
-std::string_view trimmed(std::string_view text);
+std::string_view trimmed(std::string_view text);  ///< the text without blanks and tabs at its ends
 
 /// Parses a number, also with a Fortran exponent ("1.0D+00"); nothing for any other text.
 std::optional<double> number_of(std::string_view text);
@@ -46,7 +45,6 @@ class TextLines {
 /// It detects accidental changes, not deliberate collisions.
 std::string fingerprint(std::string_view bytes);
 
-/// Fingerprint of the bits of numbers: -0 and 0 differ.
-std::string fingerprint(std::span<const double> numbers);
+std::string fingerprint(std::span<const double> numbers);  ///< fingerprint of the bits of numbers: -0 and 0 differ
 
 }  // namespace nscdd

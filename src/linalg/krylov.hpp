@@ -7,11 +7,9 @@
 
 namespace nscdd {
 
-/// A linear map x -> A x, for iterative solvers.
-using LinearMap = std::function<Vector(const Vector&)>;
+using LinearMap = std::function<Vector(const Vector&)>;  ///< a linear map x -> A x, for iterative solvers
 
-/// Smallest problem of ARPACK; callers solve smaller ones densely.
-inline constexpr Index arpack_smallest_size = 5;
+inline constexpr Index arpack_smallest_size = 5;  ///< smallest problem of ARPACK; callers solve smaller ones densely
 
 /// One end of the spectrum of a symmetric definite pencil A x = lambda M x.
 struct LanczosResult {

@@ -27,8 +27,7 @@ struct CountedRank {
   Index value = 0;
   /// Two reliable factorisations, with tolerances near the requested one, agree on the rank; else it is the last count.
   bool conclusive = true;
-  /// False if B has a singular value between 0.55 and 1.8 times the tolerance.
-  bool clear = true;
+  bool clear = true;  ///< false if B has a singular value between 0.55 and 1.8 times the tolerance
 
  private:
   bool exact_enough(const SparseMatrix& matrix) const;

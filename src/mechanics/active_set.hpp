@@ -12,8 +12,7 @@ struct RigidImpulses {
   double residual = 0;  ///< ||W r + H^T V^-|| / ||H^T V^-||, 0 for a zero right-hand side
 };
 
-/// Most contacts for which `rigid_impulses` works densely.
-inline constexpr Index dense_impulse_limit = 4000;
+inline constexpr Index dense_impulse_limit = 4000;  ///< most contacts for which `rigid_impulses` works densely
 
 /// Solves  W r = -H^T V^-,  W = H^T M^-1 H: contacts neither open nor close, and may be in tension. Returns the
 /// solution of least norm of min || M^-1/2 H r + M^1/2 V^- ||: up to `dense_impulse_limit` contacts by a dense complete

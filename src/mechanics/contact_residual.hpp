@@ -13,8 +13,7 @@ struct ImpulseScale {
   double speeds = 0;    ///< the sum of s^2, (m/s)^2
   double energies = 0;  ///< the sum of s^2/W_nn, J
 
-  /// Squared impulses below this part of `momenta` are rounding.
-  static constexpr double squared_rounding = 1e-24;
+  static constexpr double squared_rounding = 1e-24;  ///< squared impulses below this part of `momenta` are rounding
   /// max(|r^1|, p), N s: the velocities that impulses change are at most those of the bodies.
   double driving() const { return std::sqrt(std::max(alone, momenta)); }
 };

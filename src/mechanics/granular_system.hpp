@@ -8,8 +8,7 @@
 
 namespace nscdd {
 
-/// A place, m, or another vector; in the plane its third number is 0.
-using Place = Direction<3>;
+using Place = Direction<3>;  ///< a place, m, or another vector; in the plane its third number is 0
 
 inline double dot(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 /// a + factor b

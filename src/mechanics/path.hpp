@@ -46,8 +46,7 @@ struct Path {
   static Path to_contacts(const StepStart& start);
   /// The same followed in any case and, if `onwards`, continued for another step as if nothing were met.
   static Path whole(const StepStart& start, bool onwards);
-  /// From q_m to the end of a step. `after`: with the state there.
-  static Path to_end(const StepStart& after);
+  static Path to_end(const StepStart& after);  ///< From q_m to the end of a step. `after`: with the state there.
 };
 
 /// Whether, at these velocities, nothing moves far enough from q_m to the end of a step to overlap too far.

@@ -4,8 +4,7 @@
 namespace nscdd {
 namespace {
 
-// Relative enlargement of sizes, far more than the rounding of coordinates.
-constexpr double margin = 1e-6;
+constexpr double margin = 1e-6;  // relative enlargement of sizes, far more than the rounding of coordinates
 
 // > 0 where q is met after p by a disk that rolls over the pivot to that side, less than half a turn apart.
 double later(const Disk& pivot, const Point& p, const Point& q, Side side) {

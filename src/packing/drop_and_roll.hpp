@@ -15,8 +15,7 @@ using Point = std::array<double, 2>;
 ///   y = y_s + sqrt((R - d)(R + d)),  R = r + r_s,  d = |x - x_s|.
 std::optional<double> fall_onto(const Disk& support, double x, double radius);
 
-/// Direction in which a disk rolls over another: to the right is clockwise.
-enum class Side { left = -1, right = 1 };
+enum class Side { left = -1, right = 1 };  ///< direction in which a disk rolls over another: to the right is clockwise
 
 /// First contact of a disk, rolling over `pivot` to that side, with `other`: the point at distance r + r_p from the
 /// pivot and r + r_o from the other. Empty if the disk passes between them without touching.

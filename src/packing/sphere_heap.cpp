@@ -6,12 +6,10 @@
 namespace nscdd {
 namespace {
 
-// Relative enlargement of sizes, far more than the rounding of coordinates.
-constexpr double margin = 1e-6;
+constexpr double margin = 1e-6;  // relative enlargement of sizes, far more than the rounding of coordinates
 // A drop takes 4 motions on average for equal sizes, and at most 230 for 10^5 grains of sizes 1 : 100.
 constexpr Index most_motions = 5000;
-// Angle within which an arc has not begun.
-constexpr double standstill = 1e-6;
+constexpr double standstill = 1e-6;  // angle within which an arc has not begun
 
 // Unit tangent part of a direction; zero if it has none.
 SpacePoint tangent(const SpacePoint& direction, const SpacePoint& normal) {

@@ -6,10 +6,8 @@
 namespace nscdd {
 namespace {
 
-// Tolerance of the equilibrium conditions, for the rounding of unit vectors.
-constexpr double balance_rounding = 1e-14;
-// Tolerance for nearly dependent normals, if no better set exists.
-constexpr double most_missed = 1e-9;
+constexpr double balance_rounding = 1e-14;  // tolerance of the equilibrium conditions, for the rounding of unit vectors
+constexpr double most_missed = 1e-9;        // tolerance for nearly dependent normals, if no better set exists
 
 // Velocity for a set of supports, and how far others violate it. False if one does not push, or normals are dependent.
 bool try_supports(std::span<const SpacePoint> normals, Carried& carried, double& missed) {

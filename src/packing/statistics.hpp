@@ -17,8 +17,7 @@ SolidFraction solid_fraction(const Packing& packing);
 /// Volume of the unit sphere in the box low <= (x, y, z) <= high, to 10^-10, by integrals of exact areas over z.
 double sphere_box_volume(const std::array<double, 3>& low, const std::array<double, 3>& high);
 
-/// Area of the unit disk in x <= a, y <= b.
-double disk_corner_area(double a, double b);
+double disk_corner_area(double a, double b);  ///< area of the unit disk in x <= a, y <= b
 
 /// Rattlers as flags: grains that no load can reach through contacts, those outside the 2-core of the contact graph (in
 /// space the 3-core). A grain with fewer than two contacts (three in space) cannot be in equilibrium by contact forces

@@ -36,8 +36,7 @@ struct WorkCount {
 /// The ranks that share the work on one problem. All make the same calls in the same order and get the same bits. A
 /// message library provides the functions; the defaults are those of a single rank.
 struct Processes {
-  /// Returns room for all items of a gather.
-  using Room = std::function<std::byte*(std::size_t bytes)>;
+  using Room = std::function<std::byte*(std::size_t bytes)>;  ///< returns room for all items of a gather
 
   Index rank = 0, size = 1;
   std::function<void(std::span<double>)> add_up = [](std::span<double>) {};   ///< entry by entry

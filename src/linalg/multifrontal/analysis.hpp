@@ -114,8 +114,7 @@ struct EliminationWork {
   double solve_flops(Fronts up, Fronts down) const;
 };
 
-/// The work of one dense front on the border.
-EliminationWork work_of_front(Index eliminated, Index others);
+EliminationWork work_of_front(Index eliminated, Index others);  ///< the work of one dense front on the border
 
 /// Elimination order and fronts of one sparsity pattern, for every matrix that has it: nested dissection (METIS) of the
 /// graph of row groups, supernodes of the groups (CHOLMOD).
@@ -151,8 +150,7 @@ struct FactorMemory {
   double at_once = 0;  ///< at most, during the first factorisation, on any number of threads
 };
 
-/// Triangles of a front in a factor: the lower one, or both.
-enum class FactorShape { symmetric, full };
+enum class FactorShape { symmetric, full };  ///< triangles of a front in a factor: the lower one, or both
 
 FactorMemory factor_memory(const FrontTree& tree, FactorShape shape);
 

@@ -17,8 +17,7 @@ class DenseFront {
 
   /// Multiplies the values of eliminated rows by L^-1 and subtracts their contribution from the others.
   void go_forward(Vector& values) const;
-  /// Solves for the eliminated rows, given the solution on the others.
-  void go_back(Vector& values) const;
+  void go_back(Vector& values) const;  ///< solves for the eliminated rows, given the solution on the others
 
  private:
   Front front_;

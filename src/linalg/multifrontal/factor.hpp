@@ -53,8 +53,7 @@ class SymmetricFactor {
   /// (A^-1)_{rows, rows}, by the fronts on the paths from these rows to the root.
   Matrix inverse_block(const std::vector<Index>& rows) const;
 
-  /// The pivot of each row, 0 for rows of a 2 x 2 pivot.
-  Vector pivots() const;
+  Vector pivots() const;  ///< the pivot of each row, 0 for rows of a 2 x 2 pivot
 
  private:
   std::shared_ptr<const FactorFronts> fronts_;

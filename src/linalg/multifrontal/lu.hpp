@@ -18,14 +18,11 @@ class SparseLu {
 
   /// `a`: of that pattern, else throws Error. Returns false if a pivot is zero or not finite; do not `solve` then.
   bool factorise(const SparseMatrix& a);
-  /// A^-1 b for the matrix factorised last, without iterative refinement.
-  Vector solve(const Vector& b) const;
-  /// Of the matrix factorised last, 1 or -1.
-  int determinant_sign() const;
+  Vector solve(const Vector& b) const;  ///< A^-1 b for the matrix factorised last, without iterative refinement
+  int determinant_sign() const;         ///< of the matrix factorised last, 1 or -1
   /// Floating-point operations of all factorisations and solves so far, from the sizes of the fronts.
   double operations() const;
-  /// Bytes that the factors and a factorisation take at most.
-  double bytes_at_once() const;
+  double bytes_at_once() const;  ///< bytes that the factors and a factorisation take at most
 
  private:
   std::shared_ptr<LuFactors> factors_;
