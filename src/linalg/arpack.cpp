@@ -6,8 +6,6 @@
 
 #include <arpack/arpack.hpp>
 
-#include <mutex>
-
 namespace nscdd {
 namespace {
 
@@ -139,13 +137,12 @@ ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options,
   if (best < 0) return result;
   result.value = {real[best], std::abs(imaginary[best])};
   const Index first = imaginary[best] < 0 ? best - 1 : best;
-  const Vector x = z.col(first);
-  const Vector y = imaginary[best] != 0 ? Vector(z.col(first + 1)) : Vector(Vector::Zero(n));
+  const bool pair = imaginary[best] != 0;
+  const Vector x = z.col(first), zero = Vector::Zero(n), y = pair ? Vector(z.col(first + 1)) : zero;
   // (A - lambda)(x + i y), in real arithmetic
   const Vector rx = a(x) - result.value.real() * x + result.value.imag() * y;
-  const Vector ry =
-      imaginary[best] != 0 ? Vector(a(y) - result.value.real() * y - result.value.imag() * x) : Vector(Vector::Zero(n));
-  result.applications += imaginary[best] != 0 ? 2 : 1;
+  const Vector ry = pair ? Vector(a(y) - result.value.real() * y - result.value.imag() * x) : zero;
+  result.applications += pair ? 2 : 1;
   result.residual = std::sqrt((rx.squaredNorm() + ry.squaredNorm()) / (x.squaredNorm() + y.squaredNorm()));
   result.converged = w.info == 0;
   return result;

@@ -6,8 +6,6 @@
 #include "packing/grain_grid.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
@@ -127,22 +125,6 @@ StepProblem<D> prepare_step(const StepStart& start, bool warm_start, bool shallo
 }
 
 template <int D>
-ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& c,
-                    const std::vector<GrainVelocity<D>>& velocities) {
-  ContactWork work;
-  if (!carries(c.impulse)) return work;
-  work.dissipation = -dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
-  // Work of the impulses -r on a and r on b at the velocities of driven ones.
-  for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
-    const GrainVelocity<D>& v = velocities[static_cast<std::size_t>(body)];
-    if (v.inverse_mass > 0) continue;
-    const GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse), u = unknowns(v);
-    work.boundary -= std::inner_product(impulse.begin(), impulse.end(), u.begin(), 0.0);
-  }
-  return work;
-}
-
-template <int D>
 GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodies,
                                        const std::vector<GrainContact<D>>& contacts, std::span<const double> radius) {
   std::vector<BodyRows> rows_of(bodies.size());  // lever arms are radii; driven bodies, such as walls, have no rows
@@ -185,8 +167,6 @@ template StepProblem<3> step_of_contacts(const StepStart&, std::vector<StepConta
                                          const std::vector<RememberedImpulse>&);
 template StepProblem<2> prepare_step(const StepStart&, bool, bool);
 template StepProblem<3> prepare_step(const StepStart&, bool, bool);
-template ContactWork work_of(const StepProblem<2>&, const GrainContact<2>&, const std::vector<GrainVelocity<2>>&);
-template ContactWork work_of(const StepProblem<3>&, const GrainContact<3>&, const std::vector<GrainVelocity<3>>&);
 template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<2>>&,
                                                 const std::vector<GrainContact<2>>&, std::span<const double>);
 template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<3>>&,

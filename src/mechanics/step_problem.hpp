@@ -3,6 +3,8 @@
 
 #include "mechanics/step_contacts.hpp"
 
+#include <numeric>
+
 namespace nscdd {
 
 struct GlobalFrictionProblem;
@@ -76,8 +78,20 @@ std::vector<GrainVelocity<D>> velocities_of(const StepProblem<D>& problem,
 }
 
 template <int D>
-ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& contact,
-                    const std::vector<GrainVelocity<D>>& velocities);
+ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& c,
+                    const std::vector<GrainVelocity<D>>& velocities) {
+  ContactWork work;
+  if (!carries(c.impulse)) return work;
+  work.dissipation = -dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
+  // Work of the impulses -r on a and r on b at the velocities of driven ones.
+  for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
+    const GrainVelocity<D>& v = velocities[static_cast<std::size_t>(body)];
+    if (v.inverse_mass > 0) continue;
+    const GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse), u = unknowns(v);
+    work.boundary -= std::inner_product(impulse.begin(), impulse.end(), u.begin(), 0.0);
+  }
+  return work;
+}
 
 /// The nonzero impulses, to be kept for the next step; `contacts` are those of the problem.
 template <int D>

@@ -141,16 +141,13 @@ class GrainGrid {
 /// Sorts contacts (anything with members a and b) by (a, b) in O(N): a counting sort by a, 0 <= a < bodies, then by b.
 template <class AnyContact>
 std::vector<AnyContact> sorted_by_bodies(const std::vector<AnyContact>& contacts, Index bodies) {
-  std::vector<std::size_t> start(at(bodies) + 1, 0);
-  for (const AnyContact& contact : contacts) ++start[at(contact.a) + 1];
-  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<Index> next(at(bodies) + 1, 0);  // place of the next contact of a, finally the end of its contacts
+  for (const AnyContact& contact : contacts) ++next[at(contact.a) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
   std::vector<AnyContact> result(contacts.size());
-  std::vector<std::size_t> next(start.begin(), start.end() - 1);
-  for (const AnyContact& contact : contacts) result[next[at(contact.a)]++] = contact;
-  for (std::size_t a = 0; a + 1 < start.size(); ++a)
-    std::sort(result.begin() + static_cast<std::ptrdiff_t>(start[a]),
-              result.begin() + static_cast<std::ptrdiff_t>(start[a + 1]),
-              [](const AnyContact& l, const AnyContact& r) { return l.b < r.b; });
+  for (const AnyContact& contact : contacts) result[at(next[at(contact.a)]++)] = contact;
+  for (Index a = 0, first = 0; a < bodies; first = next[at(a)], ++a)
+    std::ranges::sort(result.begin() + first, result.begin() + next[at(a)], {}, &AnyContact::b);
   return result;
 }
 

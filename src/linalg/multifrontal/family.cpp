@@ -6,7 +6,15 @@
 namespace nscdd {
 
 SymmetricFactor SymmetricFamily::factorise(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
-  return {interior(lower, parameters), lower};
+  std::unique_lock lock(mutex_);
+  if (!interior_ || parameters_ != parameters) {
+    interior_.reset();  // frees its memory before the next one
+    interior_.emplace(analysis_, lower);
+    parameters_ = parameters;
+  }
+  const SymmetricInterior interior = *interior_;
+  lock.unlock();
+  return {interior, lower};
 }
 
 bool SymmetricFamily::keeps_interior(const std::array<double, 2>& parameters) {
@@ -17,16 +25,6 @@ bool SymmetricFamily::keeps_interior(const std::array<double, 2>& parameters) {
 void SymmetricFamily::release() {
   const std::lock_guard lock(mutex_);
   interior_.reset();
-}
-
-SymmetricInterior SymmetricFamily::interior(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
-  const std::lock_guard lock(mutex_);
-  if (!interior_ || parameters_ != parameters) {
-    interior_.reset();  // frees its memory before the next one
-    interior_.emplace(analysis_, lower);
-    parameters_ = parameters;
-  }
-  return *interior_;
 }
 
 std::vector<char> groups_of_border(const InertiaPattern& pattern) {

@@ -21,8 +21,6 @@ class SymmetricFamily {
   const SymmetricAnalysis& analysis() const { return analysis_; }
 
  private:
-  SymmetricInterior interior(const SparseMatrix& lower, const std::array<double, 2>& parameters);
-
   SymmetricAnalysis analysis_;
   std::mutex mutex_;
   std::optional<SymmetricInterior> interior_;

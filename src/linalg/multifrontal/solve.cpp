@@ -77,11 +77,8 @@ Vector spread(const FrontTree& tree, const Vector& g) {  // E g
 }  // namespace
 
 Vector SymmetricFactor::go_forward(const Vector& b, Fronts which) const { return forward(*fronts_, b, which); }
-
 Vector SymmetricFactor::go_back(const Vector& x, Fronts which) const { return back(*fronts_, x, which); }
-
 Vector SymmetricFactor::solve(const Vector& b) const { return solved(*fronts_, b, Fronts::all, Fronts::all); }
-
 Matrix SymmetricFactor::solve_columns(Matrix b) const {
   return solved(*fronts_, std::move(b), Fronts::all, Fronts::all);
 }
