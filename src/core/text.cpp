@@ -173,11 +173,8 @@ std::string field_text(const std::string& value) {
   std::string text = "\"";
   for (const char c : value) {
     if (c == '"' || c == '\\') text += '\\';
-    if (const auto code = static_cast<unsigned char>(c); code < 0x20 || code == 0x7f) {
-      text += fmt::format("\\u{:04X}", code);  // TOML requires escapes
-    } else {
-      text += c;
-    }
+    const auto code = static_cast<unsigned char>(c);
+    text += code < 0x20 || code == 0x7f ? fmt::format("\\u{:04X}", code) : std::string(1, c);  // TOML requires escapes
   }
   return text + "\"";
 }

@@ -15,9 +15,15 @@ decltype(auto) in_dimension(const Problem& problem, Work&& work) requires requir
   return work(std::integral_constant<int, 2>());
 }
 
-/// A direction in the plane (D = 2) or in space (D = 3).
 template <int D>
 using Direction = std::array<double, D>;
+template <int D>
+Direction<D> narrowed(const Direction<3>& a) {
+  if constexpr (D == 2)
+    return {a[0], a[1]};
+  else
+    return a;
+}
 
 /// Two tangents of a contact with normal n: (n, t_1, t_2) is orthonormal and right-handed, and depends on n alone
 /// (T. Duff et al., Building an orthonormal basis, revisited, J. Computer Graphics Techniques 6 (2017) 1-8).

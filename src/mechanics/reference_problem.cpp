@@ -32,11 +32,8 @@ Vector deformation_velocities(const Packing& packing, const Loads& loads) {
 template <int D>
 SparseMatrix connectivity(const ContactNetwork& network) {
   ConnectivityBuilder<D> h(D * network.grains, network.contacts.size());
-  for (const Contact& contact : network.contacts) {
-    Direction<D> normal;
-    std::copy_n(contact.normal.begin(), D, normal.begin());
-    h.add(normal, {D * contact.a}, {D * contact.b}, {1, {}});
-  }
+  for (const Contact& contact : network.contacts)
+    h.add(narrowed<D>(contact.normal), {D * contact.a}, {D * contact.b}, {1, {}});
   return h.matrix();
 }
 

@@ -9,14 +9,6 @@
 namespace nscdd {
 namespace {
 
-template <int D>
-Direction<D> narrowed(const Place& a) {
-  if constexpr (D == 2)
-    return {a[0], a[1]};
-  else
-    return a;
-}
-
 // Largest speed at which overlapping bodies are pushed apart, m/s: `maximum_push_speed` or, if that is negative,
 // c (sqrt(g r) + w), c = natural_push_speed, with the smaller radius r, g = |gravity| and the speed w of the fastest
 // boundary. A push of bodies at rest brings at most c^2/2 of the energy m g r that lifts a grain by its radius. Speeds

@@ -90,7 +90,6 @@ class NearPairs {
     double gap, uncertainty;  // times the smaller radius
   };
 
-  // A pair beyond the tolerances.
   void add_beyond(const Contact& contact, double smaller, bool overlaps) {
     const Uncertainty of_gap = gap_uncertainty(precision_, p_, contact);
     const double certain = of_gap.certain / smaller, decimal = of_gap.decimal / smaller;
@@ -204,20 +203,13 @@ void check(const Packing& packing) {
 
 Packing with_masses(Packing packing, const Masses& masses) {
   const MassModel model = masses.model.value_or(packing.mass.empty() ? MassModel::unit : MassModel::given);
-  switch (model) {
-    case MassModel::given:
-      if (packing.mass.empty())
-        throw Error("masses: expected a packing with masses (a 'mass' column) for model \"given\", met none");
-      break;
-    case MassModel::unit:
-      packing.mass.assign(packing.radius.size(), 1.0);
-      break;
-    case MassModel::density:
-      packing.mass.clear();
-      for (const double r : packing.radius)
-        packing.mass.push_back(masses.density * std::numbers::pi * r * r * (packing.z.empty() ? 1 : 4 * r / 3));
-      break;
-  }
+  if (model == MassModel::given && packing.mass.empty())
+    throw Error("masses: expected a packing with masses (a 'mass' column) for model \"given\", met none");
+  if (model != MassModel::given) packing.mass.assign(packing.radius.size(), 1.0);
+  if (model == MassModel::density)
+    std::ranges::transform(packing.radius, packing.mass.begin(), [&](double r) {
+      return masses.density * std::numbers::pi * r * r * (packing.z.empty() ? 1 : 4 * r / 3);
+    });
   check(packing);
   return packing;
 }

@@ -41,27 +41,13 @@ template <int D>
 struct LocalVector {
   double n = 0;
   Tangent<D> t{};
+
+  friend LocalVector operator+(LocalVector a, LocalVector b) { return {a.n + b.n, a.t + b.t}; }
+  friend LocalVector operator-(LocalVector a, LocalVector b) { return {a.n - b.n, a.t - b.t}; }
+  friend LocalVector operator*(double factor, LocalVector a) { return {factor * a.n, factor * a.t}; }
+  friend double dot(LocalVector a, LocalVector b) { return a.n * b.n + dot(a.t, b.t); }
+  friend double squared(LocalVector a) { return dot(a, a); }
 };
-template <int D>
-LocalVector<D> operator+(LocalVector<D> a, LocalVector<D> b) {
-  return {a.n + b.n, a.t + b.t};
-}
-template <int D>
-LocalVector<D> operator-(LocalVector<D> a, LocalVector<D> b) {
-  return {a.n - b.n, a.t - b.t};
-}
-template <int D>
-LocalVector<D> operator*(double factor, LocalVector<D> a) {
-  return {factor * a.n, factor * a.t};
-}
-template <int D>
-double dot(LocalVector<D> a, LocalVector<D> b) {
-  return a.n * b.n + dot(a.t, b.t);
-}
-template <int D>
-double squared(LocalVector<D> a) {
-  return dot(a, a);
-}
 
 /// Whether it is not 0 (its square may underflow).
 inline bool carries(const LocalVector<2>& r) { return r.n != 0 || r.t != 0; }

@@ -56,14 +56,9 @@ double real(Index whole) { return static_cast<double>(whole); }
 // The centre of a site, in radii.
 std::array<double, 3> centre_of(Stacking stacking, Index column, Index row, Index layer) {
   const Index shift = layer % 2;
-  switch (stacking) {
-    case Stacking::cubic:
-      return {real(2 * column), real(2 * row), real(2 * layer)};
-    case Stacking::fcc:
-      return {real(2 * column + shift), real(2 * row + shift), real(layer) * std::numbers::sqrt2};
-    case Stacking::hcp:
-      break;
-  }
+  if (stacking == Stacking::cubic) return {real(2 * column), real(2 * row), real(2 * layer)};
+  if (stacking == Stacking::fcc)
+    return {real(2 * column + shift), real(2 * row + shift), real(layer) * std::numbers::sqrt2};
   return {real(2 * column + row % 2 + shift), real(3 * row + shift) / sqrt3, real(layer) * std::sqrt(8.0 / 3)};
 }
 
