@@ -95,8 +95,7 @@ struct IteratedSolution {
 IteratedSolution conjugate_gradients(const LinearMap& a, const LinearMap& p_inverse, const Vector& b,
                                      const IterationLimits& limits = {});
 
-/// Flexible GMRES, preconditioned from the right: the smallest || b - A x || over the preconditioned Krylov space.
-/// Every vector is kept. Saad, SIAM J. Sci. Comput. 14 (1993) 461-469.
+/// Flexible GMRES, preconditioned from the right. Every vector is kept. Saad, SIAM J. Sci. Comput. 14 (1993) 461-469.
 IteratedSolution generalised_minimal_residuals(const LinearMap& a, const LinearMap& p_inverse, const Vector& b,
                                                const IterationLimits& limits = {});
 

@@ -16,7 +16,6 @@ struct LinearFit {
 /// Fits a line to points x, y of the same number. Throws Error for fewer than three.
 LinearFit linear_fit(std::span<const double> x, std::span<const double> y);
 
-/// Result of a scalar search.
 struct ScalarSearch {
   double x = 0;
   double value = 0;  ///< f(x)

@@ -32,7 +32,6 @@ class SparseEntries {
   std::vector<Eigen::Triplet<double>> entries_;
 };
 
-/// Selected columns of a matrix, in the given order.
 inline SparseMatrix selected_columns(const SparseMatrix& matrix, const std::vector<Index>& columns) {
   SparseEntries entries;
   for (Index j = 0; j < count(columns); ++j)

@@ -19,8 +19,7 @@ inline constexpr Index dense_impulse_limit = 4000;  ///< most contacts for which
 /// orthogonal decomposition, above by preconditioned conjugate gradients, which may stop early: see the residual.
 RigidImpulses rigid_impulses(const ReferenceProblem& problem);
 
-/// The active contacts by the paper's rule ([ADI12] section 4.3), as flags: those in compression, r > 1e-10 times the
-/// largest |r|. Throws Error if no grain has an arriving velocity.
+/// Flags of active contacts by [ADI12] section 4.3: r > 1e-10 max |r|. Throws Error if no grain has a velocity.
 std::vector<char> active_contacts(const ReferenceProblem& problem, const RigidImpulses& rigid);
 
 struct UnilateralOptions {
@@ -28,7 +27,6 @@ struct UnilateralOptions {
   Index maximum_iterations = 200;
 };
 
-/// What a contact does in a frictionless impact.
 enum class UnilateralStatus : char {
   open,      ///< w > 0: separates
   idle,      ///< r = 0 and w = 0, both within the tolerance: weakly active

@@ -5,7 +5,6 @@
 
 namespace nscdd {
 
-/// Rows of a body in H.
 struct BodyRows {
   Index first = -1;  ///< its first row: translations and, where the problem has them, rotations; -1 for a driven body
   double arm = 1;    ///< lever arm of tangential impulses, m; 1 where the speed of the rim stands for the spin

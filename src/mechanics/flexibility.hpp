@@ -5,8 +5,7 @@
 
 namespace nscdd {
 
-/// A flexibility as a case has it: a number in 1/kg (0.5), or a multiple ("0.5 W") of the scale W of the packing, the
-/// mean of W_nn = 1/m_i + 1/m_j over its contacts, 1/kg.
+/// A flexibility: a number in 1/kg (0.5), or a multiple ("0.5 W") of W, the mean of the W_nn of all contacts, 1/kg.
 struct Flexibility {
   static constexpr std::string_view expected =
       "a number in 1/kg such as 0.5, or a multiple of the mean of W_nn such as \"30 W\"";

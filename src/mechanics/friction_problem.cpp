@@ -114,7 +114,6 @@ struct Pieces {
   }
 };
 
-// M of a piece, factorised.
 class PieceFactor {
  public:
   PieceFactor(const SparseMatrix& mass, const Pieces& pieces, Index p, const std::string& name) {

@@ -15,7 +15,6 @@ Impulse take_impulse(Impulse& impulse, Impulse wanted, double relaxation = 1) {
   return impulse - before;
 }
 
-/// Matrices of a Gauss-Seidel sweep over contacts.
 struct ContactSystem {
   ContactSystem(const Vector& inertia, const SparseMatrix& connectivity)
       : h(connectivity), response(inertia.cwiseInverse().asDiagonal() * h), delassus(Vector::Zero(h.cols())) {
@@ -41,7 +40,6 @@ void gauss_seidel_sweep(const ContactSystem& contacts, const Law& law, Vector& i
   }
 }
 
-/// When an iteration ends.
 struct ProgressLimits {
   double tolerance = 0;      ///< of the indicator
   double growth = infinity;  ///< of the size of the solution over its scale
@@ -50,8 +48,7 @@ struct ProgressLimits {
   Index longer = 0;          ///< ... and so many times as many as it took to get there
 };
 
-/// Watches an iteration by an indicator, which should fall to a tolerance, and by the size of its solution. `Status`:
-/// an enumeration with at least converged, stalled and diverged.
+/// Watches an iteration by an indicator and the size of its solution. `Status` has converged, stalled and diverged.
 template <class Status>
 class ProgressWatch {
  public:

@@ -143,8 +143,7 @@ struct ContactRow {
   double bias_n = 0;  ///< m/s
 };
 
-/// Contacts as a sweep reads them. At 10^5 grains memory limits its speed: constant data are apart from the impulses,
-/// and masses (hence W) and friction are not repeated.
+/// Contacts as a sweep reads them. Memory limits its speed, so constant data are apart and no mass or W is repeated.
 template <int D>
 struct ContactRows {
   std::vector<ContactRow<D>> rows;

@@ -18,7 +18,6 @@ RigidVelocity Motion::at(double t) const {
           between(a.z, b.z), between(a.spin_x, b.spin_x), between(a.spin_y, b.spin_y)};
 }
 
-// In the plane bodies turn by an angle, in space by a rotation.
 Place carried(const Place& p, const Pose& before, const Pose& after) {
   const double dx = p[0] - before.x, dy = p[1] - before.y, dz = p[2] - before.z;
   if (after.angle != before.angle) {

@@ -83,10 +83,8 @@ Place carried(const Place& p, const Pose& before, const Pose& after);
 /// The wall when its boundary has moved from the centre of its motion to `pose`.
 Wall moved(const Wall& wall, const Motion& motion, const Pose& pose);
 
-/// The pose after a time h at constant velocity.
 Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h, Index dimension);
 
-/// Velocity of the point p of a body with that pose, m/s.
 Place velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Place& p);
 
 /// Throws Error naming the boundary if times do not ascend, counts differ or a number is not finite.
@@ -191,7 +189,6 @@ GranularState initial_state(const GranularSystem& system, std::vector<double> x,
 /// The arrays of the state with a number per grain in a system of that dimension.
 std::vector<std::vector<double> GranularState::*> numbers_of_grains(Index dimension);
 
-/// The centre of a grain, m.
 inline Place centre_of(const GranularState& state, std::size_t grain) {
   return {state.x[grain], state.y[grain], state.z.empty() ? 0 : state.z[grain]};
 }

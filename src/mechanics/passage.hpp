@@ -12,8 +12,8 @@ inline constexpr double safe_part = 0.9;
 /// gaps by rounding, unfinished iterations or rolling, and far less than the alert distance, which must have no effect.
 inline constexpr double touching_gap = 1e-3;
 
-/// Two bodies that overlap by more than largest_overlap times the smaller radius, or did so since contacts were last
-/// found (in the first step of a run: since it began).
+/// Two bodies with an overlap > largest_overlap x the smaller radius, now or since contacts were found or the run
+/// began.
 struct DeepOverlap {
   Index a = 0, b = 0;         ///< grains a < b, or wall b = disks + w
   double overlap = 0;         ///< the largest, m

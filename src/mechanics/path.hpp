@@ -13,7 +13,6 @@ struct Configuration {
   std::vector<RigidVelocity> motions;  ///< of boundaries in this step
 
   Place centre(std::size_t i) const { return {x[i], y[i], z.empty() ? 0 : z[i]}; }
-  /// Velocity of a wall at one of its points, m/s.
   Place velocity(const Wall& wall, const Place& point) const {
     return velocity_of_point(motions[at(wall.boundary)], poses[at(wall.boundary)], point);
   }

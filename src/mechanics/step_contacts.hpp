@@ -12,7 +12,6 @@ struct StepContact {
   double gap = 0;                  ///< m, at q_m
 };
 
-/// Summary of the contacts of a step.
 struct ConsideredContacts {
   Index number = 0;
   double boundary_speed = 0;      ///< of the fastest driven grain, or wall at one of its contacts, m/s

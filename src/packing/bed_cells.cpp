@@ -38,8 +38,7 @@ BedCells::BedCells(double width, double depth, double largest_radius, std::vecto
     // More than 4 (in space 8) smaller grains per cell of the largest get their own level; 4 to 16 serve equally.
     const double square = static_cast<double>(radii.size()) * largest * largest;
     if (radii.empty() || (in_space ? square * largest : square) <= room) return;
-    // Slightly above the largest radius, so that rounding hides no grain beyond the border of a cell. Cells of few
-    // grains are wider, so that there are about as many as grains.
+    // Slightly larger, so that rounding hides no grain behind a border of cells; wider if there are few grains.
     const double bound = radii.back() * (1 + 1e-6), share = room / cells_for(radii.size());
     add_level(bound, std::max(side_for(bound, radii.size()), in_space ? std::cbrt(share) : std::sqrt(share)));
   }

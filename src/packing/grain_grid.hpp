@@ -41,7 +41,6 @@ class CellGrid {
           for (const Index i : cell(column, row, layer)) visit(i);
   }
 
-  /// Indices of all points, cell by cell.
   const std::vector<Index>& points() const { return points_; }
 
   /// Average number of points in the cell of a point, itself included: the cost of a search.
@@ -101,8 +100,7 @@ class GrainGrid {
   /// places: centres, m; radius > 0, m; all finite and of the same length; stretch >= 1, range >= 0, m.
   GrainGrid(Places places, std::span<const double> radius, double stretch = 1, double range = 0);
 
-  /// Calls visit(i, j), i < j, once for every pair whose centres are no farther apart than
-  /// stretch (radius_i + radius_j) + range, and once for some that are.
+  /// Calls visit(i, j), i < j, once for pairs of distance <= stretch (radius_i + radius_j) + range, and some others.
   template <class Visit>
   void for_each_pair(Visit&& visit) const {
     if (levels_.size() == 1) return levels_.front().grid.for_each_pair(visit);

@@ -78,8 +78,7 @@ std::optional<Precision> decimal_precision(const Packing& packing, Digits digits
   if (tally_of(packing, digits, longest, packing.x.size() / sample + 1).too_long()) return std::nullopt;
   const Tally tally = tally_of(packing, digits, longest, 1);
   if (tally.too_long()) return std::nullopt;
-  // With a fixed number of decimals, numbers with the most significant digits are among those with all decimals; with
-  // a fixed number of significant digits it is the other way round.
+  // Fixed decimals: numbers with the most significant digits have all decimals; fixed digits: the other way round.
   Precision precision;
   if (tally.at_point >= tally.at_significant) precision.coordinates.decimals = std::max(0, tally.behind_point);
   if (tally.at_point <= tally.at_significant) precision.coordinates.significant = std::max(1, tally.significant);

@@ -12,7 +12,6 @@ struct Sphere {
   double radius = 0;  ///< m
 };
 
-/// Work of generating a bed.
 struct RollingWork {
   Index motions = 0;     ///< falls, and arcs of circles
   Index candidates = 0;  ///< pairs of a motion and a possible obstacle
@@ -83,7 +82,6 @@ class SphereHeap {
 
 struct SphereDeposit;
 
-/// A deposit of spheres with the supports of each sphere, and the work of its generation.
 struct SphereBed {
   Packing packing;
   double width = 0, depth = 0;  ///< m

@@ -38,12 +38,10 @@ struct Carried {
 
   bool has(std::size_t k) const { return std::ranges::count(std::span(by).first(supports), k) > 0; }
 };
-/// `but`: sets to skip. Several sets may give the same velocity, with multipliers of 0; the curvature of their arcs
-/// then decides, which the normals do not contain.
+/// `but`: sets to skip. If several give one velocity, with multipliers of 0, the curvature of their arcs decides.
 Carried carried_by(std::span<const SpacePoint> normals, std::span<const Carried> but = {});
 
-/// The first angle >= 0 at which q_u cos(angle) + q_w sin(angle) rises to a - excess, a = hypot(q_u, q_w): infinite for
-/// an excess of 0 or less, 0 if it is above already and rising.
+/// First angle >= 0 at which q_u cos + q_w sin rises to |q| - excess: infinite for an excess <= 0, 0 if already above.
 double first_crossing(double q_u, double q_w, double excess);
 
 /// Moves the centre of a sphere to the nearest point where all gaps vanish, by two Newton steps of least length.

@@ -20,13 +20,11 @@ concept Named = std::is_enum_v<Enum> && requires {
   std::span<const std::string_view>(names_of(Enum{}));
 };
 
-/// Name of a value.
 template <Named Enum>
 constexpr std::string_view to_string(Enum value) {
   return names_of(value)[static_cast<std::size_t>(value)];
 }
 
-/// All names, as strings.
 template <Named Enum>
 std::vector<std::string> all_names() {
   const auto names = names_of(Enum{});

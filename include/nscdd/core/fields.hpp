@@ -134,8 +134,7 @@ std::string field_lines(const Parameters& parameters) {
   return lines;
 }
 
-/// Sets the parameter `key` from text and checks its bounds. Returns false if the struct has no such key. `path`: its
-/// name for error messages, such as "packing.grains".
+/// Sets the parameter `key` from text and checks its bounds; false if there is no such key. `path`: its name in errors.
 template <class Parameters>
 bool override_field(Parameters& parameters, std::string_view key, std::string_view text, std::string_view path) {
   bool found = false;

@@ -46,8 +46,7 @@ struct Processes {
       gather_bytes = [](std::span<const std::byte> own, std::size_t, bool, const Room& room) {
         std::ranges::copy(own, room(own.size()));
       };
-  /// A function that sums the entries shared with neighbours, for one array after the other. Only neighbours
-  /// synchronise, and only these entries are then equal on both.
+  /// Returns a function that sums the entries shared with neighbours, in their arrays; only neighbours synchronise.
   std::function<std::function<void(std::span<double>)>(const std::vector<SharedEntries>&)> between_neighbours =
       [](const auto&) { return [](std::span<double>) {}; };
 

@@ -30,8 +30,7 @@ struct Table {
   std::size_t column(const std::string& name) const;
 };
 
-/// Text of a cell as written to CSV: the shortest decimal that reads back to the same double
-/// (inf, -inf, nan for the special values), true/false for a bool.
+/// Text of a cell in CSV: the shortest decimal that reads back to the same double (inf, -inf, nan), true or false.
 std::string to_text(const Cell& cell);
 
 /// Receives results one by one.
@@ -112,8 +111,7 @@ using Provenance = std::vector<std::pair<std::string, std::string>>;
 /// Version of this library, "major.minor.patch".
 std::string version();
 
-/// Fingerprint of the build, 16 hexadecimal digits: it changes with any source, the compiler or its settings. Builds
-/// with different fingerprints need not give equal bits.
+/// Fingerprint of the build, 16 hexadecimal digits, by sources, compiler and settings. Bits may differ between builds.
 std::string build_fingerprint();
 
 /// Name and version of every numerical library, in a fixed order.

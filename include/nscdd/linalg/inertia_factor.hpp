@@ -49,8 +49,7 @@ InertiaMethod multifrontal(std::shared_ptr<WorkCount> work = std::make_shared<Wo
 /// A factor that solves from, to and on the border by whole solves.
 InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern);
 
-/// Error of a factor: ||d|| / ||x|| on the border, where x = A^-1 E 1 by the factor and d is the correction of one step
-/// of iterative refinement. Infinite if the ratio is not finite.
+/// Error of a factor: ||d|| / ||x|| on the border, x = A^-1 E 1, d its first correction by iterative refinement.
 double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index border,
                    const Processes& processes = {});
 

@@ -64,8 +64,7 @@ void require_arriving_velocity(const ReferenceProblem& problem);
 /// Grains that a contact acts on, ascending, read off the pattern of H.
 std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index contact);
 
-/// Scale of flexibilities: mean over the contacts of W_nn = h_n^T M^-1 h_n (1/m_i + 1/m_j for two grains), with the
-/// normal columns h_n of H, 1/kg. 0 without contacts.
+/// Scale of flexibilities: mean over contacts of W_nn = h_n^T M^-1 h_n, h_n normal columns of H, 1/kg; 0 without any.
 double mean_normal_delassus(const ReferenceProblem& problem);
 
 /// M^-1/2 H: its Gram matrix is the Delassus operator W = H^T M^-1 H, its rank that of W.

@@ -29,7 +29,6 @@ struct FrontEntry {
   int row = 0, column = 0;  ///< in the front, row >= column
 };
 
-/// Fronts of a walk.
 enum class Fronts {
   all,
   border,  ///< on the path from a border row to the root
@@ -116,8 +115,7 @@ struct EliminationWork {
 
 EliminationWork work_of_front(Index eliminated, Index others);  ///< the work of one dense front on the border
 
-/// Elimination order and fronts of one sparsity pattern, for every matrix that has it: nested dissection (METIS) of the
-/// graph of row groups, supernodes of the groups (CHOLMOD).
+/// Elimination order and fronts of one pattern: nested dissection of row groups (METIS), supernodes (CHOLMOD).
 class SymmetricAnalysis {
  public:
   /// `pattern`: n x n symmetric, lower triangle stored, values ignored.

@@ -19,8 +19,7 @@ struct FrontMemory {
 
 }  // namespace
 
-// Updates wait until the parent has added them; those of the interior stay for the next factor. Children that are
-// eliminated in parallel may all need their most memory at once.
+// Updates wait for their parent, those of the interior for the next factor. Parallel children may all peak at once.
 FactorMemory factor_memory(const FrontTree& tree, FactorShape shape) {
   const bool full = shape == FactorShape::full;  // has no interior
   const double records = static_cast<double>(sizeof(FrontFactor) + sizeof(Matrix)) * static_cast<double>(tree.size());

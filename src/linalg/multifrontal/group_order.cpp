@@ -125,8 +125,7 @@ class MinimumDegree {
   std::vector<std::vector<int>> cliques_;  // the segments of each
 };
 
-// Nodes tied to many others, as the motions of a large rigid cluster are to all impulses at its interface: eliminated
-// first, they would tie all of these to each other.
+// Nodes tied to many others, such as motions of a large rigid cluster: eliminated first, they would tie all of these.
 std::vector<char> hubs_of(const Graph& graph, const std::vector<char>& last) {
   constexpr int many = 16;
   std::vector<char> hubs(last.size(), 0);

@@ -12,8 +12,7 @@ struct LuFactors;
 /// not depend on the number of threads. Copies share their factors, to be used from one thread at a time.
 class SparseLu {
  public:
-  /// `pattern`: n x n, compressed, values ignored; made symmetric by zeros. Throws Error if the factors do not fit into
-  /// memory (require_memory), std::bad_alloc if memory runs out.
+  /// `pattern`: n x n, compressed, made symmetric by zeros. Throws Error (require_memory) or std::bad_alloc.
   explicit SparseLu(const SparseMatrix& pattern);
 
   /// `a`: of that pattern, else throws Error. Returns false if a pivot is zero or not finite; do not `solve` then.

@@ -52,7 +52,6 @@ struct SizeDistribution {
 /// Throws Error for radius_min > radius_max, and if no lognormal radius lies between them in double precision.
 std::function<double(double u)> radius_quantile(const SizeDistribution& sizes);
 
-/// The fields of a deposit, in the plane or in space.
 template <class AnyDeposit, class Visitor>
 void visit_deposit(AnyDeposit& deposit, Visitor& visit) {
   constexpr bool in_space = requires { deposit.depth; };

@@ -5,7 +5,6 @@
 
 namespace nscdd {
 
-/// The radius field of lattices of disks.
 inline constexpr Field radius_of_all{
     .description = "radius of every disk", .unit = "m", .minimum = 0, .minimum_excluded = true};
 
