@@ -57,7 +57,7 @@ void bind_solution(py::module_& module) {
                     "False where the residual may be small only because impulses are large: they may grow without "
                     "bound, as they do where there is no solution")
       .def_property_readonly("siconos_residual", of_state(&FrictionState::siconos_residual),
-                             "natural map with rho = 1, as Siconos has it")
+                             "natural map with rho = 1, as in Siconos")
       .def_property_readonly("open", of_state(&FrictionState::open), "contacts without an impulse")
       .def_property_readonly("stick", of_state(&FrictionState::stick), "contacts with an impulse inside of the cone")
       .def_property_readonly("slide", of_state(&FrictionState::slide), "contacts with an impulse on its edge")

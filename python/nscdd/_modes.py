@@ -81,7 +81,7 @@ class Mode:
 
     def impulse_table(self) -> Table:
         """A row for each pair of copies of a shared grain: the table PREFIX-impulses.csv of `nscdd modes`. Raises Error
-        for a contact problem, of which no geometry is known, and so does `velocity_table`."""
+        for a contact problem, which has no geometry, and so does `velocity_table`."""
         return Table(self._core.impulse_columns())
 
     def velocity_table(self) -> Table:

@@ -16,14 +16,14 @@ struct ProcessCounts {
 
 ResultColumns<ProcessCounts> count_columns() {
   const ResultColumns<WorkCount> of_work{
-      {"messages", "1", "sent to one other process", &WorkCount::messages},
-      {"message_bytes", "B", "in these", &WorkCount::message_bytes},
-      {"sums", "1", "exchanges in which all processes take part", &WorkCount::sums},
-      {"sum_bytes", "B", "that this process put into these", &WorkCount::sum_bytes},
+      {"messages", "1", "sent to one other rank", &WorkCount::messages},
+      {"message_bytes", "B", "bytes of these messages", &WorkCount::message_bytes},
+      {"sums", "1", "exchanges in which all ranks take part", &WorkCount::sums},
+      {"sum_bytes", "B", "contributed by this rank to these exchanges", &WorkCount::sum_bytes},
       {"contact_updates", "1", "of single contacts, in sweeps of Algorithm 1", &WorkCount::contact_updates},
       {"flops", "1", "operations of factorisations and of solves with them", &WorkCount::flops},
-      {"path_flops", "1", "of these one after the other, over all processes", &WorkCount::path_flops}};
-  return joined<ProcessCounts>({{{"process", "", "from 0", &ProcessCounts::process}},
+      {"path_flops", "1", "on the critical path over all ranks", &WorkCount::path_flops}};
+  return joined<ProcessCounts>({{{"process", "", "rank, from 0", &ProcessCounts::process}},
                                 columns_of(&ProcessCounts::work, of_work),
                                 {{"seconds", "s", "from the first work to the last", &ProcessCounts::seconds},
                                  {"memory", "B", "largest resident set of the process", &ProcessCounts::memory}}});

@@ -34,8 +34,7 @@ struct TimeStepping {
         Field{.description = "acceleration of free grains; by default downwards, along -y in the plane and -z in space",
               .unit = "m/s^2"});
     visit("alert", self.alert,
-          Field{.description = "contacts are considered whose gap is below this, or comes below it within the "
-                               "step, times the smallest radius",
+          Field{.description = "gap, in smallest radii, below which a contact is considered, now or within the step",
                 .minimum = 0,
                 .maximum = 10});
     visit("penetration_correction", self.penetration_correction,

@@ -69,7 +69,7 @@ const ResultColumns<IterationRow>& iteration_columns() {
       {{{"step", "1", "time step, from 1", &Iteration::step},
         {"iteration", "1", "iteration of the step, from 1", [](const Iteration& row) { return row.record.iteration; }}},
        indicators(&Iteration::record),
-       {{"status_changes", "1", "contacts that open, stick or slide otherwise than at the iteration looked at before",
+       {{"status_changes", "1", "contacts whose status differs from that at the iteration observed before",
          &Iteration::status_changes},
         {"seconds", "s", "time of the iterations of the step so far, without the indicators", &Iteration::seconds}}});
   return columns;
@@ -92,11 +92,11 @@ const ResultColumns<StepReport>& step_columns() {
        indicators(&Step::last),
        {{"impulses", "N s", "|r| over all contacts", [](const Step& step) { return std::sqrt(step.last.impulses); }},
         {"driving", "N s",
-         "max(|r^1|, p), what drives the contacts of the step; r^1: impulses of the contacts each alone",
+         "max(|r^1|, p), what drives the contacts of the step; r^1: impulse of each contact as if it were the only one",
          [](const Step& step) { return step.residual.scale.driving(); }},
         {"driven_residual", "1", "|natural map| over `driving`, which does not fall as impulses grow",
          &Step::driven_residual},
-        {"no_room", "1", "1 where impulses grew and contacts close nevertheless: boundaries may leave no room, or 0",
+        {"no_room", "1", "1 if contacts keep closing although impulses grew: boundaries may leave no room; else 0",
          [](const Step& step) { return Index{step.no_room}; }},
         {"contacts", "1", "considered in the step", &Step::contacts},
         {"interface_size", "1", "n_Gamma, 3 per gluing, in space 6", &Step::interface_size},

@@ -65,7 +65,7 @@ struct StepReport {
   Index interface_iterations = 0;  ///< of Stage 2 in all of them
   double setup_seconds = 0, solve_seconds = 0;
 
-  bool no_room = false;   ///< impulses grew and contacts close nevertheless, see no_room in solved_step.cpp
+  bool no_room = false;   ///< contacts keep closing although impulses grew, see no_room in solved_step.cpp
   bool doubtful = false;  ///< converged relative to impulses that are not credible, see FrictionSolution
   /// |natural map| over ImpulseScale::driving, which does not fall as impulses grow.
   double driven_residual() const;

@@ -131,20 +131,20 @@ struct StepSolver {
     visit(sweeps, "gauss_seidel_sweeps", self.gauss_seidel_sweeps,
           Field{.description = "sweeps per iteration and subdomain", .minimum = 1, .maximum = 1e9});
     visit(iterations, "maximum_iterations", self.maximum_iterations,
-          Field{.description = "iterations of a step at the most", .minimum = 1, .maximum = 1e9});
+          Field{.description = "largest number of iterations of a step", .minimum = 1, .maximum = 1e9});
     visit(sweeps, "criterion", self.criterion, Field{.description = "indicator that ends the iterations"});
     visit(sweeps, "criterion_interval", self.criterion_interval,
-          Field{.description = "iterations from one look at the criterion to the next", .minimum = 1, .maximum = 1e9});
+          Field{.description = "iterations between two checks of the criterion", .minimum = 1, .maximum = 1e9});
     visit(iterations, "tolerance", self.tolerance,
-          Field{.description = "value of the indicator that is small enough", .minimum = 0, .maximum = 1});
+          Field{.description = "tolerance on the indicator", .minimum = 0, .maximum = 1});
     visit(stage_two, "gluing_tolerance", self.gluing_tolerance,
           Field{.description = "largest jump at the interface of a converged step, relative to the speeds of "
-                               "its grains (not asked of the semi-implicit scheme)",
+                               "its grains (not required of the semi-implicit scheme)",
                 .minimum = 0});
     visit(sweeps, "order", self.order, Field{.description = "order of a sweep"});
     visit(sweeps, "seed", self.seed, Field{.description = "seed of order random", .minimum = 0});
     visit(relaxation, "contact_relaxation", self.contact_relaxation,
-          Field{.description = "part of each local change of impulse that is made",
+          Field{.description = "relaxation of each local change of impulse",
                 .minimum = 0,
                 .minimum_excluded = true,
                 .maximum = 1.99});
@@ -154,25 +154,27 @@ struct StepSolver {
           Field{.description = "flexibility of the enriched Stage 2: a number, a multiple of W, or optimal",
                 .unit = "1/kg"});
     visit(enriched_stage_two, "network", self.network,
-          Field{.description = "contacts Stage 2 sees: all considered, or those that carried an impulse in the "
+          Field{.description = "contacts of Stage 2: all considered, or those that carried an impulse in the "
                                "last step"});
-    visit(enriched_stage_two, "enrichment", self.enrichment,
-          Field{.description = "where the enriched Stage 2 acts; the semi-implicit scheme: once, on the contacts that "
-                               "carried an impulse in the last step"});
+    visit(
+        enriched_stage_two, "enrichment", self.enrichment,
+        Field{.description =
+                  "iterations in which the enriched Stage 2 acts; the semi-implicit scheme: once, on the contacts that "
+                  "carried an impulse in the last step"});
     visit(stage_two, "interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
     visit(stage_two, "interface_relaxation", self.interface_relaxation,
           Field{.description = "relaxation omega of Stage 2", .minimum = 0, .minimum_excluded = true, .maximum = 1000});
     visit(cut_systems, "interface_network", self.interface_network,
           Field{.description = "contacts that precondition the interface of the two-stage Newton method and ADMM"});
     visit(softer_network, "interface_flexibility", self.interface_flexibility,
-          Field{.description = "c: these are so many times as flexible as the contacts of its linear systems",
+          Field{.description = "c: flexibility of the preconditioning contacts, relative to that of the contacts in "
+                               "the linear systems",
                 .minimum = 0,
                 .minimum_excluded = true,
                 .maximum = 1e6});
     visit(subdomains, "redecompose", self.redecompose,
           Field{.description = "steps between two decompositions", .minimum = 1, .maximum = 1e9});
-    visit(stage_two, "switch", self.model,
-          Field{.description = "what a subdomain becomes whose statuses have stood still"});
+    visit(stage_two, "switch", self.model, Field{.description = "model of a subdomain once its statuses stand still"});
     visit(stage_two, "switch_after", self.switch_after,
           Field{.description = "iterations for which the statuses of a subdomain stand still before it is switched; "
                                "with warm_start they are counted over steps",

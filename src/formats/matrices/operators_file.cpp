@@ -74,7 +74,7 @@ std::string cell_as_toml(const Cell& cell) {
 std::string manifest_head(const OperatorsHead& head, const Provenance& provenance) {
   std::string text =
       "# Operators of a case for other programs: each in a Matrix Market file beside this one, all in operators.h5.\n"
-      "# `entries` are those stored in full; a symmetric Matrix Market file has the lower triangle alone.\n";
+      "# `entries` are those stored in full; a symmetric Matrix Market file has only the lower triangle.\n";
   for (const auto& [name, content] : provenance)
     if (name == "program" || name == "command_line") text += fmt::format("{} = {}\n", name, field_text(content));
   const ResultColumns<CaseSummary>& columns = case_columns();

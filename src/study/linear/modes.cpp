@@ -128,7 +128,7 @@ ResultColumns<ModeImpulse> mode_impulse_columns(Index dimension) {
       {{{"case", "", "name of the case", [](const One& r) { return r.model.name; }},
         {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit",
          [](const One& r) { return r.parameters.epsilon; }},
-        {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm",
+        {"eta", "1/kg", "flexibility of the network of Stage 2, inf for the generic algorithm",
          [](const One& r) { return r.parameters.eta; }},
         {"end", "", "of the spectrum without unit eigenvalues: low or high", [](const One& r) { return r.mode.side; }},
         {"eigenvalue", "1", "of the contraction operator, to which the mode belongs",

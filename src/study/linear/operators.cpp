@@ -33,8 +33,8 @@ void hand_undivided(const Model& model, const Sink<CaseOperator>& sink) {
   sink({"M", "M = diag(m)", fmt::format("inertia of the grains, {} in turn", unknowns(problem)),
         std::string(mass_unit(problem)), diagonal_matrix(problem.inertia), true});
   sink({"H", "H",
-        fmt::format("H r: what the impulses r of the contacts come to on the grains; H^T V: the relative velocities of "
-                    "the contacts; columns are {}, -n on one grain and +n on the other",
+        fmt::format("H r: momenta that the contact impulses r give the grains; H^T V: the relative velocities of the "
+                    "contacts; columns are {}, -n on one grain and +n on the other",
                     !friction                ? "the contacts"
                     : problem.dimension == 2 ? "the normal and the tangent of each contact"
                                              : "the normal and the two tangents of each contact"),
@@ -64,8 +64,7 @@ void hand_subdomains(const Model& model, const Selection& selection, const Sink<
     hand("contacts", "", "numbers of the columns of H, from 0, that are the columns of H_E", "", own.contacts, false);
     if (restricted) {
       const Subdomain& kept = selection.restricted->subdomains[at(e)];
-      hand("G", "G_E = H_E C_E", "columns of H_E of the contacts that Stage 1 works with", std::string(h_unit), kept.h,
-           false);
+      hand("G", "G_E = H_E C_E", "columns of H_E of the contacts of Stage 1", std::string(h_unit), kept.h, false);
       hand("active_contacts", "", "numbers of the columns of H, from 0, that are the columns of G_E", "", kept.contacts,
            false);
     }
@@ -133,7 +132,7 @@ bool case_operators(const Model& model, const Selection& selection, const Operat
   if (model.parts.interface_size() == 0) return true;
   const InterfaceFamily all(model.parts);
   const InterfaceOperator p = all.at(parameters.eta);
-  sink({"X", formula_of("X", "", infinity, 'H'), "interface operator of the generic algorithm: inertia alone", "1/kg",
+  sink({"X", formula_of("X", "", infinity, 'H'), "interface operator of the generic algorithm: inertia only", "1/kg",
         p.generic(), true});
   if (!parameters.dense) return true;
   const bool restricted = selection.of_case.contact_set != ContactSet::all;
@@ -159,7 +158,7 @@ bool case_operators(const Model& model, const Selection& selection, const Operat
   const std::string formula = parameters.relaxation == 1
                                   ? "B = I - P^-1 S"
                                   : fmt::format("B = I - omega P^-1 S, omega = {}", parameters.relaxation);
-  sink({"B", formula, "contraction operator: what an iteration makes of an error of the interface impulses", "1",
+  sink({"B", formula, "contraction operator: maps the error of the interface impulses to that after an iteration", "1",
         *std::move(b), false});
   return true;
 }

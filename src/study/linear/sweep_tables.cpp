@@ -55,7 +55,7 @@ ResultColumns<SpectralRadius> end_columns(const SpectralOptions& options) {
 const ResultColumns<SweepPoint>& point_columns() {
   static const ResultColumns<SweepPoint> columns{
       {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit", &SweepPoint::epsilon},
-      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm", &SweepPoint::eta},
+      {"eta", "1/kg", "flexibility of the network of Stage 2, inf for the generic algorithm", &SweepPoint::eta},
       {"relaxation", "1", "omega of F <- F + omega (F' - F)",
        [](const SweepPoint& p) { return p.relaxation.value_or(not_a_number); }},
       {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact", [](const SweepPoint& p) {
@@ -69,7 +69,7 @@ const ResultColumns<CaseSummary>& case_columns() {
       {"case", "", "name of the case", &CaseSummary::name},
       {"grains", "1", "grains of the packing", &CaseSummary::grains},
       {"contacts", "1", "contacts of the packing", &CaseSummary::contacts},
-      {"active_contacts", "1", "contacts that Stage 1 works with", &CaseSummary::active_contacts},
+      {"active_contacts", "1", "contacts of Stage 1", &CaseSummary::active_contacts},
       {"subdomains", "1", "subdomains of the partition, empty ones included", &CaseSummary::subdomains},
       {"interface_dofs", "1", "interface unknowns n_Gamma", &CaseSummary::interface_size},
       {"contact_set", "", "all (H_E), active or unilateral (G_E) in Stage 1", &CaseSummary::contact_set},
@@ -111,7 +111,8 @@ ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters) {
        [](const SweepResult& result) { return result.dominant.imag(); }}};
   static const ResultColumns<Radius> certificate{
       {"solver", "",
-       "dense, arpack, shift-invert, slepc, or none for an empty interface; of an open row why each failed",
+       "dense, arpack, shift-invert, slepc, or none for an empty interface; if the row did not converge, why each "
+       "solver failed",
        [](const Radius& radius) {
          return radius.converged || radius.failure.empty() ? radius.solver : radius.failure;
        }},

@@ -158,7 +158,7 @@ ResultColumns<FrozenInterface> frozen_columns(const std::string& network, const 
 ResultColumns<InterfaceIterations::Rival> rival_columns(const std::string& name, const std::string& words) {
   using Rival = InterfaceIterations::Rival;
   return {{name + "_iterations", "1", "of " + words, &Rival::iterations},
-          {name + "_converged", "", "whether it got there within maximum_iterations", &Rival::converged}};
+          {name + "_converged", "", "whether it converged within maximum_iterations", &Rival::converged}};
 }
 
 const ResultColumns<InterfaceIterations>& cut_columns() {

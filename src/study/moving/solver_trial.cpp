@@ -51,7 +51,7 @@ struct StepTrial {
 const ResultColumns<StepTrial>& step_trial_columns() {
   static const auto all =
       joined<StepTrial>({{{"case", "", "name of the case", [](const StepTrial& t) { return t.name; }},
-                          {"grains", "1", "free disks", &StepTrial::grains},
+                          {"grains", "1", "free grains", &StepTrial::grains},
                           {"step", "1", "step whose contact problem it is, from 1", &StepTrial::step}},
                          columns_of(&StepTrial::trial, trial_columns())});
   return all;

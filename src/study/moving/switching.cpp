@@ -114,7 +114,7 @@ SwitchedStep switched_step(const Simulation& simulation) {
 
 constinit const Observable observables::switching = examined_steps<switching_columns, switched_step>(
     {.name = "switching",
-     .summary = "steps of a run that switches models, beside the same steps without",
+     .summary = "steps of a run that switches models, compared with the same steps without",
      .own_solver = true,
      .check = [](const CaseSpec& spec) {
        if (!switches_models(*spec.dynamics))
