@@ -42,7 +42,7 @@ Verb& verb_named(std::vector<Verb>& verbs, std::string_view name, const Machine&
     fail("expected a verb ({}), met '{}'{}", fmt::join(known, ", "), name, suggestion(name, known));
   }
   if (!machine.serves(name))
-    fail("expected a verb that several processes can share ({}), met '{}': nscdd has it on one",
+    fail("expected a verb that several ranks can share ({}), met '{}': run it with nscdd on a single rank",
          fmt::join(machine.verbs, ", "), name);
   return *verb;
 }

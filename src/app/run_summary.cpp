@@ -41,8 +41,8 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
                     advice(totals, dynamics));
   if (totals.doubtful > 0)
     text += fmt::format(
-        "attention: {} of {} steps converged relative to impulses that are large beside what drives the step: see the "
-        "column driven_residual of /summary\n",
+        "attention: {} of {} steps converged relative to impulses that are large relative to what drives the step: see "
+        "the column driven_residual of /summary\n",
         totals.doubtful, totals.steps);
   if (totals.gluing > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
     text += fmt::format(

@@ -106,12 +106,12 @@ void require_same(const std::vector<double>& numbers, const std::string& name, c
   const std::vector<double> of_all = processes.gather(numbers);
   for (std::size_t k = 0; k < of_all.size(); ++k)
     if (of_all[k] != of_all[k % numbers.size()])
-      fail("{}: expected the same case and options in all processes, met others in process {}", name,
-           k / numbers.size());
+      fail("{}: expected the same case and options on all ranks, met others on rank {}", name, k / numbers.size());
 }
 
 void require_one_process(const Machine& machine, std::string_view what) {
-  if (!machine.processes.alone()) fail("{}: expected one process, met {}: nscdd has it", what, machine.processes.size);
+  if (!machine.processes.alone())
+    fail("{}: expected a single rank, met {}: run it with nscdd", what, machine.processes.size);
 }
 
 }  // namespace nscdd::app

@@ -116,16 +116,18 @@ void require_same_start(const std::string& path, const GranularState& asked) {
   const std::optional<TrajectoryStep> first = find_trajectory_step(path, 0);
   if (!first) return;
   const GranularState& found = first->state;
+  const std::string_view shape = shape_of_grains(asked.z.empty() ? 2 : 3);
   for (const auto values : numbers_of_grains(asked.z.empty() ? 2 : 3)) {
     const std::vector<double>&had = found.*values, &has = asked.*values;
-    if (had.size() != has.size()) fail("{}: expected {} disks in its first step, met {}", path, has.size(), had.size());
+    if (had.size() != has.size())
+      fail("{}: expected {} {}s in its first step, met {}", path, has.size(), shape, had.size());
     const auto differs = std::mismatch(had.begin(), had.end(), has.begin());
     if (differs.first == had.end()) continue;
     const auto i = static_cast<std::size_t>(differs.first - had.begin());
     fail(
-        "{}: expected the start of the run it holds, met disk {} elsewhere or at another velocity, at ({}, {}) m "
+        "{}: expected the start of the run it holds, met {} {} elsewhere or at another velocity, at ({}, {}) m "
         "instead of ({}, {}) m",
-        path, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i));
+        path, shape, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i));
   }
 }
 

@@ -58,8 +58,9 @@ void print_rounding(const RoundingDoubt& doubt) {
   fmt::print("\ndigits               {} (gaps are known to {:.2g} of the smaller radius)\n", doubt.digits,
              doubt.uncertainty);
   fmt::print("  contacts by them   {} (beyond the tolerances, within the digits)\n", doubt.decided.size);
-  fmt::print("  pairs in doubt     {} ({})\n", doubt.open.size,
-             doubt.used ? "apart by at most three times that" : "apart by less: the digits are taken as exact");
+  fmt::print(
+      "  pairs in doubt     {} ({})\n", doubt.open.size,
+      doubt.used ? "apart by at most three times this uncertainty" : "apart by less: the digits are taken as exact");
 }
 
 void print_geometry(const Inspection& found, Index dimension) {

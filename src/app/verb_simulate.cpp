@@ -144,7 +144,7 @@ void require_shared(const CaseSpec& spec, const Machine& machine) {
   if (machine.processes.alone()) return;
   const StepSolver& solver = spec.dynamics->solver;
   if (!decomposes(solver.algorithm))
-    fail("solver.algorithm: expected {} on several processes, met {}: nscdd has it on one",
+    fail("solver.algorithm: expected {} on several ranks, met {}: run it with nscdd on a single rank",
          algorithms_with(StepPart::subdomains), to_string(solver.algorithm));
   if (solver.model != SwitchedModel::none)
     require_one_process(machine, fmt::format("solver.switch {}", to_string(solver.model)));
@@ -239,7 +239,7 @@ Action declare_simulate(Command& command) {
       {.description = "", .minimum = 1, .maximum = 1e9});
   every.needs = convergence;
   CountsTable::declare(command, options->counts);
-  command.preset("--save-every", options->files.save_every, "keep every Nth step; the last one always is",
+  command.preset("--save-every", options->files.save_every, "keep every Nth step; the last one is always kept",
                  {.description = "", .minimum = 1, .maximum = 1e9});
   command.add("--restart", options->restart, "go on with the output of a run before, up to --steps");
   command.add("--force", options->files.force, "replace existing outputs");

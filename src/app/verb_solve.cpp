@@ -25,8 +25,8 @@ ResultColumns<FrictionSolution> check_columns() {
       {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to max(|r|, |r^1|)",
        &FrictionState::residual},
       {"siconos_residual", "1",
-       "natural map with rho = 1, relative to the largest of |r|, |u| and |q|, absolute where that is at "
-       "most 2.2e-16, as Siconos has it",
+       "natural map with rho = 1, relative to the largest of |r|, |u| and |q|, absolute where that is at most 2.2e-16, "
+       "as in Siconos",
        &FrictionState::siconos_residual},
       {"open", "1", "contacts without an impulse", &FrictionState::open},
       {"stick", "1", "contacts with an impulse inside the cone of friction", &FrictionState::stick},
@@ -99,8 +99,8 @@ std::string first_of(const std::vector<Index>& contacts) {
 void print_doubt(const FrictionSolution& solution) {
   if (solution.credible || solution.status != FrictionStatus::converged) return;
   note(
-      "the residual is small relative to impulses that are large beside what drives the contacts; relative to that it "
-      "is {:.3g}. Where no solution exists impulses grow so: a smaller --tolerance tells",
+      "the residual is small only relative to the impulses, which are large relative to what drives the contacts; "
+      "relative to the latter it is {:.3g}. Where no solution exists impulses grow so: a smaller --tolerance tells",
       solution.state.driven_residual);
 }
 
@@ -135,7 +135,7 @@ void require_moderate(const LocalFrictionProblem& problem, const std::string& na
 void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options,
                   const Context& context, OutputFile& output) {
   if (has_siconos_name(options.output)) {
-    note("{}: a file of Siconos holds the problem alone; its solution goes into .h5 or .hdf5", options.output);
+    note("{}: a file of Siconos holds only the problem; its solution goes into .h5 or .hdf5", options.output);
     output.bytes(siconos_text(file, "nscdd " + version()));
     return output.finish();
   }
@@ -236,7 +236,7 @@ Action declare_solve(Command& command) {
       &command.add(
           "-o,--output FILE", options->output,
           "write the problem with its solution there, HDF5 of FCLIB, a guess where not converged; or FILE.dat of "
-          "Siconos, the problem alone")};
+          "Siconos, only the problem")};
   for (Option* one : alone) one->excludes = csv;
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);

@@ -93,8 +93,8 @@ int trace(const Model& model, const CurveParameters& parameters, ResumableTable&
   }
   if (wide > 0)
     note(
-        "{} of {} curves have a band wider than the tolerance: {} points, or the digits of the spectra, do not do; see "
-        "curve_low and curve_high",
+        "{} of {} curves have a band wider than the tolerance: {} points, or the digits of the spectra, do not "
+        "suffice; see curve_low and curve_high",
         wide, reports.size(), parameters.most_points);
   if (open > 0)
     note("{} of {} curves have a point that did not converge, and no band: see the column 'converged'", open,

@@ -139,7 +139,7 @@ void apgd(P& problem, SolverRun<P::dimension>& run) {
   if constexpr (StoredProblem<P>)
     projected_gradients(problem.rows(), run);
   else
-    fail("apgd: expected a W that is stored, met one that is not");
+    fail("apgd: expected a stored W, met a problem without one");
 }
 
 }  // namespace nscdd

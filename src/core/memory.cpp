@@ -99,7 +99,8 @@ rlimit own_limit() {
 void limit_memory(double bytes) {
   rlimit limit = own_limit();
   limit.rlim_cur = bytes < static_cast<double>(limit.rlim_max) ? static_cast<rlim_t>(std::ceil(bytes)) : limit.rlim_max;
-  if (setrlimit(RLIMIT_RSS, &limit) != 0) throw Error("memory: expected a limit that can be set, met another");
+  if (setrlimit(RLIMIT_RSS, &limit) != 0)
+    throw Error("memory: expected a limit that the system accepts, met one that it refuses");
 }
 
 double memory_limit() {
@@ -123,7 +124,7 @@ void require_memory(double bytes, std::string_view what, std::string_view advice
   if (in_use + bytes <= limit) return;
   throw OutOfMemory(fmt::format(
       "expected to fit into {:.3g} GiB of memory ({}), met {:.3g} GiB in use and {:.3g} GiB for {}; {}, or a larger "
-      "limit (--memory-limit where the command has it, ulimit -m) may help",
+      "limit (--memory-limit, if the command has it, or ulimit -m) may help",
       limit / gibibyte,
       own_limit().rlim_cur != RLIM_INFINITY ? "the limit of this process" : "90 % of what is available",
       in_use / gibibyte, bytes / gibibyte, what, advice));

@@ -147,8 +147,7 @@ Decomposition of_process(Decomposition parts, const std::vector<Index>& process_
 }
 
 void require_subdomains(Index subdomains, Index processes) {
-  if (processes > subdomains)
-    fail("processes: expected at most one for each of {} subdomain(s), met {}", subdomains, processes);
+  if (processes > subdomains) fail("processes: expected at most {} (one per subdomain), met {}", subdomains, processes);
 }
 
 std::vector<Index> deal_out(const Decomposition& parts, Index processes) {

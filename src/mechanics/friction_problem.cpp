@@ -66,8 +66,8 @@ void require_symmetric(const std::string& what, const SparseMatrix& matrix, doub
       fail("{}: expected a symmetric matrix stored in full, met {} at ({}, {}) and {} at ({}, {}){}", what,
            matrix.coeff(i, j), i, j, matrix.coeff(j, i), j, i,
            above == below ? ""
-           : above        ? ": the upper triangle alone"
-                          : ": the lower triangle alone");
+           : above        ? ": only the upper triangle"
+                          : ": only the lower triangle");
   });
 }
 
@@ -129,8 +129,8 @@ class PieceFactor {
     }
     if (!definite)
       fail(
-          "{}: M: expected a positive definite matrix, met one that is not in the piece of {} unknown(s) that begins "
-          "at row {}",
+          "{}: M: expected a positive definite matrix, met one that is not positive definite, in the piece of {} "
+          "unknown(s) that begins at row {}",
           name, unknowns.size(), unknowns.front());
   }
 

@@ -80,7 +80,8 @@ void check(const Boundary& boundary) {
     const RigidVelocity& v = motion.velocity[k];
     const double numbers[] = {motion.time[k], v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
     if (!std::ranges::all_of(numbers, [](double one) { return std::isfinite(one); }))
-      fail("boundary '{}': expected finite numbers, met another in entry {} of its motion", boundary.name, k);
+      fail("boundary '{}': expected finite numbers, met one that is not finite in entry {} of its motion",
+           boundary.name, k);
     if (k > 0 && !(motion.time[k] > motion.time[k - 1]))
       fail("boundary '{}': expected ascending times, met {} s after {} s", boundary.name, motion.time[k],
            motion.time[k - 1]);

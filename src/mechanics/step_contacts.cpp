@@ -92,7 +92,7 @@ class ContactSearch {
     if (path_.followed())
       if (const auto overlap = Passage::of(path_, a, b, -touch).deep; overlap && overlap->before < touch)
         return considered_.deep.push_back(*overlap);
-    fail("{} and {}: expected distinct centres, met one", body_name(system_, a), body_name(system_, b));
+    fail("{} and {}: expected distinct centres, met equal ones", body_name(system_, a), body_name(system_, b));
   }
 
   void visit_walls() {

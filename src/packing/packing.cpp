@@ -160,9 +160,8 @@ class NearPairs {
                          : precision_.single_coordinates ? "single precision"
                                                          : "double precision";
     fail(
-        "grains {} and {}: expected coordinates that tell gaps to {} of the smaller radius, met {}, which tell this "
-        "gap "
-        "to {:.2g} of it: {} and {}; move the origin nearer to the grains, or write more digits",
+        "grains {} and {}: expected coordinates that resolve gaps to {} of the smaller radius, met {}, by which this "
+        "gap is resolved to {:.2g} of it: {} and {}; move the origin nearer to the grains, or write more digits",
         i, j, coarsest, format, worth, described(p_, i), described(p_, j));
   }
   [[noreturn]] void refuse_overlap(const Near& near) const {
@@ -171,8 +170,8 @@ class NearPairs {
     fail(
         "grains {} and {} overlap by {} m, more than the {} m allowed (contacts.overlap_tolerance, "
         "--overlap-tolerance): {} and {}; by their digits ({}) this gap is known to {:.2g} m; where coordinates are "
-        "rounded more coarsely than they are written, raise contacts.tolerance (--tolerance) as well: it takes gaps of "
-        "that size as contacts, too",
+        "rounded more coarsely than they are written, raise contacts.tolerance (--tolerance) as well: gaps of that "
+        "size then count as contacts, too",
         i, j, -near.contact.gap, detection_.overlap_tolerance * smaller, described(p_, i), described(p_, j),
         precision_.text(), gap_uncertainty(precision_, p_, near.contact).largest());
   }

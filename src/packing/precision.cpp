@@ -212,7 +212,7 @@ std::string pairs_of(const PairSample& pairs) {
 std::vector<std::string> rounding_remarks(const ContactNetwork& network, const std::string& name) {
   const RoundingDoubt& doubt = network.rounding;
   const std::string worth =
-      fmt::format("coordinates with {} tell gaps to {:.2g} of the smaller radius", doubt.digits, doubt.uncertainty);
+      fmt::format("coordinates with {} resolve gaps to {:.2g} of the smaller radius", doubt.digits, doubt.uncertainty);
   const char* apart = doubt.open.size == 1 ? "is" : "are";
   std::vector<std::string> remarks;
   if (doubt.decided.size > 0)
@@ -221,19 +221,19 @@ std::vector<std::string> rounding_remarks(const ContactNetwork& network, const s
         worth, doubt.decided.size, network.size(), named(doubt.decided)));
   if (!doubt.used && doubt.open.size > 0)
     remarks.push_back(
-        fmt::format("{}{}: {}: {} {} apart by less and count{} as apart, as no overlap shows that numbers were "
-                    "rounded; if they were, "
-                    "--tolerance {:.1g} (contacts.tolerance) makes contacts of them",
+        fmt::format("{}{}: {}: {} {} apart by less and count{} as apart: no overlap shows rounding; if numbers were "
+                    "rounded, --tolerance {:.1g} (contacts.tolerance) makes contacts of them",
                     doubt.ambiguous() ? "warning: " : "", name, worth, pairs_of(doubt.open), apart,
                     doubt.open.size == 1 ? "s" : "", 1.5 * doubt.uncertainty));
   else if (doubt.ambiguous())
-    remarks.push_back(fmt::format(
-        "warning: {}: the contacts are ambiguous: {}, and {} are apart by at most three times that: which grains touch "
-        "depends on digits that are missing; write more digits, or state contacts.tolerance (--tolerance)",
-        name, worth, pairs_of(doubt.open)));
+    remarks.push_back(
+        fmt::format("warning: {}: the contacts are ambiguous: {}, and {} are apart by at most three times this "
+                    "uncertainty: which grains touch depends on digits that are missing; write more digits, or state "
+                    "contacts.tolerance (--tolerance)",
+                    name, worth, pairs_of(doubt.open)));
   else if (doubt.open.size > 0)
-    remarks.push_back(fmt::format("{}: {}: {} {} apart by at most three times that and count{} as apart", name, worth,
-                                  pairs_of(doubt.open), apart, doubt.open.size == 1 ? "s" : ""));
+    remarks.push_back(fmt::format("{}: {}: {} {} apart by at most three times this uncertainty and count{} as apart",
+                                  name, worth, pairs_of(doubt.open), apart, doubt.open.size == 1 ? "s" : ""));
   if (doubt.one_sided.size > 0) {
     const bool overlaps = doubt.overlap > ContactDetection{}.overlap_tolerance;
     const double apart_by = std::max(doubt.overlap, hairline);
@@ -243,7 +243,7 @@ std::vector<std::string> rounding_remarks(const ContactNetwork& network, const s
         name, pairs_of(doubt.one_sided), apart_by,
         overlaps ? fmt::format(", although others overlap by up to {:.2g}", doubt.overlap) : "",
         std::min(1.0, apart_by > hairline ? 1.5 * apart_by : hairline),
-        overlaps ? ": it has to go with --overlap-tolerance (contacts.overlap_tolerance)" : ""));
+        overlaps ? ": raise it together with --overlap-tolerance (contacts.overlap_tolerance)" : ""));
   }
   return remarks;
 }

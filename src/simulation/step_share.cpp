@@ -204,7 +204,7 @@ GranularStep<D> share_step(const Simulation& simulation) {
   check_system(simulation, D);
   const auto& [system, state, dynamics, partitioner, all, inertia] = simulation;
   if (!all.alone() && (!decomposes(dynamics.solver.algorithm) || switches_models(simulation)))
-    throw Error("processes: expected an algorithm that decomposes where several of them share a step, met another");
+    throw Error("processes: expected an algorithm that decomposes if several ranks share a step, met another");
   const Index subdomains = subdomains_of_step(simulation);
   require_subdomains(subdomains, all.size);
   const SubdomainOfContact subdomain = subdomain_of_contact(simulation);
@@ -222,7 +222,7 @@ GranularStep<D> share_step(const Simulation& simulation) {
   const Index kept = all.sum(count(own)), most = all.maximum(considered.number),
               least = -all.maximum(-considered.number);
   if (kept != considered.number || most != least)
-    throw Error("processes: expected the same step in all of them, met others: their processors may differ");
+    throw Error("processes: expected the same step on all ranks, met different ones: their processors may differ");
   check_overlaps(start, considered.deep);
   own = sorted_by_bodies(own, system.grains());
   step.partition = partition_of(subdomain, subdomains, own);

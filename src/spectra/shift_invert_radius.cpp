@@ -156,7 +156,7 @@ SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multipl
         result.residual, end->residual + lost_to_rounding(b) * std::max(1.0, std::abs(end->values[0])) + off(*end));
   result.converged = ends.converged() && accurate(result, options.tolerance);
   if (!ends.converged() && accurate(result, options.tolerance))
-    result.failure = "the list of eigenvalues is not complete";
+    result.failure = "some of the wanted eigenvalues were not found or not proved";
   result.certified = ends.certified();
   const double off_min = off(ends.largest), off_max = off(ends.smallest);
   result.interval_min = {1.0 - ends.largest.outside - off_min, 1.0 - ends.largest.inside + off_min};

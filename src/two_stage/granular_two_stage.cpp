@@ -54,7 +54,7 @@ GranularTwoStage<D>::GranularTwoStage(GranularDecomposition<D> parts, const Cont
       enriched_(std::move(enriched)),
       impulse_floor_squared_(ImpulseScale::squared_rounding * parts_.scale.momenta) {
   if (enriched_ && !enriched_->decomposition().interface.same_rows(parts_.interface))
-    throw Error("enriched Stage 2: expected an operator of the gluing of this step, met another");
+    throw Error("enriched Stage 2: expected an operator with the gluing of this step, met one with another");
 }
 
 template <int D>

@@ -6,7 +6,7 @@ namespace nscdd {
 namespace {
 
 constexpr auto other_steps =
-    "processes: expected the same step in all of them, met others: their processors may differ";
+    "processes: expected the same step on all ranks, met different ones: their processors may differ";
 
 // The copy of a shared grain in messages.
 template <int D>

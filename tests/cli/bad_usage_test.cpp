@@ -123,7 +123,7 @@ TEST_CASE_FIXTURE(Session, "usage: a load that moves nothing is no missing load"
   check_refused(
       "sweep one.csv --subdomains 2x1 --epsilon 0 --contacts unilateral --csv - --set "
       "loads.compression=1,1",
-      {"moves a grain", "what is given vanishes"});
+      {"moves a grain", "all velocities given are zero"});
 }
 
 TEST_CASE_FIXTURE(Session, "usage: the active set without a prescribed velocity") {

@@ -36,7 +36,7 @@ std::string exact() { return lattice(0.5, 0, ",", "x,y,radius\n", in_full); }
 TEST_CASE_FIXTURE(Session, "a rounded packing has contacts and radii of the exact one; every verb says so once") {
   file("rounded.csv", rounded());
   file("exact.csv", exact());
-  const std::string remark = "nscdd: rounded: coordinates with 6 significant digits tell gaps to";
+  const std::string remark = "nscdd: rounded: coordinates with 6 significant digits resolve gaps to";
   const std::string sweep = " --subdomains 2x2 --epsilon 0,1 --csv -";
   const CsvTable found = read_table(remarked("sweep rounded.csv" + sweep, remark));
   const CsvTable expected = read_table(answer("sweep exact.csv" + sweep));
@@ -65,7 +65,7 @@ TEST_CASE_FIXTURE(Session, "a rounded packing has contacts and radii of the exac
 TEST_CASE_FIXTURE(Session, "text and HDF5 files, cases and studies know the digits of their packing") {
   file("rounded.txt", lattice(0.5, 0, " ", "# six digits\n", six_digits));
   file("rounded.toml", case_text("rounded.txt", "2, 1"));
-  const std::string remark = "coordinates with 6 significant digits tell gaps to";
+  const std::string remark = "coordinates with 6 significant digits resolve gaps to";
   CHECK(value(remarked("inspect rounded.txt", remark), "contacts") == "161");
   CHECK(value(remarked("inspect rounded.toml", remark), "contacts") == "161");
   answer("generate rounded.toml -o rounded.h5");
@@ -80,7 +80,7 @@ TEST_CASE_FIXTURE(Session, "text and HDF5 files, cases and studies know the digi
 
 TEST_CASE_FIXTURE(Session, "grains of a millimetre in the coordinates of a map have all contacts") {
   file("far.csv", lattice(0.001, 1e6, ",", "x,y,radius\n", in_full));
-  CHECK(value(remarked("inspect far.csv", "coordinates with double precision tell gaps to"), "contacts") == "161");
+  CHECK(value(remarked("inspect far.csv", "coordinates with double precision resolve gaps to"), "contacts") == "161");
   // Contacts on the lines of a grid lie in the same subdomains as near the origin.
   file("near.csv", lattice(0.001, 0, ",", "x,y,radius\n", in_full));
   for (const char* grid : {"2x2", "3x3", "4x2", "5x1"}) {
@@ -126,5 +126,5 @@ TEST_CASE_FIXTURE(Session, "texts of other systems: line ends, encodings, and no
   const Outcome bad = ended(2, "inspect bad.csv");
   CHECK(bad.standard_error == "nscdd: error: packing.file: bad.csv:2: y: expected a number, met '\\x1B[31m\\x00'\n");
   file("clumps.txt", "#format x_y_z_r_clumpId\n0 0 0 0.5 1\n1 0 0 0.5 1\n");
-  check_refused("inspect clumps.txt", {"clumps.txt:2", "x_y_z_r_clumpId", "not supported yet"});
+  check_refused("inspect clumps.txt", {"clumps.txt:2", "x_y_z_r_clumpId", "not supported"});
 }

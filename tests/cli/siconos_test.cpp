@@ -46,7 +46,7 @@ TEST_CASE_FIXTURE(ProblemSession, "siconos: solve, sweep, inspect and optimum an
 }
 
 TEST_CASE_FIXTURE(ProblemSession, "siconos: solve turns one format into the other, and says what is lost") {
-  ended(0, "solve global.hdf5 -o text.dat", {"the problem alone"});
+  ended(0, "solve global.hdf5 -o text.dat", {"only the problem"});
   answer("solve text.dat -o back.hdf5");
   const auto problem = [&](const std::string& name) {
     return std::get<GlobalFrictionProblem>(read_contact_problem(path(name)).problem);

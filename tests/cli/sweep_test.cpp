@@ -213,5 +213,5 @@ TEST_CASE_FIXTURE(Session, "sweep, optimum: relative flexibilities add columns a
   const CsvTable best = csv("best.csv");
   CHECK(best.number(0, "best_eta_relative") ==
         doctest::Approx(best.number(0, "best_eta") / best.number(0, "mean_w_nn")).epsilon(1e-14));
-  check_refused("sweep disks8 --epsilon 0.1W,1 --csv -", {"epsilon: expected a W behind every number"});
+  check_refused("sweep disks8 --epsilon 0.1W,1 --csv -", {"epsilon: expected a W after every number"});
 }

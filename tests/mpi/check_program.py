@@ -210,23 +210,23 @@ def refusals(folder):
     taken = write(os.path.join(folder, "taken.csv"), "mine\n")
     new = os.path.join(folder, "new.csv")
     cases = {
-        "expected a verb that several processes can share": ["solve", "x.hdf5"],
+        "expected a verb that several ranks can share": ["solve", "x.hdf5"],
         "met no such file": ["sweep", "nosuch", "--epsilon", "1", "--csv", new],
         "exists already": ["sweep", "disks12", "--epsilon", "1", "--csv", taken],
         "expected a number, met 'q'": ["sweep", "disks12", "--epsilon", "1,q", "--csv", new],
-        "--gauss-seidel-sweeps: expected one process": ["sweep", "disks12", "--epsilon", "1",
-                                                        "--gauss-seidel-sweeps", "inf,3", "--csv", new],
+        "--gauss-seidel-sweeps: expected a single rank": ["sweep", "disks12", "--epsilon", "1",
+                                                          "--gauss-seidel-sweeps", "inf,3", "--csv", new],
         "expected auto, dense or shift-invert with --certify or --eigenvalues, met slepc": [
             "sweep", "disks12", "--epsilon", "1", "--solver", "slepc", "--certify", "--csv", new],
-        "--solver arpack: expected one process": ["sweep", *BED, "--epsilon", "1", "--eta", "0.3",
-                                                  "--solver", "arpack", "--csv", new],
+        "--solver arpack: expected a single rank": ["sweep", *BED, "--epsilon", "1", "--eta", "0.3",
+                                                    "--solver", "arpack", "--csv", new],
     }
     for message, arguments in cases.items():
         check_refused(2, arguments, message)
     code, _, err = run(0, "sweep", "disks12", "--epsilon", "1", "--solver", "slepc", "--csv", new)
     check(code == 2 and "met slepc, which nscdd-mpi has" in err, f"slepc by nscdd: {code}, {err}")
     code, out, err = run(4, "sweep", "disks4", "--epsilon", "1", "--csv", new)
-    check(code == 2 and "at most one for each of 2 subdomain(s), met 4" in err, f"too many processes: {code}, {err}")
+    check(code == 2 and "at most 2 (one per subdomain), met 4" in err, f"too many processes: {code}, {err}")
     check(sorted(os.listdir(folder)) == ["taken.csv"], f"refusals leave {os.listdir(folder)}")
     check(read(taken) == "mine\n", "a refusal changed a file")
 
@@ -471,8 +471,8 @@ def refused_runs(folder):
     new = os.path.join(folder, "new.h5")
     base = ["simulate", "settle-1k", "--steps", "2", "-o", new]
     cases = {
-        "two_stage_admm on several processes, met nlgs: nscdd has it on one": ["--algorithm", "nlgs"],
-        "solver.switch linear: expected one process": ["--algorithm", "generic", "--set", "solver.switch=linear"],
+        "two_stage_admm on several ranks, met nlgs: run it with nscdd on a single rank": ["--algorithm", "nlgs"],
+        "solver.switch linear: expected a single rank": ["--algorithm", "generic", "--set", "solver.switch=linear"],
         "such file": ["--algorithm", "generic", "--restart"],
         "expected an integer": ["--algorithm", "generic", "--iterations", "many"],
     }
@@ -480,7 +480,7 @@ def refused_runs(folder):
         check_refused(2, [*base, *(["--subdomains", "3x2"] if "generic" in arguments else []), *arguments], message)
     base += ["--subdomains", "3x2"]
     code, _, err = run(7, *base, "--algorithm", "generic")
-    check(code == 2 and "at most one for each of 6 subdomain(s), met 7" in err, f"too many processes: {code}, {err}")
+    check(code == 2 and "at most 6 (one per subdomain), met 7" in err, f"too many processes: {code}, {err}")
     one = [*base, "--algorithm", "generic"]
     table = ["--convergence", os.path.join(folder, "new.csv")]
     for first, second in ([[], ["--set", "masses.density=1234"]], [[], table],

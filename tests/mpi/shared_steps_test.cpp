@@ -139,8 +139,8 @@ TEST_CASE("shared steps: processes that find other contacts all say so, and none
     Simulation one = shaken("generic");
     one.processes = all();
     if (all().rank == odd) one.dynamics.time.alert *= 40;
-    CHECK_THROWS_WITH_AS(all().together([&] { return share_step<2>(one); }),
-                         "processes: expected the same step in all of them, met others: their processors may differ",
-                         Error);
+    CHECK_THROWS_WITH_AS(
+        all().together([&] { return share_step<2>(one); }),
+        "processes: expected the same step on all ranks, met different ones: their processors may differ", Error);
   }
 }

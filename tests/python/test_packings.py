@@ -384,7 +384,7 @@ def test_rounded_packings_have_the_contacts_of_exact_ones(how, far, radius):
 def test_contacts_that_depend_on_digits_are_warned_of():
     packing = lattice(8, 8)
     rounded = nscdd.Packing(np.round(packing.x, 6), np.round(packing.y, 6), packing.radius)
-    with pytest.warns(UserWarning, match="coordinates with 6 decimals tell gaps to") as told:
+    with pytest.warns(UserWarning, match="coordinates with 6 decimals resolve gaps to") as told:
         network = nscdd.contacts(rounded)
     assert len(told) == 1 and told[0].filename == __file__
     beyond = np.abs(network.gap) > 0.5e-7

@@ -153,12 +153,12 @@ TEST_CASE("columns of YADE other than x, y, z and r are named") {
     for (const char* part : parts) CHECK_THROWS_WITH_AS(parse_packing(text, "p.txt"), doctest::Contains(part), Error);
   };
   refused("#format x_y_z_r_clumpId\n0 0 0 0.5 1\n1 0 0 0.5 1\n",
-          {"p.txt:2", "x_y_z_r_clumpId", "clumps", "not supported yet", "without the fifth column"});
+          {"p.txt:2", "x_y_z_r_clumpId", "clumps", "not supported", "without the fifth column"});
   refused("#format  x_y_z_r_clumpId\r\n# two spheres\r\n0 0 0 0.5 -1\r\n", {"p.txt:3", "clumps"});
   refused("0 0 0 0.5 1\n1 0 0 0.5 1\n", {"p.txt:1", "met 5 numbers", "x_y_z_r_clumpId"});
   refused("#format x_y_z_r_matId\n0 0 0 0.5 0\n", {"p.txt:2", "met 5 numbers", "x_y_z_r_matId"});
   refused("#format x_y_z_r_attrs\n0 0 0 0.5 0 1 2\n", {"met 7 numbers", "x_y_z_r_attrs"});
-  refused("x,y,z,radius,clumpId\n0,0,0,0.5,1\n", {"p.txt:1", "clumpId", "clumps", "not supported yet"});
+  refused("x,y,z,radius,clumpId\n0,0,0,0.5,1\n", {"p.txt:1", "clumpId", "clumps", "not supported"});
   CHECK(parse_packing("#format x_y_z_r\n0 0 0 0.5\n1 0 1 0.5\n", "p.txt").size() == 2);
 }
 

@@ -94,7 +94,7 @@ TEST_CASE("problems that cannot be meant are refused, saying what was met") {
         }).find("symmetric matrix stored in full") != std::string::npos);
   CHECK(refused([](auto& p) {
           p.mass = SparseMatrix(p.mass.template triangularView<Eigen::Upper>());
-        }).find("the upper triangle alone") != std::string::npos);
+        }).find("only the upper triangle") != std::string::npos);
   CHECK(refused([](auto& p) { p.mass.coeffRef(4, 4) = -1; }).find("piece of 3 unknown(s) that begins at row 3") !=
         std::string::npos);
   CHECK(refused([](auto& p) {

@@ -283,7 +283,7 @@ TEST_CASE("coordinates that cannot tell a tenth of a radius are refused, with th
   }
   CHECK_THROWS_WITH_AS(
       detect_contacts(row),
-      doctest::Contains("expected coordinates that tell gaps to 0.1 of the smaller radius, met single"), Error);
+      doctest::Contains("expected coordinates that resolve gaps to 0.1 of the smaller radius, met single"), Error);
   for (Index i = 0; i < 8; ++i) row.x[at(i)] = 1e13 + 1.3e-3 * static_cast<double>(i);
   CHECK_THROWS_AS(detect_contacts(row), Error);
 }

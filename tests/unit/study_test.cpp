@@ -45,14 +45,14 @@ TEST_CASE("SPEC: nonsense is refused by name") {
   CHECK(parse_sweeps("1:3:3:linear,inf") == std::vector<std::optional<long>>{1, 2, 3, std::nullopt});
 }
 
-TEST_CASE("SPEC: flexibilities relative to the packing have a W behind every number") {
+TEST_CASE("SPEC: flexibilities relative to the packing have a W after every number") {
   const FlexibilityValues mixed = parse_eta("0.5W,1:100:3 W,inf");
   CHECK(mixed.second);
   CHECK(mixed.first == std::vector<double>{0.5, 1, 10, 100, infinity});
   CHECK(parse_epsilon("0,2 W").second);
   CHECK(parse_epsilon("1:3:3:linear W").first == std::vector<double>{1, 2, 3});
   CHECK_FALSE(parse_epsilon("0,2").second);
-  CHECK_THROWS_WITH_AS(parse_epsilon("1,2W"), doctest::Contains("a W behind every number or behind none"), Error);
+  CHECK_THROWS_WITH_AS(parse_epsilon("1,2W"), doctest::Contains("a W after every number or after none"), Error);
   for (const char* spec : {"W", "1WW", "1w", "1:2W:3", "-1W", ",W"}) CHECK_THROWS_AS(parse_eta(spec), Error);
 }
 

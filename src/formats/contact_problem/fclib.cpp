@@ -271,7 +271,7 @@ FclibFile read_fclib(const std::string& path) { return fclib_from_hdf5(read_text
 GlobalFrictionProblem read_global_problem(const std::string& path) {
   FclibFile file = read_contact_problem(path);
   if (auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return std::move(*global);
-  fail("{}: expected a global problem, with M and H, met a local one, in which bodies cannot be told", path);
+  fail("{}: expected a global problem, with M and H, met a local one, which does not identify bodies", path);
 }
 
 std::string to_hdf5(const FclibFile& content, const Provenance& provenance) {

@@ -58,8 +58,8 @@ DatboxContactLaw contact_law_of(const Datbox& datbox) {
     const DatboxLaw*& same = driven ? of_driven : of_free;
     if (same == nullptr) same = &law;
     if (same->friction != law.friction)
-      refuse(sight.place, "expected one friction between {}, {} as before, met {}",
-             driven ? "free disks and driven bodies" : "free disks", same->friction, law.friction);
+      refuse(sight.place, "expected one friction between free {}s{}, {} as before, met {}",
+             shape_of_grains(datbox.dimension), driven ? " and driven bodies" : "", same->friction, law.friction);
     const DatboxLaw& any = of_free != nullptr ? *of_free : *of_driven;
     if (any.restitution != law.restitution || any.tangential_restitution != law.tangential_restitution)
       refuse(sight.place, "expected one restitution for all contacts, {} and {} as before, met {} and {}",

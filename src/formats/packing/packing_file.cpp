@@ -115,9 +115,8 @@ class Lines {
   const bool clumps = lines.format().empty() ? numbers == 5 : lines.format().find("clumpId") != std::string_view::npos;
   if (clumps)
     fail(
-        "{}, met {} numbers{}: clumps of YADE (x_y_z_r_clumpId) are not supported yet: they come with bodies of "
-        "several "
-        "contactors; without the fifth column their members are read as free grains",
+        "{}, met {} numbers{}: clumps of YADE (x_y_z_r_clumpId) are not supported; without the fifth column their "
+        "members are read as free grains",
         where, numbers, lines.format().empty() ? ", the fifth one as of a clump" : "");
   if (!lines.format().empty()) fail("{}, met {} numbers, the format '{}' of YADE", where, numbers, lines.format());
   fail("{}, met {} numbers", where, numbers);
@@ -180,10 +179,8 @@ Packing parse_packing(std::string_view text, const std::string& name) {
   for (const std::string& column : reader.columns()) {
     meaning.push_back(find_column(column));
     if (column == "clumpId")
-      fail(
-          "{}: met '{}': clumps of YADE are not supported yet: they come with bodies of several contactors; without "
-          "this column their members are read as free grains",
-          header, column);
+      fail("{}: met '{}': clumps of YADE are not supported; without this column their members are read as free grains",
+           header, column);
     if (meaning.back() == nullptr)
       fail("{}: expected columns x, y, radius and optionally z and mass, met '{}'", header, column);
   }

@@ -29,7 +29,7 @@ std::function<double(double)> lognormal_quantile(const SizeDistribution& sizes) 
   const double high = upper ? gsl_cdf_lognormal_Q(b, zeta, sigma) : gsl_cdf_lognormal_P(b, zeta, sigma);
   if (a < b && !(std::abs(high - low) > 1e-300))
     fail(
-        "packing.median: expected a lognormal law with radii between radius_min = {} and radius_max = {}, met next to "
+        "packing.median: expected a lognormal law with radii between radius_min = {} and radius_max = {}, met almost "
         "none: median {}, sigma {}",
         a, b, std::exp(zeta), sigma);
   return [=](double u) {

@@ -37,8 +37,8 @@ Partition partition_without_geometry(const Partitioner& partitioner, const Refer
     return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
   const auto refuse = [&]() -> std::pair<Packing, ContactNetwork> {
     fail(
-        "{}: expected subdomains metis:N (partition.metis) for a contact problem, of which no geometry is known, met "
-        "{} subdomains by another partitioner",
+        "{}: expected subdomains metis:N (partition.metis) for a contact problem, which has no geometry, met {} "
+        "subdomains by another partitioner",
         path, subdomains(partitioner));
   };
   return distribute(partitioner, refuse, [&]() -> const ReferenceProblem& { return problem; });
@@ -136,7 +136,7 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
   const std::string_view section = path.substr(0, dot);
   const std::string_view key = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
   if (std::holds_alternative<ContactProblemFile>(spec.packing) && section != "partition")
-    fail("{}: this case is a contact problem; expected partition.* alone", path);
+    fail("{}: this case is a contact problem; expected only partition.*", path);
   const auto set = [&](auto& parameters) { override_section(section, parameters, key, path, value); };
   const auto dynamics = [&]() -> Dynamics& {
     if (spec.dynamics) return *spec.dynamics;
@@ -218,11 +218,11 @@ Packing packing_of(const Case& one, const Monitor& monitor) {
 
 void require_geometry(const Model& model, std::string_view what) {
   if (!model.has_geometry())
-    fail("{}: {}: expected a packing, met a contact problem, of which no geometry is known", model.name, what);
+    fail("{}: {}: expected a packing, met a contact problem, which has no geometry", model.name, what);
 }
 
 void check_dynamics(const CaseSpec& spec) {
-  if (!spec.dynamics) fail("case {}: expected a section [dynamics], met a case that is not made to move", spec.name);
+  if (!spec.dynamics) fail("case {}: expected a section [dynamics], met none", spec.name);
   subdomains(spec.partition);
   const StepSolver& solver = spec.dynamics->solver;
   const Interaction& interaction = spec.dynamics->interaction;

@@ -58,7 +58,7 @@ FlexibilityValues flexibilities(std::string_view spec, std::string_view name, st
     append(all, values, name);
   }
   require(all, name, expected, check);
-  if (multiples && absolute) fail("{}: expected a W behind every number or behind none, met '{}'", name, spec);
+  if (multiples && absolute) fail("{}: expected a W after every number or after none, met '{}'", name, spec);
   return {all, multiples};
 }
 
