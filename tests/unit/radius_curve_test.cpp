@@ -238,10 +238,9 @@ TEST_CASE("curve: what is not known makes the band wider, never narrower") {
 TEST_CASE("values: a range without a count") {
   const auto range = parse_range("1e-3:2", "epsilon");
   REQUIRE(range);
-  CHECK(range->from == 1e-3);
-  CHECK(range->to == 2);
-  CHECK(!range->relative);
-  CHECK(parse_range("0.1:10 W", "eta")->relative);
+  CHECK(range->first == std::vector{1e-3, 2.0});
+  CHECK(!range->second);
+  CHECK(parse_range("0.1:10 W", "eta")->second);
   for (const std::string text : {"1", "1:2:3", "1,2", "1:2,3", "inf", "0.1W"}) CHECK(!parse_range(text, "eta"));
   for (const std::string text : {"0:1", "2:1", "1:1", "1:inf", "-1:1", "nan:1", "1:x", ":1", "1:"})
     CHECK_THROWS_WITH_AS(parse_range(text, "eta"), doctest::Contains("eta"), Error);

@@ -243,15 +243,8 @@ CurveParameters curve_parameters(double tolerance, const std::string& epsilon, c
         dashes, epsilon, eta);
   CurveParameters curve{
       .sweep = std::move(rest), .axis = along_epsilon ? CurveAxis::epsilon : CurveAxis::eta, .tolerance = tolerance};
-  if (along_epsilon) {
-    curve.sweep.epsilon = {along_epsilon->from, along_epsilon->to};
-    curve.sweep.relative_epsilon = along_epsilon->relative;
-    std::tie(curve.sweep.eta, curve.sweep.relative_eta) = parse_eta(eta);
-  } else {
-    std::tie(curve.sweep.epsilon, curve.sweep.relative_epsilon) = parse_epsilon(epsilon);
-    curve.sweep.eta = {along_eta->from, along_eta->to};
-    curve.sweep.relative_eta = along_eta->relative;
-  }
+  std::tie(curve.sweep.epsilon, curve.sweep.relative_epsilon) = along_epsilon ? *along_epsilon : parse_epsilon(epsilon);
+  std::tie(curve.sweep.eta, curve.sweep.relative_eta) = along_eta ? *along_eta : parse_eta(eta);
   return curve;
 }
 

@@ -97,17 +97,17 @@ double one_value(const FlexibilityValues& all, double scale, std::string_view op
   return relative ? values.front() * scale : values.front();
 }
 
-std::optional<FlexibilityRange> parse_range(std::string_view spec, std::string_view name) {
+std::optional<FlexibilityValues> parse_range(std::string_view spec, std::string_view name) {
   std::string_view text = spec;
   const bool relative = text.ends_with('W');
   if (relative) text.remove_suffix(1);
   while (text.ends_with(' ')) text.remove_suffix(1);
   const auto parts = split(text, ':');
   if (parts.size() != 2 || text.find(',') != std::string_view::npos) return std::nullopt;
-  const FlexibilityRange range{parse_number(parts[0], name), parse_number(parts[1], name), relative};
-  if (!(range.from > 0 && range.from < range.to && std::isfinite(range.to)))
+  const double from = parse_number(parts[0], name), to = parse_number(parts[1], name);
+  if (!(from > 0 && from < to && std::isfinite(to)))
     fail("{}: expected finite ends 0 < FROM < TO of a range FROM:TO, met '{}'", name, spec);
-  return range;
+  return FlexibilityValues{{from, to}, relative};
 }
 
 std::vector<std::optional<double>> parse_relaxation(std::string_view spec) {

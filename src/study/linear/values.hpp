@@ -23,13 +23,9 @@ FlexibilityValues parse_eta(std::string_view spec);      ///< > 0, inf allowed
 /// The single value in 1/kg. `scale`: W. Throws Error naming `option` and its `text` if there are several.
 double one_value(const FlexibilityValues& all, double scale, std::string_view option, std::string_view text);
 
-/// A range FROM:TO without a count, for points that the program places; W as above.
-struct FlexibilityRange {
-  double from = 0, to = 0;  ///< 0 < from < to, finite
-  bool relative = false;
-};
+/// The finite ends 0 < FROM < TO of a range FROM:TO without a count, for points that the program places; W as above.
 /// None for other texts. Throws Error naming `name` for other ends.
-std::optional<FlexibilityRange> parse_range(std::string_view spec, std::string_view name);
+std::optional<FlexibilityValues> parse_range(std::string_view spec, std::string_view name);
 /// Relaxation: finite, > 0; "optimal" (an empty value here) is 2 / (lambda_min + lambda_max).
 std::vector<std::optional<double>> parse_relaxation(std::string_view spec);
 /// Gauss-Seidel sweeps of Stage 1: integers >= 1; "inf" (an empty value here) is an exact Stage 1.
