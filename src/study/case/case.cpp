@@ -88,13 +88,6 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   }
 }
 
-// The default is downwards in either dimension, see gravity_of. A stated one must fit the dimension.
-void require_gravity(const CaseSpec& spec, Index dimension) {
-  const Components<double>& gravity = spec.dynamics->time.gravity;
-  const bool stated = spec.lines.contains("dynamics.gravity") || gravity != TimeStepping().gravity;
-  if (stated) require_components(gravity, dimension, "dynamics.gravity");
-}
-
 // A model without its decomposition.
 Model without_parts(const Case& one, const Monitor& monitor) try {
   Model model;
@@ -142,34 +135,33 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
     if (spec.dynamics) return *spec.dynamics;
     fail("{}: expected a case with a section [dynamics], met one without", path);
   };
-  if (section == "packing") {
+  const auto packing = [&] {
     auto* generator = std::get_if<Generator>(&spec.packing);
     if (generator == nullptr)
       fail("{}: the packing of this case is {} and has no parameters", path,
            std::holds_alternative<PackingFile>(spec.packing) ? "a file" : "settled");
     std::visit(set, *generator);
-  } else if (section == "contacts") {
-    set(spec.contacts);
-  } else if (section == "masses") {
-    MassFields masses{spec.masses.density};
-    set(masses);
-    spec.masses = {MassModel::density, masses.density};
-  } else if (section == "partition") {
-    std::visit(set, spec.partition);
-  } else if (section == "loads") {
-    set(spec.loads);
-  } else if (section == "interaction") {
-    set(dynamics().interaction);
-  } else if (section == "dynamics") {
-    set(dynamics().time);
-  } else if (section == "solver") {
-    set(dynamics().solver);
-  } else {
-    static const std::vector<std::string> sections{"packing", "contacts",    "masses",   "partition",
-                                                   "loads",   "interaction", "dynamics", "solver"};
-    fail("{}: no such parameter; expected one of {}.*{}", path, fmt::join(sections, ".*, "),
-         suggestion(section, sections));
-  }
+  };
+  const auto masses = [&] {
+    MassFields fields{spec.masses.density};
+    set(fields);
+    spec.masses = {MassModel::density, fields.density};
+  };
+  const std::vector<std::pair<std::string, std::function<void()>>> sections{
+      {"packing", packing},
+      {"contacts", [&] { set(spec.contacts); }},
+      {"masses", masses},
+      {"partition", [&] { std::visit(set, spec.partition); }},
+      {"loads", [&] { set(spec.loads); }},
+      {"interaction", [&] { set(dynamics().interaction); }},
+      {"dynamics", [&] { set(dynamics().time); }},
+      {"solver", [&] { set(dynamics().solver); }}};
+  std::vector<std::string> known;
+  for (const auto& one : sections) known.push_back(one.first);
+  const auto found = std::ranges::find(known, section);
+  if (found == known.end())
+    fail("{}: no such parameter; expected one of {}.*{}", path, fmt::join(known, ".*, "), suggestion(section, known));
+  sections[at(found - known.begin())].second();
   spec.lines.erase(std::string(path));  // the value is no longer that of the file
 }
 
@@ -246,7 +238,10 @@ void check_dynamics(const CaseSpec& spec) {
 Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   check_dynamics(one.spec);
   Packing packing = with_masses(packing_of(one, monitor), one.spec.masses);
-  require_gravity(one.spec, packing.dimension());
+  // The default is downwards in either dimension, see gravity_of. A stated one must fit the dimension.
+  if (const auto& gravity = one.spec.dynamics->time.gravity;
+      one.spec.lines.contains("dynamics.gravity") || gravity != TimeStepping().gravity)
+    require_components(gravity, packing.dimension(), "dynamics.gravity");
   if (packing.dimension() == 3 && one.spec.dynamics->solver.model == SwitchedModel::homogenised)
     throw Error("solver.switch", "expected none or linear with spheres in space, met homogenised");
   GranularScene start = scene(packing, *one.spec.dynamics);

@@ -43,8 +43,7 @@ struct Case {
   CaseSpec spec;
   Packing packing = {};                ///< of a packing file, or settled (with masses); else empty
   GlobalFrictionProblem problem = {};  ///< of the file of a contact problem; else empty
-  /// Of a settled packing: the case file it was settled from, followed by those which that one was settled from in
-  /// turn.
+  /// Of a settled packing: the case file it was settled from, then those which that one was settled from in turn.
   std::string settled_from = {};
   /// Called with every model of this case before it is decomposed, for remarks on its contacts and subdomains.
   Sink<Model> made = {};
