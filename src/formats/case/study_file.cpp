@@ -31,12 +31,10 @@ std::vector<std::string> list(StrictTable& section, std::string_view key) {
   return items;
 }
 
-// Passes the SPEC of a sweep parameter to `use`; errors name file and line.
-template <class Use>
-void read_spec(StrictTable& section, std::string_view key, Use&& use) {
+// Parses the SPEC of a sweep parameter, if there is one; errors name file and line.
+void read_spec(StrictTable& section, std::string_view key, auto parse, auto&& target) {
   const std::vector<std::string> items = list(section, key);
-  if (items.empty()) return;
-  section.located(key, [&] { use(fmt::format("{}", fmt::join(items, ","))); });
+  if (!items.empty()) section.located(key, [&] { target = parse(fmt::format("{}", fmt::join(items, ","))); });
 }
 
 const Observable* read_observable(StrictTable& section) {
@@ -167,13 +165,10 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
   read_vary(section, table);
   check_moving(section, table);
   SweepParameters& sweep = table.sweep;
-  read_spec(section, "epsilon",
-            [&](const std::string& spec) { std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(spec); });
-  read_spec(section, "eta",
-            [&](const std::string& spec) { std::tie(sweep.eta, sweep.relative_eta) = parse_eta(spec); });
-  read_spec(section, "relaxation", [&](const std::string& spec) { sweep.relaxation = parse_relaxation(spec); });
-  read_spec(section, "gauss_seidel_sweeps",
-            [&](const std::string& spec) { sweep.gauss_seidel_sweeps = parse_sweeps(spec); });
+  read_spec(section, "epsilon", parse_epsilon, std::tie(sweep.epsilon, sweep.relative_epsilon));
+  read_spec(section, "eta", parse_eta, std::tie(sweep.eta, sweep.relative_eta));
+  read_spec(section, "relaxation", parse_relaxation, sweep.relaxation);
+  read_spec(section, "gauss_seidel_sweeps", parse_sweeps, sweep.gauss_seidel_sweeps);
   section.read("contacts", sweep.contacts);
   SpectralOptions::fields(sweep.spectral, [&](std::string_view key, auto& value, const Field& field) {
     if (table.observable->uses(key)) section.read(key, value, field);
