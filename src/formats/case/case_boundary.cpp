@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "formats/case/case_boundary.hpp"
+#include "files/strict_toml.hpp"
+#include "formats/case/case_file.hpp"
 
 namespace nscdd {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "core/fail.hpp"
 #include "files/csv.hpp"
-#include "formats/case/case_boundary.hpp"
+#include "files/strict_toml.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/lmgc90/datbox.hpp"
 #include <nscdd/formats/packing_file.hpp>

@@ -6,12 +6,18 @@
 
 namespace nscdd {
 
+class StrictTable;
+
 /// A case from the text of its file. Strict: an unknown key, a wrong type, a missing section or a value out of bounds
 /// throws Error "file:line: key: expected ..., met ...". So does a value without effect, except in the case of a
 /// trajectory, where the program wrote defaults, perhaps of an earlier version.
 CaseSpec parse_case(std::string_view text, const std::string& file, bool of_trajectory = false);
 
 CaseSpec read_case(const std::string& path);
+
+/// A [[boundary]] of a case file. Throws Error "file:line: key: expected ..., met ..." for anything else, for numbers
+/// some of which are for the plane and others for space, and as check(BoundarySpec).
+BoundarySpec read_boundary(StrictTable section);
 
 /// The case of a file or folder: a case file (.toml), a packing, a contact problem, or a folder DATBOX of LMGC90, whose
 /// laws and boundaries are read only if `moving`. Throws Error for another ending, and as the readers of these files.
