@@ -4,8 +4,6 @@
 #include "core/fail.hpp"
 #include "study/case/case.hpp"
 
-#include <optional>
-
 /// Input of LMGC90 for rigid bodies in the plane or in space, a folder DATBOX of BODIES.DAT, BULK_BEHAV.DAT,
 /// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI. Numbers have fixed columns and 7 or 8 digits. Errors name file and line.
 namespace nscdd {
@@ -47,8 +45,7 @@ struct DatboxBody {
   /// m; the mass is density x pi x average_radius^2, in space density x 4/3 pi x average_radius^3.
   double average_radius = 0, gyration_radius = 0;
   Eigen::Vector3d inertia{0, 0, 0};  ///< in space, over the density, m^5
-  /// In space: the initial axes of the body as columns (the third is normal to a plank), and its spin along them,
-  /// rad/s.
+  /// In space: the initial axes of the body as columns (the third normal to a plank), and its spin along them, rad/s.
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
   Eigen::Vector3d spin{0, 0, 0};
   double written_digit = 0;                          ///< m, half of the last digit of its written place
@@ -132,13 +129,9 @@ CaseSpec case_of_datbox(const std::string& path, bool moving);
 /// Its laws, gravity and boundaries.
 Dynamics datbox_dynamics(const Datbox& datbox);
 
-struct DatboxContactLaw {
-  Interaction interaction;
-  double alert = 0;  ///< m, the largest distance at which bodies see each other
-};
-
-/// Throws Error if laws differ in more than the friction at driven bodies, if one is neither IQS_CLB nor RST_CLB, or if
-/// not all free disks see each other and all driven bodies.
-DatboxContactLaw contact_law_of(const Datbox& datbox);
+/// The law, and the largest distance (m) at which bodies see each other. Throws Error if laws differ in more than the
+/// friction at driven bodies, if one is neither IQS_CLB nor RST_CLB, or if not all free disks see each other and all
+/// driven bodies.
+std::pair<Interaction, double> contact_law_of(const Datbox& datbox);
 
 }  // namespace nscdd

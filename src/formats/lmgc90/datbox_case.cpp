@@ -234,12 +234,6 @@ std::string trimmed(std::string path) {
   return path;
 }
 
-std::string datbox_name(const std::string& path) {
-  std::filesystem::path folder = std::filesystem::path(trimmed(path)).lexically_normal();
-  if (folder.filename() == "DATBOX" && folder.has_parent_path()) folder = folder.parent_path();
-  return folder.filename().string();
-}
-
 }  // namespace
 
 Packing datbox_packing(const Datbox& datbox, DatboxGrains which) {
@@ -268,12 +262,12 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
   const Packing packing = datbox_packing(datbox, DatboxGrains::all);
   Dynamics dynamics;
   dynamics.boundaries = boundaries_of(datbox);
-  const DatboxContactLaw contact = contact_law_of(datbox);
-  dynamics.interaction = contact.interaction;
+  double alert = 0;
+  std::tie(dynamics.interaction, alert) = contact_law_of(datbox);
   if (!datbox.gravity) fail("{}/BULK_BEHAV.DAT: expected a section $gravy, met none", datbox.folder);
   const auto [x, y, z] = *datbox.gravity;
   dynamics.time.gravity = datbox.space() ? Components<double>{x, y, z} : Components<double>{x, y};
-  dynamics.time.alert = std::min(10.0, contact.alert / *std::ranges::min_element(packing.radius));
+  dynamics.time.alert = std::min(10.0, alert / *std::ranges::min_element(packing.radius));
   if (dynamics.interaction.restitution == 0) dynamics.time.penetration_correction = 0;  // as in IQS_CLB
   return dynamics;
 }
@@ -281,8 +275,10 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
 CaseSpec case_of_datbox(const std::string& path, bool moving) {
   const Datbox datbox = read_datbox(path);
   CaseSpec spec;
-  spec.name = datbox_name(path);
   spec.packing = PackingFile{trimmed(path)};
+  std::filesystem::path folder = std::filesystem::path(trimmed(path)).lexically_normal();
+  if (folder.filename() == "DATBOX" && folder.has_parent_path()) folder = folder.parent_path();
+  spec.name = folder.filename().string();
   spec.prescribed = moving_grains(datbox, moving ? DatboxGrains::all : DatboxGrains::free);
   if (moving) spec.dynamics = datbox_dynamics(datbox);
   return spec;

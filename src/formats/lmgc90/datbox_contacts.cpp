@@ -7,8 +7,6 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-std::array<double, 3> numbers(const Vector3& a) { return {a[0], a[1], a[2]}; }
-
 const char* status_name(LocalVector<2> impulse, ContactStatus status) {
   if (status == ContactStatus::open) return "noctc";
   if (status == ContactStatus::stick) return "stick";
@@ -22,7 +20,7 @@ std::string gap_line(const char* name, double gap) { return fmt::format("{:27}{}
 Vector3 tangent_of(const Vector3& n) {
   const Index zeros = (n.array() == 0).count();
   if (zeros == 2) return {n[2], n[0], n[1]};
-  if (zeros == 1) return datbox_vector(tangents_of(numbers(n)).first);
+  if (zeros == 1) return datbox_vector(tangents_of({n[0], n[1], n[2]}).first);
   return Vector3(-n[1] * n[2], -n[2] * n[0], 2 * n[0] * n[1]).normalized();
 }
 

@@ -49,9 +49,9 @@ const DatboxLaw& law_of(const Datbox& datbox, const DatboxSight& sight) {
 
 }  // namespace
 
-DatboxContactLaw contact_law_of(const Datbox& datbox) {
+std::pair<Interaction, double> contact_law_of(const Datbox& datbox) {
   const DatboxLaw *of_free = nullptr, *of_driven = nullptr, none;
-  DatboxContactLaw result;
+  double alert = 0;
   const auto add = [&](const Colour& a, const Colour& b, bool driven) {
     const DatboxSight& sight = sight_of(datbox, a, b);
     const DatboxLaw& law = law_of(datbox, sight);
@@ -64,7 +64,7 @@ DatboxContactLaw contact_law_of(const Datbox& datbox) {
     if (any.restitution != law.restitution || any.tangential_restitution != law.tangential_restitution)
       refuse(sight.place, "expected one restitution for all contacts, {} and {} as before, met {} and {}",
              any.restitution, any.tangential_restitution, law.restitution, law.tangential_restitution);
-    result.alert = std::max(result.alert, sight.alert);
+    alert = std::max(alert, sight.alert);
   };
   const Colours colours = colours_of(datbox);
   for (auto a = colours.free.begin(); a != colours.free.end(); ++a) {
@@ -73,12 +73,12 @@ DatboxContactLaw contact_law_of(const Datbox& datbox) {
     for (const Colour& driven : colours.driven) add(a->first, driven, true);
   }
   const DatboxLaw& law = of_free != nullptr ? *of_free : of_driven != nullptr ? *of_driven : none;
-  Interaction& interaction = result.interaction;
+  Interaction interaction;
   interaction.friction = law.friction;
   if (of_driven != nullptr && of_driven->friction != law.friction) interaction.boundary_friction = of_driven->friction;
   interaction.restitution = law.restitution;
   interaction.tangential_restitution = law.tangential_restitution;
-  return result;
+  return {interaction, alert};
 }
 
 }  // namespace nscdd

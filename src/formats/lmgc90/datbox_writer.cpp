@@ -12,7 +12,6 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
-double area_of(double radius) { return std::numbers::pi * radius * radius; }
 double volume_of(double radius) { return 4.0 / 3 * std::numbers::pi * radius * radius * radius; }
 
 }  // namespace
@@ -51,7 +50,7 @@ DatboxWriter::DatboxWriter(const Simulation& first)
     high = high.cwiseMax(centre(first_.state, i));
     if (system.driven_by[i] >= 0) continue;
     mass += system.mass[i];
-    size += space_ ? volume_of(system.radius[i]) : area_of(system.radius[i]);
+    size += space_ ? volume_of(system.radius[i]) : std::numbers::pi * system.radius[i] * system.radius[i];
   }
   density_ = mass / size;
   const double extent = space_ ? (high - low).norm() : high.head<2>().maxCoeff() - low.head<2>().minCoeff();
