@@ -111,12 +111,9 @@ SparseMatrix read_matrix(const Group& parent, const std::string& name) {
   return matrix;
 }
 
-struct Kind {
-  Index dimension, contacts;
-};
-// Throws Error for problems with members other than contacts.
-Kind kind_of(const Group& group, const std::string& kind, const std::string& matrix,
-             std::initializer_list<std::pair<const char*, const char*>> refused) {
+// D and the number of contacts. Throws Error for problems with members other than contacts.
+std::pair<Index, Index> kind_of(const Group& group, const std::string& kind, const std::string& matrix,
+                                std::initializer_list<std::pair<const char*, const char*>> refused) {
   const std::int64_t dimension = group.integer("spacedim");
   const Group counted = group.group(matrix);
   const std::int64_t columns = size_of(counted, "n");

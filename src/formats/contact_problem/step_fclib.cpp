@@ -146,10 +146,8 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
     GlobalFrictionProblem problem = friction_problem(part.velocities, contacts, radius);
     add_interface_impulses(problem, part, of_grain, after.state.gluing, subdomain);
     const Vector r = impulses_of<D>(after, part.numbers);
-    FclibFile file;
-    file.solution = solution_of(problem, body_velocities(problem, r), r);
-    file.problem = std::move(problem);
-    return file;
+    FclibSolution solution = solution_of(problem, body_velocities(problem, r), r);
+    return FclibFile{.problem = std::move(problem), .info = {}, .solution = std::move(solution), .guesses = {}};
   });
 }
 

@@ -66,11 +66,6 @@ std::string manifest_table(const CaseOperator& one) {
       field_text(one.unit), rows, columns, stored_entries(one), truth(one.symmetric));
 }
 
-std::string cell_as_toml(const Cell& cell) {
-  if (const auto* text = std::get_if<std::string>(&cell)) return field_text(*text);
-  return to_text(cell);
-}
-
 std::string manifest_head(const OperatorsHead& head, const Provenance& provenance) {
   std::string text =
       "# Operators of a case for other programs: each in a Matrix Market file beside this one, all in operators.h5.\n"
@@ -79,9 +74,11 @@ std::string manifest_head(const OperatorsHead& head, const Provenance& provenanc
     if (name == "program" || name == "command_line") text += fmt::format("{} = {}\n", name, field_text(content));
   const ResultColumns<CaseSummary>& columns = case_columns();
   const Row cells = row(columns, head.of_case);
-  for (std::size_t k = 0; k < columns.size(); ++k)
-    text +=
-        fmt::format("{} = {}  # {}\n", columns[k].heading.name, cell_as_toml(cells[k]), columns[k].heading.description);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const auto* words = std::get_if<std::string>(&cells[k]);
+    text += fmt::format("{} = {}  # {}\n", columns[k].heading.name, words ? field_text(*words) : to_text(cells[k]),
+                        columns[k].heading.description);
+  }
   text += fmt::format("dofs_per_grain = {}  # d\n", head.dofs_per_grain);
   if (head.dense)
     text += fmt::format(

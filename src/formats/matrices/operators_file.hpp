@@ -3,8 +3,6 @@
 
 #include "study/linear/operators.hpp"
 
-#include <memory>
-
 namespace nscdd {
 
 namespace hdf5 {

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-
 namespace nscdd {
 namespace {
 
@@ -86,16 +84,6 @@ void put_system(const Group& root, const GranularSystem& system) {
   group.put_text("boundaries", names);
 }
 
-void add_restart(const Group& root, const std::string& line) {
-  const Group origin = root.group("provenance");
-  std::string lines;
-  if (origin.has("restarts")) {
-    lines = origin.text("restarts");
-    origin.remove("restarts");
-  }
-  origin.put_text("restarts", lines + line);
-}
-
 template <class Change>
 AlternatingFile::Change changing(Change change) {
   return [change](const std::string& name) {
@@ -138,7 +126,13 @@ void TrajectoryWriter::go_on(const std::string& case_text, const std::string& re
   file_.change(changing([case_text, restart](const Group& root) {
     root.remove("case");
     root.put_text("case", case_text);
-    add_restart(root, restart);
+    const Group origin = root.group("provenance");
+    std::string lines;
+    if (origin.has("restarts")) {
+      lines = origin.text("restarts");
+      origin.remove("restarts");
+    }
+    origin.put_text("restarts", lines + restart);
     root.put_attribute("ended", "running");
   }));
 }

@@ -169,26 +169,6 @@ class Writer {
   std::string xml_, appended_;
 };
 
-void write_points(Writer& writer, const StepPicture& picture) {
-  writer.line(fmt::format(R"(<PointData Scalars="{}" Vectors="{}">)", shown_of_points, shown_vectors));
-  writer.arrays(picture.point_arrays);
-  writer.line("</PointData>\n<Points>");
-  writer.array("Points", picture.points, 3);
-  writer.line("</Points>");
-}
-
-void write_cells(Writer& writer, const StepPicture& picture) {
-  writer.line(fmt::format(R"(<CellData Scalars="{}">)", shown_of_cells));
-  writer.arrays(picture.cell_arrays);
-  writer.line("</CellData>\n<Verts>");
-  writer.array("connectivity", picture.vertices);
-  writer.array("offsets", counted(picture.vertices.size(), 1, 1));
-  writer.line("</Verts>\n<Lines>");
-  writer.array("connectivity", picture.lines);
-  writer.array("offsets", counted(picture.line_count(), 2, 2));
-  writer.line("</Lines>");
-}
-
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
@@ -231,9 +211,19 @@ std::string vtp_text(const GranularSystem& system, const TrajectoryStep& step) {
 <Piece NumberOfPoints="{}" NumberOfVerts="{}" NumberOfLines="{}" NumberOfStrips="0" NumberOfPolys="0">)",
                           byte_order, picture.time, picture.point_count(), picture.vertices.size(),
                           picture.line_count()));
-  write_points(writer, picture);
-  write_cells(writer, picture);
-  writer.line("</Piece>\n</PolyData>");
+  writer.line(fmt::format(R"(<PointData Scalars="{}" Vectors="{}">)", shown_of_points, shown_vectors));
+  writer.arrays(picture.point_arrays);
+  writer.line("</PointData>\n<Points>");
+  writer.array("Points", picture.points, 3);
+  writer.line(fmt::format("</Points>\n<CellData Scalars=\"{}\">", shown_of_cells));
+  writer.arrays(picture.cell_arrays);
+  writer.line("</CellData>\n<Verts>");
+  writer.array("connectivity", picture.vertices);
+  writer.array("offsets", counted(picture.vertices.size(), 1, 1));
+  writer.line("</Verts>\n<Lines>");
+  writer.array("connectivity", picture.lines);
+  writer.array("offsets", counted(picture.line_count(), 2, 2));
+  writer.line("</Lines>\n</Piece>\n</PolyData>");
   return std::move(writer).text();
 }
 

@@ -123,8 +123,6 @@ ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOp
   }
 }
 
-double ObservedResult::difference() const { return observed.value - predicted.radius.subdominant; }
-
 bool ObservedResult::agree() const {
   constexpr double rounding = 1e-12;  // of both
   return std::abs(difference()) <= observed.error + predicted.radius.residual + rounding;

@@ -27,8 +27,8 @@ struct ObservedResult {
   ObservedRate observed;
   std::uint64_t seed = 1;  ///< of the random first F_Gamma
 
-  double difference() const;  ///< observed minus predicted
-  bool agree() const;         ///< the difference is within the error of the fit and the residual of the prediction
+  double difference() const { return observed.value - predicted.radius.subdominant; }
+  bool agree() const;  ///< the difference is within the error of the fit and the residual of the prediction
   bool converged() const { return observed.converged && predicted.radius.converged; }
 };
 

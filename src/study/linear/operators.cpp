@@ -5,7 +5,6 @@
 #include "core/memory.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/ddm/contraction.hpp>
 
 namespace nscdd {
 namespace {
@@ -129,7 +128,7 @@ bool case_operators(const Model& model, const Selection& selection, const Operat
                    "--sparse-only, which leaves these out, or fewer subdomains");
   hand_undivided(model, sink);
   hand_subdomains(model, selection, sink);
-  if (model.parts.interface_size() == 0) return true;
+  if (n == 0) return true;
   const InterfaceFamily all(model.parts);
   const InterfaceOperator p = all.at(parameters.eta);
   sink({"X", formula_of("X", "", infinity, 'H'), "interface operator of the generic algorithm: inertia only", "1/kg",
@@ -141,17 +140,13 @@ bool case_operators(const Model& model, const Selection& selection, const Operat
   require_finite(model, "S", s.dense());
   sink({"S", formula_of("S", "epsilon", parameters.epsilon, restricted ? 'G' : 'H'),
         "X_epsilon, the interface operator of Stage 1: jumps that interface impulses cause", "1/kg", s.dense(), true});
-  CaseOperator preconditioner{"P",
-                              formula_of("P", "eta", parameters.eta, 'H'),
-                              "X_eta, the interface operator that Stage 2 solves with",
-                              "1/kg",
-                              p.generic(),
-                              true};
+  decltype(CaseOperator::values) values = p.generic();
   if (std::isfinite(parameters.eta)) {
     require_finite(model, "P", p.dense());
-    preconditioner.values = p.dense();
+    values = p.dense();
   }
-  sink(preconditioner);
+  sink({"P", formula_of("P", "eta", parameters.eta, 'H'), "X_eta, the interface operator that Stage 2 solves with",
+        "1/kg", std::move(values), true});
   std::optional<Matrix> b = contraction_matrix(p, s.dense(), parameters.relaxation, monitor);
   if (!b) return false;
   require_finite(model, "B", *b);

@@ -43,12 +43,6 @@ std::vector<float> relative_velocities(const Interface& interface, const std::ve
   return all;
 }
 
-Index copies_of(const Interface& interface) {
-  Index copies = 0;
-  for (Index grain = 0; grain < interface.grains(); ++grain) copies += interface.multiplicity(grain);
-  return copies;
-}
-
 // Adds the slowest mode at a point of the grid, if there is one.
 void keep_mode(RadiusGrid& grid, Index row, Index column, const SweepResult& result, const Decomposition& stage_one,
                StageOneAnswers& answers) {
@@ -129,8 +123,9 @@ std::optional<PackingReport> report_packing(const Model& model, const PackingRep
   }
   if (report.impulses.size() == 0 && !model.problem.arriving_velocity.isZero(0))
     report.impulses = choose_contacts(model, ContactSet::active).impulses;
-  const Index sets = count(report.grids),
-              velocities = model.problem.dimension * std::max<Index>(1, copies_of(model.parts.interface));
+  Index copies = 0;
+  for (Index grain = 0; grain < model.grains(); ++grain) copies += model.parts.interface.multiplicity(grain);
+  const Index sets = count(report.grids), velocities = model.problem.dimension * std::max<Index>(1, copies);
   const ModePlaces places =
       mode_places(count(sweep.epsilon), count(sweep.eta), parameters.mode_velocities / (velocities * sets));
   const Index spectra = point_count(sweep), optima = parameters.optima ? count(sweep.epsilon) : 0;
