@@ -6,11 +6,6 @@
 #include <nscdd/mechanics/reference_problem.hpp>
 #include <nscdd/packing/packing.hpp>
 
-#include <array>
-#include <string>
-#include <string_view>
-#include <vector>
-
 namespace nscdd {
 
 /// A case made ready for analysis.

@@ -2,14 +2,10 @@
 #pragma once
 
 #include <nscdd/core/table.hpp>
-#include <nscdd/core/types.hpp>
 #include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/model.hpp>
 
 #include <complex>
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace nscdd {
 

@@ -6,8 +6,6 @@
 #include "packing/precision.hpp"
 #include "study/tables/study.hpp"
 
-#include <fmt/format.h>
-
 #include <set>
 
 namespace nscdd {

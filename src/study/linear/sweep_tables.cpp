@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/tables/study.hpp"
 
-#include <fmt/format.h>
-
 namespace nscdd {
 namespace {
 
