@@ -70,7 +70,7 @@ Request parse_command_line(std::vector<Verb>& verbs, std::span<const char* const
 }
 
 // The command line, quoted for a shell.
-std::string joined(int argc, char** argv, std::string line) {
+std::string command_line(int argc, char** argv, std::string line) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     const bool plain = word.find_first_of(" \t\n\"'`\\$*?;&|<>()[]{}#~!") == word.npos && !word.empty();
@@ -94,7 +94,7 @@ int run(int argc, char** argv, const Machine& machine) {
                  machine.processes);
   }
   if (const auto* verb = std::get_if<const Verb*>(&request))
-    return (*verb)->action({joined(argc, argv, machine.program), verbs, machine});
+    return (*verb)->action({command_line(argc, argv, machine.program), verbs, machine});
   fmt::print("{}", std::get<std::string>(request));
   return 0;
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/case_options.hpp"
-#include "app/tables.hpp"
+#include "app/shared_work.hpp"
 #include "study/moving/solver_trial.hpp"
 #include <nscdd/formats/fclib.hpp>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
 #include "app/shared_work.hpp"
-#include "app/tables.hpp"
 #include "files/hdf5.hpp"
 #include "formats/case/case_file.hpp"
 

@@ -3,7 +3,6 @@
 #include "app/run_summary.hpp"
 #include "app/shared_work.hpp"
 #include "app/simulate_output.hpp"
-#include "app/tables.hpp"
 #include "core/text.hpp"
 #include "files/output_file.hpp"
 #include "formats/case/case_file.hpp"

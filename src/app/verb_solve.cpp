@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/shared_work.hpp"
 #include "app/solve_trials.hpp"
 #include "core/text.hpp"
 #include "files/csv.hpp"
