@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/run_summary.hpp"
+#include "app/simulate_output.hpp"
 
 #include <fmt/format.h>
 
@@ -70,11 +70,9 @@ std::string lack_of_room(const RunTotals& totals) {
   if (totals.no_room == 0) return "";
   return fmt::format(
       "in {} of {} steps, at first in step {}, contacts close although their impulses have grown far beyond what "
-      "drives "
-      "the step: the boundaries may leave no room, and then no impulses are a solution and more iterations do not "
-      "help; "
-      "or these steps ended far from their solution, which a smaller --tolerance tells (work of the boundaries in the "
-      "run: {:.3g} J)",
+      "drives the step: the boundaries may leave no room, and then no impulses are a solution and more iterations do "
+      "not help; or these steps ended far from their solution, which a smaller --tolerance tells (work of the "
+      "boundaries in the run: {:.3g} J)",
       totals.no_room, totals.steps, totals.first_no_room, totals.boundary_work);
 }
 

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/settled_cases.hpp"
-
-#include "app/progress.hpp"
-#include "app/run_summary.hpp"
-#include "core/text.hpp"
-#include "files/csv.hpp"
+#include "app/case_options.hpp"
+#include "app/simulate_output.hpp"
 #include "formats/case/case_file.hpp"
 #include "formats/lmgc90/datbox.hpp"
-#include "simulation/simulation.hpp"
 #include "study/linear/inspection.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
@@ -198,8 +193,8 @@ std::string find_case(const std::string& name) {
   if (const auto file = known_file(name, fs::path("cases") / (name + ".toml"))) return file->string();
   const std::vector<std::string> known = known_names("cases");
   fail(
-      "case '{}': expected a case file (.toml), a packing file (.csv, .h5) or one of the known cases ({}), met no "
-      "such file{}",
+      "case '{}': expected a case file (.toml), a packing file (.csv, .h5) or one of the known cases ({}), met no such "
+      "file{}",
       name, joined(known), suggestion(name, known));
 }
 

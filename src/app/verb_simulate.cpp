@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "app/run_summary.hpp"
 #include "app/shared_work.hpp"
 #include "app/simulate_output.hpp"
-#include "core/text.hpp"
-#include "files/output_file.hpp"
 #include "formats/case/case_file.hpp"
 
 namespace nscdd::app {
@@ -231,11 +228,10 @@ Action declare_simulate(Command& command) {
   const Option* convergence = &command.add("--convergence FILE", options->files.convergence,
                                            "also a table of the iterations of every step, - for standard output; with "
                                            "--restart the rows of the steps taken now are added to it");
-  Option& every = command.add(
-      "--convergence-every", options->files.convergence_every,
-      "rows of every Nth iteration; without it of about ten per decade (1, 2, 3, 4, 6, 7, 8, 10, 13, ...), because a "
-      "row costs several sweeps. The last of a step always has one",
-      {.description = "", .minimum = 1, .maximum = 1e9});
+  Option& every = command.add("--convergence-every", options->files.convergence_every,
+                              "rows of every Nth iteration; without it of about ten per decade (1, 2, 3, 4, 6, 7, 8, "
+                              "10, 13, ...), because a row costs several sweeps. The last of a step always has one",
+                              {.description = "", .minimum = 1, .maximum = 1e9});
   every.needs = convergence;
   CountsTable::declare(command, options->counts);
   command.preset("--save-every", options->files.save_every, "keep every Nth step; the last one is always kept",
