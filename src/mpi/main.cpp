@@ -43,12 +43,6 @@ Index processes_here() {
   return size;
 }
 
-// Silences a rank other than 0: it would print the same.
-void keep_silent() {
-  if (std::freopen("/dev/null", "w", stdout) == nullptr || std::freopen("/dev/null", "w", stderr) == nullptr)
-    throw Error("/dev/null: cannot be opened");
-}
-
 int run(int argc, char** argv) {
   const int standard_error = dup(STDERR_FILENO);
   // Destroyed after the last output: freeing the communicator is collective.
@@ -60,7 +54,9 @@ int run(int argc, char** argv) {
                              .inertia = multifrontal(MPI_COMM_WORLD, processes.counts),
                              .slepc = slepc(MPI_COMM_WORLD),
                              .threads = 1};
-  if (!processes.first()) keep_silent();
+  for (std::FILE* stream : {stdout, stderr})  // the other ranks would print the same
+    if (!processes.first() && std::freopen("/dev/null", "w", stream) == nullptr)
+      throw Error("/dev/null: cannot be opened");
   const app::Outcome outcome = app::run_program(argc, argv, machine);
   const std::optional<Index> speaks = speaker(outcome, processes.rank, processes.size);
   if (!outcome.error.empty() && speaks.value_or(processes.rank) == processes.rank) {

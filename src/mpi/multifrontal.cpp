@@ -73,18 +73,12 @@ void add_packed(const Vector& numbers, const std::vector<Index>& place, Matrix& 
       lower(std::max(place[i], place[j]), std::min(place[i], place[j])) += *next++;
 }
 
-// The family does not eliminate an interior again that it keeps.
-void add_elimination(const SharedPlan& plan, const std::array<double, 2>& parameters) {
-  const bool anew = !plan.own->keeps_interior(parameters);
-  plan.add_work([=](const EliminationWork& one) { return one.flops(anew); });
-}
-
 // One factor. Each rank holds the part of its own rows and at most one front of several ranks.
 class SharedFactor {
  public:
   SharedFactor(std::shared_ptr<const SharedPlan> plan, const SparseMatrix& lower,
                const std::array<double, 2>& parameters)
-      : plan_(std::move(plan)), own_((add_elimination(*plan_, parameters), plan_->own->factorise(lower, parameters))) {
+      : plan_(std::move(plan)), own_(plan_->own->factorise(lower, parameters)) {
     Messages messages(*plan_);
     messages.hand_up(plan_->rank, packed(own_.take_kept_block()));
     if (plan_->joint) join(messages);
@@ -196,6 +190,8 @@ InertiaMethod multifrontal(MPI_Comm communicator, std::shared_ptr<WorkCount> wor
   const auto analyse = [all](const InertiaPattern& pattern) {
     const auto plan = std::make_shared<const SharedPlan>(all, pattern);
     const auto factorise = [plan](const SparseMatrix& lower, const std::array<double, 2>& parameters) {
+      const bool anew = !plan->own->keeps_interior(parameters);
+      plan->add_work([=](const EliminationWork& one) { return one.flops(anew); });
       return record_of(std::make_shared<const SharedFactor>(plan, lower, parameters), *plan);
     };
     return InertiaFamily{factorise, [plan] { plan->own->release(); }};

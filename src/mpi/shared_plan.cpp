@@ -3,7 +3,6 @@
 
 #include "linalg/sparse_entries.hpp"
 
-#include <limits>
 #include <map>
 #include <numeric>
 
@@ -20,13 +19,6 @@ Index add_sets(std::vector<ProcessSet>& sets, Index first, Index last) {
   // The last rank of the left half is the worker: no other set has the same one.
   sets.push_back({.first = first, .last = last, .worker = middle - 1, .children = {left, right}});
   return whole;
-}
-
-std::vector<ProcessSet> sets_of(Index processes) {
-  std::vector<ProcessSet> sets;
-  for (Index p = 0; p < processes; ++p) sets.push_back({.first = p, .last = p + 1, .worker = p});
-  add_sets(sets, 0, processes);
-  return sets;
 }
 
 // The lists of all ranks.
@@ -126,15 +118,6 @@ SymmetricAnalysis own_analysis(const InertiaPattern& pattern, const std::vector<
   return {own.lower, own.group, flags, border};
 }
 
-std::vector<EliminationWork> work_of_sets(const Communicator& all, const std::vector<ProcessSet>& sets,
-                                          const EliminationWork& own) {
-  std::vector<EliminationWork> work(at(all.size()));
-  MPI_Allgather(&own, sizeof own, MPI_BYTE, work.data(), sizeof own, MPI_BYTE, all.get());
-  for (std::size_t s = work.size(); s < sets.size(); ++s)
-    work.push_back(work_of_front(count(sets[s].eliminated), count(sets[s].handed_on)));
-  return work;
-}
-
 }  // namespace
 
 std::vector<ProcessSet> elimination_tree(const std::vector<std::vector<Index>>& touched,
@@ -149,7 +132,9 @@ std::vector<ProcessSet> elimination_tree(const std::vector<std::vector<Index>>& 
       of_group = {std::min(of_group.first, process), process};
     }
   const auto group_by_group = [&](Index row) { return std::pair(group[at(row)], row); };
-  std::vector<ProcessSet> sets = sets_of(count(touched));
+  std::vector<ProcessSet> sets;
+  for (Index p = 0; p < count(touched); ++p) sets.push_back({.first = p, .last = p + 1, .worker = p});
+  add_sets(sets, 0, count(touched));
   for (Index s = 0; s < count(sets); ++s) {
     ProcessSet& set = sets[at(s)];
     std::vector<Index> rows;
@@ -193,9 +178,13 @@ SharedPlan::SharedPlan(std::shared_ptr<const Communicator> communicator, const I
   own = std::make_unique<SymmetricFamily>(own_analysis(pattern, touched, alone.handed_on));
   kept = own->analysis().kept_rows();
   place_of_eliminated = places(alone.eliminated, touched);
-  for (Index s = all->size(); s < count(sets); ++s)
+  const EliminationWork own_work = own->analysis().work();
+  work.resize(at(all->size()));
+  MPI_Allgather(&own_work, sizeof own_work, MPI_BYTE, work.data(), sizeof own_work, MPI_BYTE, all->get());
+  for (Index s = all->size(); s < count(sets); ++s) {
+    work.push_back(work_of_front(count(sets[at(s)].eliminated), count(sets[at(s)].handed_on)));
     if (sets[at(s)].worker == rank) joint = s;
-  work = work_of_sets(*all, sets, own->analysis().work());
+  }
   if (!joint) return;
   const ProcessSet& set = joint_set();
   std::vector<Index> in_front = set.eliminated;
