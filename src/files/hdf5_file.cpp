@@ -193,12 +193,8 @@ void Group::put_text(const std::string& name, const std::string& text, bool term
           fmt::format("{}: cannot be written", of(name)));
 }
 
-void Group::put_attribute(const std::string& name, std::string_view text) const {
-  make_attribute(id_, name.c_str(), text);
-}
-
-void Group::put_ascii_attribute(const std::string& name, std::string_view text) const {
-  make_attribute(id_, name.c_str(), text, H5T_CSET_ASCII);
+void Group::put_attribute(const std::string& name, std::string_view text, H5T_cset_t characters) const {
+  make_attribute(id_, name.c_str(), text, characters);
 }
 
 void Group::put_attribute(const std::string& name, std::int64_t number) const {

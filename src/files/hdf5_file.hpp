@@ -6,8 +6,6 @@
 
 #include <hdf5.h>
 
-#include <type_traits>
-
 /// Wrapper of the C interface of HDF5: files on disk or in memory, groups, arrays of numbers, texts. Failures throw
 /// Error. Without time stamps, equal content gives equal bytes.
 namespace nscdd::hdf5 {
@@ -102,9 +100,8 @@ class Group {
   void put_columns(const Table& table, ArrayForm form = {}) const;
   /// `terminated`: with a zero at its end, for readers of C strings.
   void put_text(const std::string& name, const std::string& text, bool terminated = false) const;
-  void put_attribute(const std::string& name, std::string_view text) const;
-  /// ASCII text of fixed length, for readers without UTF-8.
-  void put_ascii_attribute(const std::string& name, std::string_view text) const;
+  /// `characters`: H5T_CSET_ASCII for readers without UTF-8.
+  void put_attribute(const std::string& name, std::string_view text, H5T_cset_t characters = H5T_CSET_UTF8) const;
   void put_attribute(const std::string& name, std::int64_t number) const;
   void put_attribute(const std::string& name, std::span<const std::int64_t> numbers) const;
   void remove(const std::string& name) const;

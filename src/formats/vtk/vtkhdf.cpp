@@ -57,11 +57,11 @@ VtkhdfFile::VtkhdfFile(const std::string& path, bool force) : output_(path, forc
   file_ = std::make_unique<hdf5::File>(growing, hdf5::Access::fill, fmt::format("{}: cannot be written", growing));
   const Group root = file_->root().make_group("VTKHDF");
   root.put_attribute("Version", Integers{2, 0});
-  root.put_ascii_attribute("Type", "PolyData");
+  root.put_attribute("Type", "PolyData", H5T_CSET_ASCII);
   const Group points = root.make_group("PointData");
-  points.put_ascii_attribute("Scalars", shown_of_points);
-  points.put_ascii_attribute("Vectors", shown_vectors);
-  root.make_group("CellData").put_ascii_attribute("Scalars", shown_of_cells);
+  points.put_attribute("Scalars", shown_of_points, H5T_CSET_ASCII);
+  points.put_attribute("Vectors", shown_vectors, H5T_CSET_ASCII);
+  root.make_group("CellData").put_attribute("Scalars", shown_of_cells, H5T_CSET_ASCII);
 }
 
 VtkhdfFile::~VtkhdfFile() = default;
