@@ -2,10 +2,8 @@
 #include "app/export_steps.hpp"
 
 #include "app/case_options.hpp"
-#include "files/output_file.hpp"
 #include "formats/lmgc90/datbox_writer.hpp"
 #include "formats/trajectory/trajectory.hpp"
-#include "formats/vtk/vtk.hpp"
 #include "formats/vtk/vtkhdf.hpp"
 #include "study/linear/values.hpp"
 
@@ -66,30 +64,17 @@ int export_vtkhdf(const Chosen& chosen, const std::string& path) {
   return finished(chosen, path);
 }
 
-using Write = std::function<void(const std::string& name, const std::string& text)>;
-
 bool spins(const GranularState& state) {
   return std::ranges::any_of(std::array{&state.spin, &state.spin_x, &state.spin_y}, [](const auto* spins) {
     return std::ranges::any_of(*spins, [](double spin) { return spin != 0; });
   });
 }
 
-// The input of LMGC90 for a run from the first step; nscdd simulate reads it, too, if no grain spins.
-void write_datbox(const DatboxWriter& writer, const TrajectoryStep& first, const Write& write) {
-  write("BODIES.DAT", writer.bodies());
-  write("BULK_BEHAV.DAT", writer.bulk());
-  write("TACT_BEHAV.DAT", writer.tact());
-  write("DRV_DOF.DAT", writer.driven());
-  for (const auto& [name, text] : writer.tables()) write(name, text);
-  write("DOF.INI", writer.dof(first));
-  write("Vloc_Rloc.INI", writer.vloc_rloc(first));
-}
-
 int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
   const TrajectoryStep first = read_trajectory_step(chosen.trajectory, chosen.steps.front());
   const DatboxWriter writer(rebuilt_simulation(chosen.trajectory, chosen.header, first.state));
   make_folder(folder.string(), chosen.force);
-  const auto into = [&](const char* name) -> Write {
+  const auto into = [&](const char* name) {
     make_folder((folder / name).string(), chosen.force);
     return [path = folder / name, force = chosen.force](const std::string& file, const std::string& text) {
       write_file((path / file).string(), text, force);
@@ -97,14 +82,21 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
   };
   const std::string reason = writer.without_datbox();
   if (reason.empty()) {
-    write_datbox(writer, first, into("DATBOX"));
+    const auto write = into("DATBOX");  // for a run from the first step, which nscdd simulate reads, too
+    write("BODIES.DAT", writer.bodies());
+    write("BULK_BEHAV.DAT", writer.bulk());
+    write("TACT_BEHAV.DAT", writer.tact());
+    write("DRV_DOF.DAT", writer.driven());
+    for (const auto& [name, text] : writer.tables()) write(name, text);
+    write("DOF.INI", writer.dof(first));
+    write("Vloc_Rloc.INI", writer.vloc_rloc(first));
     if (spins(first.state))
       note("{}: {}s spin in step {}, which nscdd simulate does not begin with; LMGC90 does",
            (folder / "DATBOX").string(), shape_of_grains(chosen.header.system.dimension), first.state.step);
   } else {
     note("{}: no DATBOX is written: {}", folder.string(), reason);
   }
-  const Write write = into("OUTBOX");
+  const auto write = into("OUTBOX");
   write("BODIES.OUT", writer.bodies());
   write("BULK_BEHAV.OUT", writer.bulk());
   const Index done = hand_over(chosen, [&](Index step, const TrajectoryStep& shown) {

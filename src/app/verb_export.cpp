@@ -2,8 +2,6 @@
 #include "app/case_options.hpp"
 #include "app/export_steps.hpp"
 #include "app/shared_work.hpp"
-#include "core/text.hpp"
-#include "files/output_file.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
 #include "formats/matrices/operators_file.hpp"
@@ -14,8 +12,6 @@
 
 namespace nscdd::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 // Options of `nscdd export CASE --operators FOLDER`.
 struct OperatorsOptions {
@@ -140,19 +136,10 @@ OperatorParameters parameters(const OperatorsOptions& options, double scale) {
   return result;
 }
 
-void print_operators(const OperatorsOptions& options, const Model& model, const OperatorParameters& wanted,
-                     Index operators) {
-  const std::string manifest = (fs::path(options.folder) / OperatorsFolder::manifest_name).string();
-  fmt::print("{}: {} operators of {}, {} interface unknowns", manifest, operators, model.name,
-             model.parts.interface_size());
-  if (wanted.dense) fmt::print(", epsilon {} 1/kg, eta {} 1/kg", field_text(wanted.epsilon), field_text(wanted.eta));
-  fmt::print("\n");
-}
-
 int export_operators(const OperatorsOptions& options, bool force, const Context& context) {
   parameters(options, 1);  // refused before the model is built
   const ThreadLimit limit = options.limits.apply(context.machine);
-  const fs::path path(options.folder);
+  const std::filesystem::path path(options.folder);
   const Case what = options.one.resolve(
       {(path / OperatorsFolder::manifest_name).string(), (path / OperatorsFolder::hdf5_name).string()});
   OperatorsFolder folder(options.folder, force, "nscdd " + version());
@@ -173,7 +160,10 @@ int export_operators(const OperatorsOptions& options, bool force, const Context&
   OperatorsHead head{selection.of_case, model.problem.dofs_per_grain, {}};
   if (wanted.dense) head.dense = wanted;
   folder.finish(head, provenance(context, {what}));
-  print_operators(options, model, wanted, operators);
+  fmt::print("{}: {} operators of {}, {} interface unknowns", (path / OperatorsFolder::manifest_name).string(),
+             operators, model.name, model.parts.interface_size());
+  if (wanted.dense) fmt::print(", epsilon {} 1/kg, eta {} 1/kg", field_text(wanted.epsilon), field_text(wanted.eta));
+  fmt::print("\n");
   return 0;
 }
 
