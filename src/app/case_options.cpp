@@ -5,7 +5,6 @@
 #include "study/linear/values.hpp"
 
 namespace nscdd::app {
-
 namespace {
 
 PrescribedVelocity parse_prescribed(const std::string& text) {
@@ -31,12 +30,12 @@ void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
 }
 
 void CaseOptions::declare(Command& command, bool contact_problems) {
-  command.required("CASE", name,
-                   fmt::format("case or packing file{}, or a known case; case files end in .toml, packing files in "
-                               ".csv or .h5 with x,y,radius[,mass], or in .txt with lines x y radius, or are a folder "
-                               "DATBOX of LMGC90{}",
-                               contact_problems ? ", contact problem" : "",
-                               contact_problems ? ", contact problems of FCLIB in .hdf5, of Siconos in .dat" : ""));
+  command.required(
+      "CASE", name,
+      fmt::format("case or packing file{}, or a known case; case files end in .toml, packing files in .csv or .h5 with "
+                  "x,y,radius[,mass], or in .txt with lines x y radius, or are a folder DATBOX of LMGC90{}",
+                  contact_problems ? ", contact problem" : "",
+                  contact_problems ? ", contact problems of FCLIB in .hdf5, of Siconos in .dat" : ""));
   declare_options(command);
 }
 

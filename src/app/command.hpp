@@ -5,10 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <deque>
-#include <functional>
-#include <optional>
 
 namespace nscdd::app {
 

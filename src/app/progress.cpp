@@ -27,27 +27,25 @@ struct ProgressBar {
   ~ProgressBar() {
     if (drawn > 0) fmt::print(stderr, "\r\033[K");
   }
-  void draw(Index done, Index total);
-};
-
-void ProgressBar::draw(Index done, Index total) {
-  const double now = seconds();
-  if (now - drawn < 0.1 || total <= 0) return;
-  drawn = now;
-  const double fraction = static_cast<double>(done) / static_cast<double>(total);
-  constexpr int width = 30;
-  const int filled = static_cast<int>(fraction * width);
-  std::string speed;
-  if (done > before) {
-    const double each = (now - started) / static_cast<double>(done - before);
-    speed = each < 1 ? fmt::format(", {:.3g} {}s/s", 1 / std::max(each, 1e-9), unit)
-                     : fmt::format(", {:.3g} s/{}", each, unit);
-    speed += fmt::format(", {} left", duration_text(each * static_cast<double>(total - done)));
+  void draw(Index done, Index total) {
+    const double now = seconds();
+    if (now - drawn < 0.1 || total <= 0) return;
+    drawn = now;
+    const double fraction = static_cast<double>(done) / static_cast<double>(total);
+    constexpr int width = 30;
+    const int filled = static_cast<int>(fraction * width);
+    std::string speed;
+    if (done > before) {
+      const double each = (now - started) / static_cast<double>(done - before);
+      speed = each < 1 ? fmt::format(", {:.3g} {}s/s", 1 / std::max(each, 1e-9), unit)
+                       : fmt::format(", {:.3g} s/{}", each, unit);
+      speed += fmt::format(", {} left", duration_text(each * static_cast<double>(total - done)));
+    }
+    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label, "", filled, "", width - filled, 100 * fraction,
+               speed);
+    std::fflush(stderr);
   }
-  fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label, "", filled, "", width - filled, 100 * fraction,
-             speed);
-  std::fflush(stderr);
-}
+};
 
 constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
 

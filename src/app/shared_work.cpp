@@ -174,9 +174,9 @@ void CountsTable::finish() {
 }
 
 void declare_resume(Command& command, bool& resume) {
-  command.add("--resume", resume,
-              "go on with the rows of an interrupted run; of the same case, options and program: what is missing is "
-              "computed");
+  command.add(
+      "--resume", resume,
+      "go on with the rows of an interrupted run; of the same case, options and program: what is missing is computed");
 }
 
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, const TableWork& work, Reopening how,

@@ -3,7 +3,6 @@
 
 #include "core/fail.hpp"
 
-#include <filesystem>
 #include <sstream>
 
 namespace nscdd::app {
@@ -97,8 +96,8 @@ void require_same_case(const std::string& path, const TrajectoryHeader& found, c
     fail("{}: expected the case and options of the run it holds ({}), met {}", path, *before, *now);
   if (const std::string build = build_fingerprint(); found.build != build)
     fail(
-        "{}: expected a trajectory of this build of the program ({}), met one of another ({}): its steps would not "
-        "be those of one run",
+        "{}: expected a trajectory of this build of the program ({}), met one of another ({}): its steps would not be "
+        "those of one run",
         path, build, found.build);
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/solve_trials.hpp"
 
-#include "core/text.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 
 namespace nscdd::app {

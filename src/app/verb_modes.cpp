@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
 #include "app/shared_work.hpp"
-#include "files/csv.hpp"
 #include "study/linear/inspection.hpp"
 #include "study/linear/modes.hpp"
 #include "study/linear/values.hpp"

@@ -2,7 +2,6 @@
 #include "app/case_options.hpp"
 #include "app/export_steps.hpp"
 #include "app/shared_work.hpp"
-#include "files/output_file.hpp"
 #include "formats/report/report_page.hpp"
 #include "study/linear/values.hpp"
 
@@ -10,8 +9,6 @@
 
 namespace nscdd::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr Index most_grains = 300'000;  // that a browser draws at once; some 80 bytes each on the page
 constexpr double bytes_of_steps = 8e6;  // default size of the steps of a run on a page
@@ -105,7 +102,8 @@ int report_of_run(const Options& options, const Context& context) {
   const std::vector<Index> asked = chosen_steps(path, parse_step_range(options.steps));
   const std::vector<Index> steps = options.steps.empty() ? steps_to_draw(path, asked, bytes_of_steps) : asked;
   Interruption interruption;
-  auto report = report_run(path, steps, interruption.watch("report " + fs::path(path).filename().string(), 0, "step"));
+  auto report = report_run(path, steps,
+                           interruption.watch("report " + std::filesystem::path(path).filename().string(), 0, "step"));
   if (!report || interruption.stopped()) return interrupted(nothing_written, options.output);
   report->iterations = std::move(iterations);
   write(options.output, run_page(*report, {report->name, context.command_line, report->header.case_text, libraries()}),

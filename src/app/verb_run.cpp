@@ -144,8 +144,10 @@ int compute(const Work& work, const std::vector<Case>& cases, const Options& opt
   origin.emplace_back("seeds", seeds);
   hdf5.bytes(to_hdf5(origin, tables));
   hdf5.finish();
-  for (const StudyTable& table : work.study.tables) remove_record(work.csv(table));
-  for (const StudyTable& table : work.study.tables) fmt::print("{}\n", work.csv(table));
+  for (const StudyTable& table : work.study.tables) {
+    remove_record(work.csv(table));
+    fmt::print("{}\n", work.csv(table));
+  }
   fmt::print("{}\n", work.hdf5());
   return options.check ? check_baselines(work) : 0;
 }

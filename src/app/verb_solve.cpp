@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/solve_trials.hpp"
-#include "core/text.hpp"
-#include "files/csv.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>

@@ -181,11 +181,10 @@ Action declare_sweep(Command& command) {
   command.named("--eigenvalues").help +=
       "; more than one adds columns: their values, and for each end the multiplicity of its first value alone (how "
       "many of those found agree with it within --residual-tolerance; with --certify how many lie in its interval)";
-  command.add(
-      "--curve TOLERANCE", options->curve,
-      "prove the curve over a range FROM:TO, whose points are placed for it; one of --epsilon and --eta is the range, "
-      "and the band curve_low to curve_high is at most TOLERANCE x max(1, radius) wide",
-      {.description = "", .minimum = 0, .minimum_excluded = true});
+  command.add("--curve TOLERANCE", options->curve,
+              "prove the curve over a range FROM:TO, whose points are placed for it; one of --epsilon and --eta is the "
+              "range, and the band curve_low to curve_high is at most TOLERANCE x max(1, radius) wide",
+              {.description = "", .minimum = 0, .minimum_excluded = true});
   options->limits.declare_threads(command);
   command.preset("--relaxation SPEC", options->relaxation, "omega in F <- F + omega (F' - F), or 'optimal'");
   command.preset("--gauss-seidel-sweeps SPEC", options->sweeps, "sweeps n_GS of Stage 1; inf is exact");

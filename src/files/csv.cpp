@@ -2,7 +2,6 @@
 #include "files/csv.hpp"
 
 #include "core/fail.hpp"
-#include "core/text.hpp"
 #include <nscdd/core/fields.hpp>
 
 #include <fstream>

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/resumable_table.hpp"
 
-#include "core/fail.hpp"
-#include "core/text.hpp"
 #include "files/strict_toml.hpp"
 
 namespace nscdd {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 4> type_names{"integer", "number", "boolean", "text"};  // as in Cell
 
@@ -212,7 +208,7 @@ void require_rows_of(const TableWork& work, const std::string& path) {
 
 void remove_record(const std::string& path) {
   std::error_code ignored;
-  if (!is_stream(path)) fs::remove(record_path(path), ignored);
+  if (!is_stream(path)) std::filesystem::remove(record_path(path), ignored);
 }
 
 KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how) {

@@ -3,8 +3,6 @@
 
 #include "files/csv.hpp"
 
-#include <filesystem>
-
 namespace nscdd {
 
 /// Everything that determines the rows of a table, as texts: equal texts give equal rows on one machine.
