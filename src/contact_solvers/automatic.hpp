@@ -6,7 +6,6 @@
 
 #include "contact_solvers/apgd.hpp"
 #include "contact_solvers/continuation.hpp"
-#include "contact_solvers/nlgs.hpp"
 
 namespace nscdd {
 

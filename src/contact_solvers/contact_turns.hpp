@@ -3,9 +3,6 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <span>
-#include <vector>
-
 /// The order in which a sweep visits contacts.
 namespace nscdd {
 

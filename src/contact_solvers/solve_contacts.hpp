@@ -3,11 +3,7 @@
 #pragma once
 
 #include "contact_solvers/admm.hpp"
-#include "contact_solvers/apgd.hpp"
 #include "contact_solvers/automatic.hpp"
-#include "contact_solvers/continuation.hpp"
-#include "contact_solvers/newton.hpp"
-#include "contact_solvers/nlgs.hpp"
 
 namespace nscdd {
 

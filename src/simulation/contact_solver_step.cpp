@@ -3,10 +3,7 @@
 
 #include "contact_solvers/contact_turns.hpp"
 #include "contact_solvers/stored_contacts.hpp"
-#include "mechanics/contact_blocks.hpp"
 #include "simulation/step_decomposition.hpp"
-
-#include <chrono>
 
 namespace nscdd {
 namespace {

@@ -3,7 +3,6 @@
 
 #include "simulation/solved_step.hpp"
 #include "two_stage/divided_contacts.hpp"
-#include <nscdd/mechanics/friction_problem.hpp>
 
 namespace nscdd {
 

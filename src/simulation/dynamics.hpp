@@ -3,8 +3,6 @@
 
 #include "mechanics/step_problem.hpp"
 #include "two_stage/step_solver.hpp"
-#include <nscdd/core/choice.hpp>
-#include <nscdd/core/processes.hpp>
 #include <nscdd/ddm/partitioner.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 

@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-
 namespace nscdd {
 namespace {
 

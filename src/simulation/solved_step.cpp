@@ -3,7 +3,6 @@
 
 #include <fmt/ranges.h>
 
-#include <numeric>
 #include <set>
 
 namespace nscdd {

@@ -3,8 +3,6 @@
 
 #include "simulation/step_share.hpp"
 
-#include <variant>
-
 namespace nscdd {
 
 /// A solved step of a simulation whose dimension is known when it runs.

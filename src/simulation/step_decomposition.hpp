@@ -2,7 +2,6 @@
 #pragma once
 
 #include "simulation/step_share.hpp"
-#include <nscdd/ddm/interface_operator.hpp>
 
 namespace nscdd {
 

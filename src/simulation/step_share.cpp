@@ -4,9 +4,6 @@
 #include "core/fail.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "packing/grain_grid.hpp"
-#include "two_stage/granular_decomposition.hpp"
-
-#include <numeric>
 
 namespace nscdd {
 namespace {

@@ -3,7 +3,6 @@
 
 #include "contact_solvers/contact_matrix.hpp"
 #include "linalg/krylov.hpp"
-#include "linalg/multifrontal/lu.hpp"
 #include "two_stage/step_solver.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 

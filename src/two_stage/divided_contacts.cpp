@@ -2,8 +2,6 @@
 #include "two_stage/divided_contacts.hpp"
 
 #include "contact_solvers/solve_contacts.hpp"
-#include "linalg/threads.hpp"
-#include "mechanics/contact_residual.hpp"
 
 namespace nscdd {
 namespace {

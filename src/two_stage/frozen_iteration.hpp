@@ -2,7 +2,6 @@
 #pragma once
 
 #include "linalg/range_projector.hpp"
-#include "two_stage/frozen_network.hpp"
 #include "two_stage/granular_two_stage.hpp"
 #include "two_stage/two_stage.hpp"
 

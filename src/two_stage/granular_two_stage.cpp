@@ -4,8 +4,6 @@
 #include "linalg/threads.hpp"
 #include "mechanics/contact_blocks.hpp"
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "two_stage/model_switch.hpp"
-#include <nscdd/core/processes.hpp>
 
 namespace nscdd {
 

@@ -3,7 +3,6 @@
 
 #include "mechanics/flexibility.hpp"
 #include "two_stage/step_algorithm.hpp"
-#include <nscdd/core/fields.hpp>
 
 namespace nscdd {
 

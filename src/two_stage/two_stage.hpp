@@ -5,8 +5,6 @@
 #include "mechanics/gauss_seidel.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 
-#include <complex>
-
 namespace nscdd {
 
 /// The two-stage iteration ([ADI12] Algorithm 1 and its enriched form) with the linear law:

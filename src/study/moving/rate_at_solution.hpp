@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mechanics/contact_blocks.hpp"
 #include "simulation/simulation.hpp"
 
 namespace nscdd {

@@ -5,8 +5,6 @@
 #include "simulation/contact_solver_step.hpp"
 #include "study/tables/study.hpp"
 
-#include <chrono>
-
 namespace nscdd {
 namespace {
 

@@ -6,8 +6,6 @@
 
 #include <fmt/ranges.h>
 
-#include <filesystem>
-
 namespace nscdd {
 namespace {
 
