@@ -34,9 +34,8 @@ class SolverRun {
   /// The impulses that converged or, if none did, those with the smallest || m ||, with the present status and counts.
   FrictionSolution best() const;
   void go_back(const FrictionSolution& earlier);  ///< to its impulses; counts stay
-  double natural_maps() const {
-    return now.state.residual * now.state.scale;
-  }                                      ///< || m || of the present impulses, N s
+  /// || m || of the present impulses, N s.
+  double natural_maps() const { return now.state.residual * now.state.scale; }
   std::vector<Index> unsettled() const;  ///< contacts of this rank whose status changed in the last 10 checks
   /// Evaluates impulses of norm `size` with their `velocities` u = W r + q. Above the norm `believed`, natural maps are
   /// taken to be at least rounding.

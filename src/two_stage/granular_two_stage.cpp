@@ -233,7 +233,7 @@ void GranularTwoStage<D>::iterate() {
       const Vector second = change - last_change_;
       for_each_in_parallel(subdomains, [&](Index e) {
         terms(interface_changes, e) = interface.part_of_dot(e, change, change);
-        terms(interface_second_changes, e) = interface.part_of_dot(e, second, second);
+        terms(second_changes, e) = interface.part_of_dot(e, second, second);
         terms(interface_squares, e) = interface.part_of_dot(e, interface_impulses_, interface_impulses_);
       });
       last_change_ = std::move(change);
@@ -255,7 +255,7 @@ IterationRecord GranularTwoStage<D>::record() const {
           .sweeps = sweeps_,
           .zeta = ratio(sum[changes], at_least(impulse_floor_squared_, sum[impulses])),
           .interface_change = ratio(sum[interface_changes], interface),
-          .interface_second_change = ratio(sum[interface_second_changes], interface),
+          .interface_second_change = ratio(sum[second_changes], interface),
           .gluing = ratio(sum[jumps], at_least(free_speed_squared_, sum[speeds])),
           .impulses = sum[impulses]};
 }

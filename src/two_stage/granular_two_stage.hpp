@@ -79,16 +79,7 @@ class GranularTwoStage {
 
  private:
   // Sums of squares over the subdomains for a record.
-  enum Quantity {
-    changes,
-    impulses,
-    jumps,
-    speeds,
-    interface_changes,
-    interface_second_changes,
-    interface_squares,
-    quantities
-  };
+  enum Quantity { changes, impulses, jumps, speeds, interface_changes, second_changes, interface_squares, quantities };
   // The sum of term(e) over the subdomains in their order: no bit depends on the ranks.
   template <class Term>
   double summed(const Term& term) const {

@@ -40,21 +40,10 @@ extern const Observable spectral_radius, optimum, observed_rate, links, grains, 
     interface_iterations;
 
 /// Every observable, in the order of `nscdd list`.
-inline constexpr std::array all{&spectral_radius,
-                                &optimum,
-                                &observed_rate,
-                                &links,
-                                &grains,
-                                &indicators,
-                                &solver_indicators,
-                                &configuration,
-                                &force_chains,
-                                &predicted_observed,
-                                &rate_at_solution,
-                                &runs,
-                                &switching,
-                                &contact_solvers,
-                                &interface_iterations};
+inline constexpr auto all =
+    std::to_array<const Observable*>({&spectral_radius, &optimum, &observed_rate, &links, &grains, &indicators,
+                                      &solver_indicators, &configuration, &force_chains, &predicted_observed,
+                                      &rate_at_solution, &runs, &switching, &contact_solvers, &interface_iterations});
 }  // namespace observables
 
 /// A case parameter, such as packing.grains, and its values.
