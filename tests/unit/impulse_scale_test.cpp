@@ -6,8 +6,7 @@
 #include "../support/spheres.hpp"
 #include "mechanics/contact_residual.hpp"
 #include "simulation/contact_solver_step.hpp"
-#include "study/moving/predicted_observed.hpp"
-#include "study/moving/rate_at_solution.hpp"
+#include "study/moving/compared_rates.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
 #include <doctest/doctest.h>

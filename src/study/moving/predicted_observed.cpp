@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "study/moving/predicted_observed.hpp"
-
 #include "core/fail.hpp"
 #include "linalg/scalar.hpp"
+#include "study/moving/compared_rates.hpp"
 #include "study/moving/moving_tables.hpp"
-#include "two_stage/frozen_iteration.hpp"
 
 namespace nscdd {
 namespace {
@@ -92,7 +90,8 @@ PredictedObserved compare_rates(const Simulation& simulation) {
   const GranularDecomposition<D> parts = step.iteration.parts();
   Stretches<D> stretches;
   IterationWatch watch(solver);
-  PredictedObserved result{.report = step.share.report};
+  PredictedObserved result;
+  result.report = step.share.report;
   std::optional<SolverStatus> status;
   while (!status) {
     step.iteration.iterate();
@@ -105,18 +104,8 @@ PredictedObserved compare_rates(const Simulation& simulation) {
   result.report.status = *status;
   const Stretch<D> best = stretches.best();
   if (best.frozen.empty()) return result;
-  result.active = count(best.statuses) - std::ranges::count(best.statuses, ContactStatus::open);
-  result.stick = std::ranges::count(best.statuses, ContactStatus::stick);
-  result.slide = result.active - result.stick;
   fit(result, best);
-  const MapRadius frozen = frozen_radius(
-      FrozenIteration(parts, best.frozen, solver.gauss_seidel_sweeps, step.enriched, solver.interface_relaxation));
-  result.predicted = frozen.value;
-  result.complex_pair = frozen.dominant.imag() > 0;
-  result.converged = frozen.converged;
-  if (simulation.system.grains() <= dense_rate_grains)
-    result.predicted_exact =
-        frozen_radius(frozen_contraction(parts, best.frozen, step.enriched, solver.interface_relaxation)).value;
+  predict(result, simulation, parts, best.statuses, best.frozen, step.enriched);
   return result;
 }
 

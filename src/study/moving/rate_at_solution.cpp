@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "study/moving/rate_at_solution.hpp"
-
 #include "linalg/random.hpp"
+#include "study/moving/compared_rates.hpp"
 #include "study/moving/moving_tables.hpp"
-#include "study/moving/predicted_observed.hpp"
-#include "two_stage/frozen_iteration.hpp"
 
 namespace nscdd {
 namespace {
@@ -153,7 +150,8 @@ RateAtSolution rate_in(const Simulation& simulation) {
   const StepSolver& solver = simulation.dynamics.solver;
   PreparedStep<D> step = prepare_solution<D>(simulation);
   const GranularStep<D> solution = solution_of<D>(simulation);
-  RateAtSolution result{.report = solution.report};
+  RateAtSolution result;
+  result.report = solution.report;
   result.report.interface_size = step.share.report.interface_size;
   result.report.eta = step.share.report.eta;
   describe(result, solution);
@@ -168,23 +166,9 @@ RateAtSolution rate_in(const Simulation& simulation) {
     return result;  // no error to watch
   step.iteration.restart(z);
   NearbyRun<D> run(step.iteration, z, solver.maximum_iterations);
-  const std::vector<ContactStatus>& statuses = run.statuses();
-  result.active = count(statuses) - std::ranges::count(statuses, ContactStatus::open);
-  result.stick = std::ranges::count(statuses, ContactStatus::stick);
-  result.slide = result.active - result.stick;
   observe(result, run);
-
-  const GranularDecomposition<D>& parts = step.iteration.parts();
-  const Index sweeps = solver.gauss_seidel_sweeps;
-  const MapRadius frozen =
-      frozen_radius(FrozenIteration(parts, run.frozen(), sweeps, step.enriched, solver.interface_relaxation), {},
-                    1 + sweeps_of_power / sweeps / 2 * 2);
-  result.predicted = frozen.value;
-  result.complex_pair = frozen.dominant.imag() > 0;
-  if (simulation.system.grains() <= dense_rate_grains)
-    result.predicted_exact =
-        frozen_radius(frozen_contraction(parts, run.frozen(), step.enriched, solver.interface_relaxation)).value;
-  result.converged = frozen.converged && !std::isnan(result.observed);
+  predict(result, simulation, step.iteration.parts(), run.statuses(), run.frozen(), step.enriched,
+          1 + sweeps_of_power / solver.gauss_seidel_sweeps / 2 * 2);
   return result;
 }
 
@@ -205,13 +189,11 @@ const ResultColumns<RateAtSolution>& solved_rate_columns() {
       {"observed", "1", "factor per iteration of the error of the velocities; nan if a status changed", &At::observed},
       {"observed_error", "1", "its change over the last tenth of the run", &At::observed_error},
       {"modes", "1", "modes in the observation, 1 or 2; 0 without one", &At::modes},
-      {"relative_gap", "1", "|observed - predicted| / |1 - predicted|",
-       [](const At& r) { return relative_gap(r.observed, r.predicted); }},
-      {"agree", "", "whether that is at most 1 %, or the rates differ by at most three errors",
-       [](const At& r) { return rates_agree(r.observed, r.predicted, r.observed_error); }},
+      {"relative_gap", "1", "|observed - predicted| / |1 - predicted|", &At::relative_gap},
+      {"agree", "", "whether that is at most 1 %, or the rates differ by at most three errors", &At::agree},
       {"iterations", "1", "iterations run", &At::iterations},
       {"changed", "1", "of them those in which a contact had another status than in the solution", &At::changed},
-      {"converged", "", "whether solution, prediction and observation are known", &At::converged}};
+      {"converged", "", "whether solution, prediction and observation are known", &At::known}};
   return columns;
 }
 
