@@ -3,7 +3,7 @@
 
 #include "mechanics/contact_residual.hpp"
 #include "mechanics/step_problem.hpp"
-#include "two_stage/contact_order.hpp"
+#include "two_stage/step_solver.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
 namespace nscdd {
@@ -62,6 +62,12 @@ struct GranularDecomposition {
   /// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma.
   void apply_interface_impulses(const Vector& change);
 };
+
+/// The order of contacts in memory and in a sweep. `points`: of the contacts, m; needed for `interleaved` only.
+template <int D>
+std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
+                                 const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,
+                                 std::span<const std::array<double, 3>> points);
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses at those of the step. `order`,
 /// `seed`: see contact_order. Ranks that share the step pass the contacts of their own subdomains and get these and the
