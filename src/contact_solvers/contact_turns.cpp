@@ -9,8 +9,10 @@
 namespace nscdd {
 
 Index GreedyColours::take_least(std::span<const Index> seen, std::span<const Index> marked, Index block) {
-  enter(seen, block);
-  enter(marked, block);
+  for (const std::span<const Index> nodes : {seen, marked})
+    for (const Index node : nodes)
+      if (std::exchange(block_of_[at(node)], block) != block)
+        for (std::vector<std::uint64_t>& word : words_) word[at(node)] = 0;
   for (std::size_t word = 0;; ++word) {
     if (word == words_.size()) words_.emplace_back(block_of_.size(), 0);
     std::uint64_t taken = 0;
@@ -19,14 +21,6 @@ Index GreedyColours::take_least(std::span<const Index> seen, std::span<const Ind
     if (least == 64) continue;
     for (const Index node : marked) words_[word][at(node)] |= std::uint64_t{1} << least;
     return 64 * static_cast<Index>(word) + least;
-  }
-}
-
-void GreedyColours::enter(std::span<const Index> nodes, Index block) {
-  for (const Index node : nodes) {
-    if (block_of_[at(node)] == block) continue;
-    block_of_[at(node)] = block;
-    for (std::vector<std::uint64_t>& word : words_) word[at(node)] = 0;
   }
 }
 

@@ -19,8 +19,6 @@ class GreedyColours {
   Index take_least(std::span<const Index> seen, std::span<const Index> marked, Index block = 0);
 
  private:
-  void enter(std::span<const Index> nodes, Index block);
-
   std::vector<Index> block_of_;                    // of each node, the block of its last contact
   std::vector<std::vector<std::uint64_t>> words_;  // the colours taken at each node, 64 of them in a word
 };
