@@ -115,6 +115,10 @@ std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const Gr
   return result;
 }
 
+bool finite(const GrainMotion& v) {
+  return std::ranges::all_of(v, [](double one) { return std::isfinite(one); });
+}
+
 // The text of the rank with the largest merit, or of equal ones with the lowest pair of bodies (a, b). A rank without a
 // text has the merit -infinity. Empty if all have none.
 std::optional<std::string> words_of_first(const Processes& all, double merit, const StepContact& contact,
@@ -154,9 +158,6 @@ void finish_solution(GranularStep<D>& step, const Simulation& before) {
                     .mean = sums[3] / std::max(1.0, sums[4]),
                     .relative = all.maximum(report.overlap.relative)};
   // A law opens a contact whose velocity is not finite, and the indicators do not see it.
-  const auto finite = [](const GrainMotion& v) {
-    return std::ranges::all_of(v, [](double one) { return std::isfinite(one); });
-  };
   if (!std::ranges::all_of(step.all_grains, finite)) report.status = SolverStatus::no_number;
   const StepRoom room = room_of(before, step, sums[2], sums[5]);
   step.energy_exploded = report.status != SolverStatus::no_number && energy_exploded(room);
@@ -185,7 +186,7 @@ std::string describe_breakdown(const Simulation& before, const GranularStep<D>& 
   if (const auto words = said(wrong, 1, ": the impulse is not finite")) return *words;
   for (std::size_t i = 0; i < step.all_grains.size(); ++i) {
     const Place centre = centre_of(before.state, i);
-    if (!std::ranges::all_of(step.all_grains[i], [](double one) { return std::isfinite(one); }))
+    if (!finite(step.all_grains[i]))
       return fmt::format("{} at {}: the velocity is not finite", body_name(before.system, static_cast<Index>(i)),
                          place(std::span(centre).first(D)));
   }

@@ -46,10 +46,9 @@ double velocity_error(const GranularStep<D>& switched, const GranularStep<D>& pl
   for (std::size_t i = 0; i < plain.velocities.size(); ++i) {
     const GrainVelocity<D>& b = plain.velocities[i];
     if (b.inverse_mass == 0) continue;
-    GrainUnknowns<D> apart = unknowns(switched.velocities[i]);
-    const GrainUnknowns<D> other = unknowns(b);
-    for (std::size_t k = 0; k < apart.size(); ++k) apart[k] -= other[k];
-    error += squared(with_unknowns(apart, 0));
+    GrainVelocity<D> apart = switched.velocities[i];
+    add(apart, [other = unknowns(b)](std::size_t k) { return -other[k]; });
+    error += squared(apart);
     speed += squared(b);
     free_speed += squared(plain.problem.free[i]);
   }
