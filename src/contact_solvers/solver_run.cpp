@@ -118,8 +118,7 @@ std::vector<Index> SolverRun<D>::unsettled() const {
 
 template <int D>
 bool SolverRun<D>::judge(const Vector& impulses, const FrictionStep& step) {
-  using Clock = std::chrono::steady_clock;
-  now.seconds += std::chrono::duration<double>(Clock::now() - resumed_).count();
+  now.seconds += seconds_since(resumed_);
   const bool over = decide(impulses, step);
   resumed_ = Clock::now();
   return over;

@@ -8,6 +8,11 @@
 
 namespace nscdd {
 
+using Clock = std::chrono::steady_clock;
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 /// The run of a contact solver: its start, and what it has found so far. A contact solver is one file in this folder
 /// with a function of a ContactProblem and a run, and one word in the list of solve_contacts.hpp. Arguments must
 /// outlive the run.
@@ -57,9 +62,9 @@ class SolverRun {
   std::vector<ContactStatus> statuses_;  // at the last check
   std::vector<Index> changed_;           // the check at which each of them was new
   Index checks_ = 0;
-  double expected_ = 0, guessed_ = 0;  // norms of impulses to be expected, and of the guess, N s
-  double best_maps_ = infinity;        // || m || of the best, N s
-  std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
+  double expected_ = 0, guessed_ = 0;         // norms of impulses to be expected, and of the guess, N s
+  double best_maps_ = infinity;               // || m || of the best, N s
+  Clock::time_point resumed_ = Clock::now();  // the end of the last check
 };
 
 /// Decides from the impulses whether iterations still make progress. While a soft mode drifts the residual may stagnate

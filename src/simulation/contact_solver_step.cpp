@@ -8,8 +8,6 @@
 namespace nscdd {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 // The impulses r + pull, which obey Coulomb's law.
 template <int D>
 Vector shifted_impulses(const StepProblem<D>& problem) {
@@ -64,7 +62,7 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
   };
   std::vector<ContactStatus> statuses;
   double observing = 0;  // s, for the indicators
-  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - observing; };
+  const auto seconds = [&] { return seconds_since(start) - observing; };
   const auto observe = [&](const Vector& shifted) {
     const double before = seconds();
     take(shifted);

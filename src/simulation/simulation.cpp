@@ -10,10 +10,6 @@
 namespace nscdd {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 // Whether grains were slow for `rest_steps` steps, and not faster at each step, as when a fall begins.
 bool at_rest(const std::vector<double>& speeds, double rest_speed) {
   if (count(speeds) < rest_steps) return false;

@@ -8,13 +8,9 @@
 namespace nscdd {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 // Of one trial, because the seconds of a single short run are noise.
 constexpr double seconds_wanted = 0.1;
 constexpr int most_runs = 10;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 SolverTrial try_once(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, double time_limit,
                      const std::function<bool()>& go_on) {
