@@ -168,7 +168,6 @@ Vector CutContacts<D>::solve(const Vector& b) {
     const IteratedSolution f = symmetric_ ? conjugate_gradients(system, inverse, jumps, limits)
                                           : generalised_minimal_residuals(system, inverse, jumps, limits);
     work_.iterations += f.iterations;
-    work_.most_iterations = std::max(work_.most_iterations, f.iterations);
     work_.failures += Index{!f.converged};
     if (f.iterations > longest_.iterations) longest_ = f;
     for (std::size_t i = 0; i < right.size(); ++i) right[i] -= parts_.interface.distribute(static_cast<Index>(i), f.x);

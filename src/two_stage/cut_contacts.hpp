@@ -50,7 +50,7 @@ class CutContacts {
 
   /// Totals since construction.
   struct Work {
-    Index factorisations = 0, solves = 0, iterations = 0, most_iterations = 0, failures = 0;
+    Index factorisations = 0, solves = 0, iterations = 0, failures = 0;
     double flops = 0;       ///< of Stage 1 on this rank, at the last take_operations
     double path_flops = 0;  ///< on the critical path: the sum over take_operations of the maximum over ranks
   };

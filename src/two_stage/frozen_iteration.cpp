@@ -143,21 +143,6 @@ Vector FrozenIteration<D>::apply(const Vector& y, Index iterations) const {
 }
 
 template <int D>
-Vector FrozenIteration<D>::coordinates(const GranularDecomposition<D>& parts) const {
-  const Vector velocities = parts.free_velocities();
-  Vector y(rows());
-  y.head(velocities.size()) = velocities;
-  if constexpr (D == 3) {
-    Index row = velocities.size();
-    for (const GranularSubdomain<3>& subdomain : parts.subdomains)
-      for_each_turning(subdomain, frozen_, [&](std::size_t k) {
-        y[row++] = dot(side_of(frozen_[at(subdomain.numbers[k])]), subdomain.contacts.impulse(k).t);
-      });
-  }
-  return y.cwiseProduct(root_);
-}
-
-template <int D>
 void FrozenIteration<D>::iterate(GranularDecomposition<D>& work, std::vector<Vector>& across) const {
   for (std::size_t e = 0; e < work.subdomains.size(); ++e)
     for (Index n = 0; n < sweeps_; ++n) sweep(parts_.subdomains[e], frozen_, work.subdomains[e].velocities, across[e]);

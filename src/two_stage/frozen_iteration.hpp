@@ -31,8 +31,7 @@ class FrozenIteration {
   /// So many iterations. The image is projected once, as a projection costs as much as dozens of sweeps.
   Vector apply(const Vector& y, Index iterations = 1) const;
   Vector project(const Vector& y) const { return range_->apply(y); }
-  /// y of the velocities and impulses of the same decomposition; linear in both, so an error is a difference of two.
-  Vector coordinates(const GranularDecomposition<D>& parts) const;
+  const Vector& weights() const { return root_; }  ///< in y: of velocities, then of impulses
 
  private:
   void iterate(GranularDecomposition<D>& work, std::vector<Vector>& across) const;
@@ -43,7 +42,7 @@ class FrozenIteration {
   Index sweeps_;
   std::optional<InterfaceOperator> enriched_;
   double relaxation_;
-  Vector root_;  // weights in y: of velocities, then of impulses
+  Vector root_;
   std::shared_ptr<const RangeProjector> range_;
 };
 
