@@ -46,22 +46,16 @@ struct ErrorVector {
   double logarithm = 0;
 };
 
-struct Rate {
-  double value = not_a_number;  // per tenth of the run
-  Index modes = 1;
-};
-
-Rate of_one_mode(const ErrorVector& e1, const ErrorVector& e2) { return {std::exp(e2.logarithm - e1.logarithm), 1}; }
-
-// The larger root of x^2 = a x + b in modulus, with the a and b of the best fit e_2 = a e_1 + b e_0.
-Rate of_two_modes(const ErrorVector& e0, const ErrorVector& e1, const ErrorVector& e2) {
+// The rate of two modes per tenth of the run: the larger root of x^2 = a x + b in modulus, with the a and b of the best
+// fit e_2 = a e_1 + b e_0.
+double rate_of_two(const ErrorVector& e0, const ErrorVector& e1, const ErrorVector& e2) {
   const Vector second = std::exp(e1.logarithm - e0.logarithm) * e1.direction;
   const Vector third = std::exp(e2.logarithm - e0.logarithm) * e2.direction;
   const Vector across = second - e0.direction.dot(second) * e0.direction;
-  if (!(across.norm() > least_angle * second.norm())) return {not_a_number, 2};
+  if (!(across.norm() > least_angle * second.norm())) return not_a_number;
   const double a = across.dot(third) / across.squaredNorm();
   const double b = e0.direction.dot(third - a * second), discriminant = a * a / 4 + b;
-  return {discriminant < 0 ? std::sqrt(-b) : std::abs(a) / 2 + std::sqrt(discriminant), 2};
+  return discriminant < 0 ? std::sqrt(-b) : std::abs(a) / 2 + std::sqrt(discriminant);
 }
 
 // A run next to a solution, a tenth at a time.
@@ -125,24 +119,23 @@ class NearbyRun {
 template <int D>
 void observe(RateAtSolution& result, NearbyRun<D>& run) {
   std::vector<ErrorVector> errors;
-  std::array<Rate, 2> now;
-  std::array<double, 2> change{};
+  std::array<double, 2> now{}, change{};  // rates of one and of two modes
   for (Index k = 0; k < parts_of_run / parts_of_tenth; ++k) {
     errors.push_back(run.advance());
     if (errors.size() < 3) continue;
     const std::span<const ErrorVector> last = std::span(errors).last(3);
-    const std::array<Rate, 2> before =
-        std::exchange(now, {of_one_mode(last[1], last[2]), of_two_modes(last[0], last[1], last[2])});
-    for (std::size_t i = 0; i < 2; ++i) change[i] = std::abs(std::log(now[i].value / before[i].value));
+    const std::array<double, 2> before =
+        std::exchange(now, {std::exp(last[2].logarithm - last[1].logarithm), rate_of_two(last[0], last[1], last[2])});
+    for (std::size_t i = 0; i < 2; ++i) change[i] = std::abs(std::log(now[i] / before[i]));
   }
   const std::size_t best = change[1] < change[0] ? 1 : 0;
   const auto tenth = static_cast<double>(run.tenth());
   result.iterations = run.tenth() * parts_of_run / parts_of_tenth;
   result.changed = run.changed();
   if (result.changed > 0) return;
-  result.observed = std::pow(now[best].value, 1 / tenth);
+  result.observed = std::pow(now[best], 1 / tenth);
   result.observed_error = result.observed * change[best] / tenth;
-  result.modes = now[best].modes;
+  result.modes = static_cast<Index>(best) + 1;
 }
 
 template <int D>
