@@ -50,7 +50,6 @@ std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, c
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
                                 const Vector& guess, const FrictionObserver& observer) {
   if (problem.dimension != 2 && problem.dimension != 3) fail("dimension: expected 2 or 3, met {}", problem.dimension);
-  check_options(problem.dimension, problem.contacts(), options, guess);
   return in_dimension(problem, [&](auto dimension) {
     constexpr int D = dimension();
     StoredContacts<D> stored(problem);
