@@ -87,9 +87,8 @@ SubdomainOfContact subdomain_of_contact(const Simulation& simulation) {
 
 Partition partition_of(const SubdomainOfContact& subdomain, Index subdomains,
                        const std::vector<StepContact>& contacts) {
-  Partition partition{.subdomains = subdomains, .subdomain_of_contact = {}};
-  partition.subdomain_of_contact.reserve(contacts.size());
-  std::ranges::transform(contacts, std::back_inserter(partition.subdomain_of_contact), subdomain);
+  Partition partition{.subdomains = subdomains, .subdomain_of_contact = std::vector<Index>(contacts.size())};
+  std::ranges::transform(contacts, partition.subdomain_of_contact.begin(), subdomain);
   return partition;
 }
 
