@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
-#include "linalg/multifrontal/dense_front.hpp"
+#include "linalg/multifrontal/fronts.hpp"
 #include "mpi/shared_plan.hpp"
 #include <nscdd/mpi/multifrontal.hpp>
 

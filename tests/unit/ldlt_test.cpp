@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The multifrontal L D L^T factorisation against dense algebra: inertia, solves, blocks of the inverse.
 #include "../support/matrices.hpp"
-#include "linalg/multifrontal/dense_front.hpp"
 #include "linalg/multifrontal/factor.hpp"
+#include "linalg/multifrontal/fronts.hpp"
 #include "linalg/multifrontal/group_order.hpp"
 #include "linalg/random.hpp"
 

@@ -212,6 +212,20 @@ std::optional<Index> eliminate_front(const Front& front, FrontFactor& factor, Ma
   return negative;
 }
 
+DenseFront::DenseFront(Matrix lower, const std::vector<Index>& group_ends) {
+  front_.rows = lower.rows();
+  front_.pivots = group_ends.empty() ? 0 : group_ends.back();
+  front_.panels = cut_panels(group_ends);
+  columns_ = large_array(front_.rows * front_.pivots);
+  factor_ = {.columns = columns_.get(),
+             .swaps = std::vector<lapack_int>(at(front_.pivots)),
+             .off = Vector::Zero(front_.pivots)};
+  Block(columns_.get(), front_.rows, front_.pivots, Eigen::OuterStride<>(front_.rows)) = lower.leftCols(front_.pivots);
+  update_ = lower.bottomRightCorner(front_.update_rows(), front_.update_rows());
+  lower.resize(0, 0);  // frees its memory
+  with_threads([&] { negative_ = eliminate_front(front_, factor_, update_, false); });
+}
+
 EliminatedFronts::EliminatedFronts(const FrontTree& tree, bool on_border, LargeArray memory)
     : columns(std::move(memory)), factors(at(tree.size())), updates(at(tree.size())) {
   double* next = columns.get();

@@ -22,25 +22,15 @@ struct FrontFactor {
 };
 
 /// Interchanges of one panel in LAPACK's order: swap(i, j) exchanges two indices of the panel.
-template <class Swap>
+template <bool backwards = false, class Swap>
 void interchange(const lapack_int* ipiv, Index n, Swap&& swap) {
-  for (Index k = 0; k < n; ++k) {
+  for (Index done = 0; done < n; ++done) {
+    const Index k = backwards ? n - 1 - done : done;
     if (ipiv[k] > 0) {
       swap(k, ipiv[k] - 1);
-    } else {  // 2 x 2 block: the second row was exchanged
-      swap(k + 1, -ipiv[k] - 1);
-      ++k;
-    }
-  }
-}
-template <class Swap>
-void interchange_back(const lapack_int* ipiv, Index n, Swap&& swap) {
-  for (Index k = n - 1; k >= 0; --k) {
-    if (ipiv[k] > 0) {
-      swap(k, ipiv[k] - 1);
-    } else {
-      swap(k, -ipiv[k] - 1);
-      --k;
+    } else {  // 2 x 2 block: its second row was exchanged
+      swap(backwards ? k : k + 1, -ipiv[k] - 1);
+      ++done;
     }
   }
 }
@@ -103,7 +93,7 @@ void go_back(const Front& front, const FrontFactor& factor, Values& local) {
     solve_diagonal(diagonal, factor.off.data() + first, head);
     head.noalias() -= left.transpose() * local.bottomRows(left.rows());
     diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
-    interchange_back(factor.swaps.data() + first, width, exchange_rows(head));
+    interchange<true>(factor.swaps.data() + first, width, exchange_rows(head));
   });
 }
 
@@ -118,6 +108,29 @@ struct Free {
 };
 using LargeArray = std::unique_ptr<double[], Free>;
 LargeArray large_array(Index size);
+
+/// L D L^T of the first rows of a dense matrix, pivoted as in SymmetricFactor, and the Schur complement on the others.
+class DenseFront {
+ public:
+  /// `lower`: its lower triangle. `group_ends`: ends of the groups of rows that are eliminated, ascending.
+  DenseFront(Matrix lower, const std::vector<Index>& group_ends);
+
+  bool regular() const { return negative_.has_value(); }            ///< false if a pivot is exactly zero
+  Index negative_eigenvalues() const { return negative_.value(); }  ///< among the pivots
+  Matrix take_update() { return std::move(update_); }               ///< the Schur complement, lower triangle
+
+  /// Multiplies the values of eliminated rows by L^-1 and subtracts their contribution from the others.
+  void go_forward(Vector& values) const { nscdd::go_forward(front_, factor_, values); }
+  /// Solves for the eliminated rows, given the solution on the others.
+  void go_back(Vector& values) const { nscdd::go_back(front_, factor_, values); }
+
+ private:
+  Front front_;
+  LargeArray columns_;
+  FrontFactor factor_;
+  Matrix update_;
+  std::optional<Index> negative_;
+};
 
 /// The eliminated fronts of the border or of the interior.
 struct EliminatedFronts {
