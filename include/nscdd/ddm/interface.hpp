@@ -91,9 +91,7 @@ class Interface {
   /// A_E^T F: interface impulses F as impulses on the grains of a subdomain, d n_E.
   Vector distribute(Index subdomain, const Vector& f) const;
 
-  /// Inner product of two vectors of the interface. Every unknown counts once.
-  double dot(const Vector& f, const Vector& g) const { return f.dot(g); }
-  /// Its part from rows whose first copy is in a subdomain. The parts of all subdomains add up to it.
+  /// Part of f^T g from rows whose first copy is in a subdomain. The parts of all subdomains add up to f^T g.
   double part_of_dot(Index subdomain, const Vector& f, const Vector& g) const;
 
   /// Velocities o_E of the copies with the jumps g, sum_E A_E o_E = g. The first copy of each grain is at rest.
