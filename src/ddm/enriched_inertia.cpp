@@ -3,7 +3,6 @@
 
 #include "core/fail.hpp"
 #include "linalg/pencil.hpp"
-#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd {

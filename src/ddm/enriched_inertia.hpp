@@ -2,10 +2,6 @@
 #pragma once
 
 #include "ddm/rigid_motions.hpp"
-#include "linalg/multifrontal/factor.hpp"
-#include "linalg/range_projector.hpp"
-#include "linalg/sparse_cholesky.hpp"
-#include <nscdd/ddm/decomposition.hpp>
 
 #include <mutex>
 

@@ -2,10 +2,8 @@
 #include "core/fail.hpp"
 #include "core/memory.hpp"
 #include "ddm/enriched_inertia.hpp"
-#include "ddm/rigid_motions.hpp"
 #include "ddm/shifted_pencil.hpp"
 #include "linalg/pencil.hpp"
-#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 

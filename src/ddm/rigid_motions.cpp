@@ -2,7 +2,6 @@
 #include "ddm/rigid_motions.hpp"
 
 #include "linalg/pencil.hpp"
-#include "linalg/sparse_entries.hpp"
 #include "mechanics/rigid_clusters.hpp"
 
 #include <Eigen/Dense>

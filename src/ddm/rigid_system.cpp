@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/rigid_system.hpp"
-
+#include "ddm/rigid_motions.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd {

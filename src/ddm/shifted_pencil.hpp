@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/rigid_system.hpp"
+#include "ddm/rigid_motions.hpp"
 #include <nscdd/ddm/contraction.hpp>
-#include <nscdd/linalg/inertia_factor.hpp>
 
 namespace nscdd {
 

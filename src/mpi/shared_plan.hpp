@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/multifrontal/family.hpp"
+#include "linalg/multifrontal/factor.hpp"
 #include "mpi/communicator.hpp"
 
 namespace nscdd::mpi {

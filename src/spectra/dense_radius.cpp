@@ -4,7 +4,6 @@
 #include "spectra/spectrum_memory.hpp"
 
 #include <Eigen/Cholesky>
-#include <fmt/format.h>
 
 namespace nscdd {
 namespace {

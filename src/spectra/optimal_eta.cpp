@@ -3,8 +3,6 @@
 #include "spectra/spectrum_memory.hpp"
 #include <nscdd/spectra/optimal_eta.hpp>
 
-#include <fmt/format.h>
-
 namespace nscdd {
 namespace {
 

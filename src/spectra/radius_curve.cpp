@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "spectra/radius_curve.hpp"
 
-#include "linalg/moebius.hpp"
 #include "spectra/spectrum_memory.hpp"
 
 namespace nscdd {

@@ -2,7 +2,6 @@
 #include "core/fail.hpp"
 #include "core/memory.hpp"
 #include "ddm/enriched_inertia.hpp"
-#include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
 #include "spectra/spectrum_memory.hpp"

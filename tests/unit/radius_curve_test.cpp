@@ -4,7 +4,6 @@
 
 #include "../support/problems.hpp"
 #include "ddm/enriched_inertia.hpp"
-#include "linalg/moebius.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "study/linear/values.hpp"

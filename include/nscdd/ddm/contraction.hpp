@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/mechanics/law.hpp>
 

@@ -3,7 +3,6 @@
 
 #include <nscdd/core/fields.hpp>
 #include <nscdd/ddm/contraction.hpp>
-#include <nscdd/linalg/inertia_factor.hpp>
 
 #include <string>
 #include <vector>

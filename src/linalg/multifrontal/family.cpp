@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/multifrontal/family.hpp"
+#include "linalg/multifrontal/factor.hpp"
 
 #include <numeric>
 
