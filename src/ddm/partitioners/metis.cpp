@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/partitioners/metis.hpp>
 
@@ -7,11 +8,6 @@
 
 namespace nscdd {
 namespace {
-
-// Adjacency of the contact graph in METIS's compressed rows.
-struct Graph {
-  std::vector<idx_t> start{0}, neighbours;
-};
 
 Graph contact_graph(const ReferenceProblem& problem, Index contacts) {
   const auto for_each_grain = [&problem, k = problem.columns_per_contact](Index contact, auto&& visit) {
