@@ -56,10 +56,9 @@ struct RigidSubdomain {
 /// The rigid limit of S, for any P.
 struct RigidSystem {
   std::vector<RigidSubdomain> subdomains;
-  /// of every subdomain, on all ranks: the motions of its hubs and its late impulses
-  std::vector<Index> hub_rows;
-  bool conclusive = true;  ///< in all subdomains; else this system proves nothing
-  double tilt = 0;         ///< the largest of all subdomains: error of lambda
+  std::vector<Index> hub_rows;  ///< of each subdomain, on all ranks: motions of its hubs, late impulses
+  bool conclusive = true;       ///< in all subdomains; else this system proves nothing
+  double tilt = 0;              ///< the largest of all subdomains: error of lambda
 };
 
 RigidSystem rigid_system(const Decomposition& parts);

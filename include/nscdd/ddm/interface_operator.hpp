@@ -62,8 +62,7 @@ class InterfaceOperator {
 /// Every X_eta of one decomposition; shares what does not depend on eta. Operators outlive the family.
 class InterfaceFamily {
  public:
-  /// Diagonalises subdomains of up to `dense_limit` unknowns, factorises larger ones at each eta. `inertia`: see
-  /// `solve`.
+  /// Diagonalises subdomains of up to `dense_limit` unknowns, factorises others at each eta. `inertia`: see `solve`.
   explicit InterfaceFamily(const Decomposition& parts, Index dense_limit = default_dense_limit,
                            InertiaMethod inertia = {});
   static constexpr Index default_dense_limit = 300;
