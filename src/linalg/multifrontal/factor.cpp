@@ -244,7 +244,8 @@ InteriorFronts::InteriorFronts(std::shared_ptr<const FrontTree> analysis, const 
                     [&](Index k) { tree->up(roots[at(k)], Fronts::all, [&](Index s) { elimination.eliminate(s); }); });
 }
 
-FactorFronts::FactorFronts(std::shared_ptr<const InteriorFronts> interior_fronts, const SparseMatrix& lower)
+FactorFronts::FactorFronts(std::shared_ptr<const InteriorFronts> interior_fronts, const SparseMatrix& lower,
+                           Matrix& kept_block)
     : interior(std::move(interior_fronts)), tree(*interior->tree), border(tree, true, memory_of_factor(*interior)) {
   const Elimination elimination(tree, lower, border, &interior->fronts);
   tree.up(Fronts::border, [&](Index s) { elimination.eliminate(s); });
@@ -267,11 +268,7 @@ SymmetricFactor::SymmetricFactor(const SymmetricAnalysis& analysis, const Sparse
     : SymmetricFactor(SymmetricInterior(analysis, lower), lower) {}
 
 SymmetricFactor::SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower) {
-  with_threads([&] {
-    const auto fronts = std::make_shared<FactorFronts>(interior.fronts_, lower);
-    kept_block_ = std::move(fronts->kept_block);
-    fronts_ = fronts;
-  });
+  with_threads([&] { fronts_ = std::make_shared<const FactorFronts>(interior.fronts_, lower, kept_block_); });
 }
 
 bool SymmetricFactor::regular() const { return !fronts_->interior->fronts.singular && !fronts_->border.singular; }

@@ -155,13 +155,12 @@ struct InteriorFronts {
 };
 
 struct FactorFronts {
-  FactorFronts(std::shared_ptr<const InteriorFronts> interior_fronts, const SparseMatrix& lower);
+  FactorFronts(std::shared_ptr<const InteriorFronts> interior_fronts, const SparseMatrix& lower, Matrix& kept_block);
   ~FactorFronts();
 
   std::shared_ptr<const InteriorFronts> interior;
   const FrontTree& tree;
   EliminatedFronts border;
-  Matrix kept_block;
 
   const FrontFactor& factor(Index s) const {
     return (tree.front(s).on_border ? border : interior->fronts).factors[at(s)];
