@@ -5,6 +5,8 @@
 #include "linalg/threads.hpp"
 
 #include <numeric>
+#include <ranges>
+#include <set>
 
 namespace nscdd {
 namespace {
@@ -101,17 +103,13 @@ Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
   const FactorFronts& fronts = *fronts_;
   const FrontTree& tree = fronts.tree;
   // The fronts on the paths from the rows to the root, and a compact numbering of their pivot rows.
-  std::vector<char> reached(at(tree.size()), 0);
+  std::set<Index> path;
   for (const Index row : rows)
-    for (Index s = tree.front_of_row[at(row)]; s >= 0 && !reached[at(s)]; s = tree.front(s).parent) reached[at(s)] = 1;
-  std::vector<Index> path, compact(at(tree.rows), -1);
+    for (Index s = tree.front_of_row[at(row)]; s >= 0 && path.insert(s).second;) s = tree.front(s).parent;
+  std::vector<Index> compact(at(tree.rows), -1);
   Index reached_rows = 0;
-  for (Index s = 0; s < tree.size(); ++s) {
-    if (!reached[at(s)]) continue;
-    path.push_back(s);
-    const Front& front = tree.front(s);
-    for (Index i = 0; i < front.pivots; ++i) compact[at(tree.row_of[at(front.first_row + i)])] = reached_rows++;
-  }
+  for (const Index s : path)
+    for (Index i = 0; i < tree.front(s).pivots; ++i) compact[at(tree.rows_of(tree.front(s))[i])] = reached_rows++;
   Matrix x = Matrix::Zero(reached_rows, count(rows));
   for (Index k = 0; k < count(rows); ++k) x(compact[at(rows[at(k)])], k) = 1;
   const auto change_rows = [&](Index s, const auto& change) {
@@ -123,8 +121,7 @@ Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
   };
   for (const Index s : path)
     change_rows(s, [&](Matrix& local) { nscdd::go_forward(tree.front(s), fronts.factor(s), local); });
-  std::reverse(path.begin(), path.end());
-  for (const Index s : path)
+  for (const Index s : path | std::views::reverse)
     change_rows(s, [&](Matrix& local) { nscdd::go_back(tree.front(s), fronts.factor(s), local); });
   std::vector<Index> wanted;
   for (const Index row : rows) wanted.push_back(compact[at(row)]);
