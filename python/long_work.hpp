@@ -56,7 +56,7 @@ class LongWork {
   /// another number of threads than the command line takes.
   template <class Work>
   auto run(Index threads, Work&& work) {
-    check_bounds(threads, Field{.description = "", .minimum = 0, .maximum = 4096}, "threads");
+    check_bounds(threads, Field{.minimum = 0, .maximum = 4096}, "threads");
     std::optional<std::invoke_result_t<Work>> result;
     {
       const py::gil_scoped_release released;

@@ -21,7 +21,7 @@ Contraction contraction_of(const std::shared_ptr<Model>& model, const std::strin
   const double scale = flexibility_scale(*model);
   const double epsilon = one_value(parse_epsilon(epsilon_text), scale, "epsilon");
   const double eta = one_value(parse_eta(eta_text), scale, "eta");
-  check_bounds(relaxation, Field{.description = "", .minimum = 0, .minimum_excluded = true}, "relaxation");
+  check_bounds(relaxation, Field{.above = 0}, "relaxation");
   const ContactSet set = Choice<ContactSet>::parse(contacts, "contacts");
   LongWork work;
   return work.run(0, [&] {

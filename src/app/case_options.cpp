@@ -15,7 +15,7 @@ PrescribedVelocity parse_prescribed(const std::string& text) {
   const auto component = [&](std::size_t k) { return parse_number(parts[k], what); };
   PrescribedVelocity velocity{parse_integer(parts[0], what), {component(1), component(2)}};
   if (parts.size() == 4) velocity.velocity = {component(1), component(2), component(3)};
-  check_bounds(velocity.velocity, Field{.description = ""}, what);
+  check_bounds(velocity.velocity, Field{}, what);
   return velocity;
 }
 

@@ -57,13 +57,13 @@ double largest_resident_set() {
 
 void Limits::declare_threads(Command& command) {
   command.preset("--threads", threads, "threads at the most, 0 for all; results do not depend on it",
-                 {.description = "", .minimum = 0, .maximum = 4096});
+                 {.minimum = 0, .maximum = 4096});
 }
 
 void Limits::declare_memory(Command& command) {
   command.add("--memory-limit", gibibytes,
               "memory the run may take, GiB; a run that needs more is refused; by default 90 % of what is available",
-              {.description = "", .minimum = 0, .minimum_excluded = true});
+              {.above = 0});
 }
 
 void Limits::declare(Command& command) {

@@ -196,8 +196,7 @@ Option& declare_operators(Command& command, OperatorsOptions& options) {
               "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   command.preset("--eta NUMBER[W]", options.eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
-  command.preset("--relaxation", options.relaxation, "omega of B = I - omega P^-1 S",
-                 {.description = "", .minimum = 0, .minimum_excluded = true});
+  command.preset("--relaxation", options.relaxation, "omega of B = I - omega P^-1 S", {.above = 0});
   declare_contacts(command, options.contacts);
   options.limits.declare(command);
   for (std::size_t k = first; k < command.options.size(); ++k) {

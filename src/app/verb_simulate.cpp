@@ -231,11 +231,11 @@ Action declare_simulate(Command& command) {
   Option& every = command.add("--convergence-every", options->files.convergence_every,
                               "rows of every Nth iteration; without it of about ten per decade (1, 2, 3, 4, 6, 7, 8, "
                               "10, 13, ...), because a row costs several sweeps. The last of a step always has one",
-                              {.description = "", .minimum = 1, .maximum = 1e9});
+                              {.minimum = 1, .maximum = 1e9});
   every.needs = convergence;
   CountsTable::declare(command, options->counts);
   command.preset("--save-every", options->files.save_every, "keep every Nth step; the last one is always kept",
-                 {.description = "", .minimum = 1, .maximum = 1e9});
+                 {.minimum = 1, .maximum = 1e9});
   command.add("--restart", options->restart, "go on with the output of a run before, up to --steps");
   command.add("--force", options->files.force, "replace existing outputs");
   options->limits.declare_memory(command);

@@ -224,7 +224,7 @@ Action declare_solve(Command& command) {
                                    "write a table there, a row per problem and solver, - for standard output");
   command
       .add("--time-limit SECONDS", options->time_limit, "of --csv: end a run at its first check after so long",
-           {.description = "", .minimum = 0, .minimum_excluded = true, .also = infinity})
+           {.above = 0, .also = infinity})
       .needs = csv;
   Option* const alone[] = {
       &command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero"),

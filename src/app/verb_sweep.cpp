@@ -184,7 +184,7 @@ Action declare_sweep(Command& command) {
   command.add("--curve TOLERANCE", options->curve,
               "prove the curve over a range FROM:TO, whose points are placed for it; one of --epsilon and --eta is the "
               "range, and the band curve_low to curve_high is at most TOLERANCE x max(1, radius) wide",
-              {.description = "", .minimum = 0, .minimum_excluded = true});
+              {.above = 0});
   options->limits.declare_threads(command);
   command.preset("--relaxation SPEC", options->relaxation, "omega in F <- F + omega (F' - F), or 'optimal'");
   command.preset("--gauss-seidel-sweeps SPEC", options->sweeps, "sweeps n_GS of Stage 1; inf is exact");

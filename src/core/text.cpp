@@ -180,15 +180,14 @@ std::string field_text(const std::string& value) {
 }
 
 bool in_bounds(double value, const Field& field) {
-  const bool low = field.minimum_excluded ? value <= field.minimum : value < field.minimum;
-  return std::isfinite(value) && !low && value <= field.maximum;
+  return std::isfinite(value) && value >= field.minimum && value > field.above && value <= field.maximum;
 }
 void check_bounds(double value, const Field& field, std::string_view key) {
   if (in_bounds(value, field) || value == field.also) return;
   std::string expected = "a finite number";
-  if (field.minimum > -infinity) expected += fmt::format(" {} {}", field.minimum_excluded ? ">" : ">=", field.minimum);
-  if (field.maximum < infinity)
-    expected += fmt::format("{} <= {}", field.minimum > -infinity ? " and" : "", field.maximum);
+  const double low = std::max(field.minimum, field.above);
+  if (low > -infinity) expected += fmt::format(" {} {}", low == field.above ? ">" : ">=", low);
+  if (field.maximum < infinity) expected += fmt::format("{} <= {}", low > -infinity ? " and" : "", field.maximum);
   if (!std::isnan(field.also)) expected += fmt::format(", or {}", field.also);
   fail("{}: expected {}, met {}", key, expected, value);
 }

@@ -34,7 +34,7 @@ inline Flexibility parse_flexibility(std::string_view text, const Field& bounds,
 }
 
 inline void parse_value(std::string_view text, Flexibility& value, std::string_view key) {
-  value = parse_flexibility(text, {.description = ""}, key);
+  value = parse_flexibility(text, {}, key);
 }
 inline std::string field_text(const Flexibility& flexibility) {
   const std::string number = field_text(flexibility.value);

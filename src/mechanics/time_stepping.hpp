@@ -25,7 +25,7 @@ struct TimeStepping {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("step", self.step, Field{.description = "time step", .unit = "s", .minimum = 0, .minimum_excluded = true});
+    visit("step", self.step, Field{.description = "time step", .unit = "s", .above = 0});
     visit("steps", self.steps, Field{.description = "number of time steps", .minimum = 0, .maximum = 1e9});
     visit("theta", self.theta,
           Field{.description = "weight of the velocity at the end of a step", .minimum = 0.5, .maximum = 1});

@@ -72,8 +72,7 @@ struct EtaChoice {
   EtaChoice(const char* text) : EtaChoice(std::string(text)) {}
   /// Throws Error naming `what` for any other text.
   EtaChoice(const std::string& text, std::string_view what = "eta") : optimal(text == "optimal") {
-    if (!optimal)
-      value = parse_flexibility(text, {.description = "", .minimum = 0, .minimum_excluded = true}, what, expected);
+    if (!optimal) value = parse_flexibility(text, {.above = 0}, what, expected);
   }
 
   // Safe, see "Flexibilities relative to the packing" in docs/cases.md.
@@ -143,10 +142,7 @@ struct StepSolver {
     visit(sweeps, "order", self.order, Field{.description = "order of a sweep"});
     visit(sweeps, "seed", self.seed, Field{.description = "seed of order random", .minimum = 0});
     visit(relaxation, "contact_relaxation", self.contact_relaxation,
-          Field{.description = "relaxation of each local change of impulse",
-                .minimum = 0,
-                .minimum_excluded = true,
-                .maximum = 1.99});
+          Field{.description = "relaxation of each local change of impulse", .above = 0, .maximum = 1.99});
     visit(iterations, "warm_start", self.warm_start,
           Field{.description = "start from the impulses of the last step, not from zero"});
     visit(enriched_stage_two, "eta", self.eta,
@@ -162,14 +158,13 @@ struct StepSolver {
                   "carried an impulse in the last step"});
     visit(stage_two, "interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
     visit(stage_two, "interface_relaxation", self.interface_relaxation,
-          Field{.description = "relaxation omega of Stage 2", .minimum = 0, .minimum_excluded = true, .maximum = 1000});
+          Field{.description = "relaxation omega of Stage 2", .above = 0, .maximum = 1000});
     visit(cut_systems, "interface_network", self.interface_network,
           Field{.description = "contacts that precondition the interface of the two-stage Newton method and ADMM"});
     visit(softer_network, "interface_flexibility", self.interface_flexibility,
           Field{.description = "c: flexibility of the preconditioning contacts, relative to that of the contacts in "
                                "the linear systems",
-                .minimum = 0,
-                .minimum_excluded = true,
+                .above = 0,
                 .maximum = 1e6});
     visit(subdomains, "redecompose", self.redecompose,
           Field{.description = "steps between two decompositions", .minimum = 1, .maximum = 1e9});
@@ -182,8 +177,7 @@ struct StepSolver {
     visit(stage_two, "switch_flexibility", self.switch_flexibility,
           Field{.description = "flexibility of the contacts of a switched subdomain: a number, or a multiple of W",
                 .unit = "1/kg",
-                .minimum = 0,
-                .minimum_excluded = true});
+                .above = 0});
     visit(stage_two, "switch_cells", self.switch_cells,
           Field{.description = "cells of the coarse mesh over a homogenised subdomain", .minimum = 1, .maximum = 1000});
   }

@@ -18,7 +18,7 @@ struct Example {
   std::array<Index, 2> grid{1, 2};
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("length", self.length, Field{.description = "a length", .unit = "m", .minimum = 0, .minimum_excluded = true});
+    visit("length", self.length, Field{.description = "a length", .unit = "m", .above = 0});
     visit("number", self.number, Field{.description = "a number", .minimum = 1, .maximum = 9});
     visit("grid", self.grid, Field{.description = "a grid", .minimum = 1});
   }
@@ -69,7 +69,7 @@ TEST_CASE("components: two or three, as text and back, bounds kept by each") {
     CHECK_THROWS_WITH_AS(parse_value(text, rates, "rates"), doctest::Contains("rates: expected "), Error);
   CHECK_THROWS_WITH_AS(parse_value("1", rates, "rates"),
                        "rates: expected two numbers 'a,b', or three 'a,b,c' in space, met '1'", Error);
-  const Field positive{.description = "", .minimum = 0};
+  const Field positive{.minimum = 0};
   check_bounds(Components<double>{1, 2}, positive, "rates");
   CHECK_THROWS_AS(check_bounds(Components<double>{1, 2, -1}, positive, "rates"), Error);
   require_components(Components<Index>{1, 2}, 2, "cells");

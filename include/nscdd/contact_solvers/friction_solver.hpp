@@ -49,17 +49,13 @@ struct FrictionSolverOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("solver", self.algorithm,
           Field{.description = "auto, continuation, newton, nlgs, admm or apgd; auto: sweeps, then continuation"});
-    visit("tolerance", self.tolerance,
-          Field{.description = "on the residual", .minimum = 0, .minimum_excluded = true, .maximum = 1});
+    visit("tolerance", self.tolerance, Field{.description = "on the residual", .above = 0, .maximum = 1});
     visit("maximum_sweeps", self.maximum_sweeps,
           Field{.description = "sweeps over all contacts at most, or iterations of admm and apgd", .minimum = 0});
     visit("maximum_factorisations", self.maximum_factorisations,
           Field{.description = "of all solvers but nlgs and apgd", .minimum = 0});
     visit("relaxation", self.relaxation,
-          Field{.description = "omega in r <- r + omega (r' - r), between 0 and 2",
-                .minimum = 0,
-                .minimum_excluded = true,
-                .maximum = 2});
+          Field{.description = "omega in r <- r + omega (r' - r), between 0 and 2", .above = 0, .maximum = 2});
     visit("order", self.order, Field{.description = "of the contacts in a sweep"});
     visit("seed", self.seed, Field{.description = "of order random", .minimum = 0});
     visit("check_every", self.check_every, Field{.description = "sweeps from one residual to the next", .minimum = 1});

@@ -16,10 +16,10 @@
 namespace nscdd {
 
 struct Field {
-  std::string_view description;
+  std::string_view description = {};
   std::string_view unit = "1";
   double minimum = -infinity;
-  bool minimum_excluded = false;
+  double above = -infinity;  ///< a bound that is excluded
   double maximum = infinity;
   double also = not_a_number;  ///< one allowed number outside the bounds, if any
 };

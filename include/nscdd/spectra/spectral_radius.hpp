@@ -47,7 +47,7 @@ struct SpectralOptions {
                     "auto, dense, arpack, shift-invert, or slepc; auto: dense for small interfaces, else shift-invert; "
                     "arpack: matrix-free Lanczos; slepc: Krylov-Schur of SLEPc, by nscdd-mpi"});
     visit("residual_tolerance", self.tolerance,
-          Field{.description = "largest residual that counts as converged", .minimum = 0, .minimum_excluded = true});
+          Field{.description = "largest residual that counts as converged", .above = 0});
     visit("certify", self.certify, Field{.description = "prove by inertia counts that no eigenvalue was missed"});
     visit("eigenvalues", self.eigenvalues,
           Field{.description = "eigenvalues at each end of the spectrum", .minimum = 1, .maximum = 100});

@@ -5,10 +5,6 @@
 namespace nscdd {
 namespace {
 
-constexpr Field finite{.description = ""};
-constexpr Field not_negative{.description = "", .minimum = 0};
-constexpr Field positive{.description = "", .minimum = 0, .minimum_excluded = true};
-
 // Reads the numbers of a boundary, which must all be for the plane or all for space.
 class BoundaryNumbers {
  public:
@@ -17,7 +13,7 @@ class BoundaryNumbers {
   void read(const char* key, std::array<double, 3>& value) {
     if (section_.node(key) == nullptr) return;
     Components<double> numbers;
-    section_.read(key, numbers, finite);
+    section_.read(key, numbers, Field{});
     take(section_.node(key), key, static_cast<Index>(numbers.size()));
     value = {numbers[0], numbers[1], numbers[2]};
   }
@@ -26,7 +22,7 @@ class BoundaryNumbers {
     const toml::node* found = section_.node("spin");
     if (found == nullptr) return;
     if (!found->is_array()) {
-      section_.read("spin", spin[2], finite);
+      section_.read("spin", spin[2], Field{});
       take(found, "spin", 2);
       return;
     }
@@ -146,9 +142,9 @@ BoundarySpec read_boundary(StrictTable section) {
   }
   if (spec.shape == BoundaryShape::disks || spec.shape == BoundaryShape::cylinder) {
     section.require_keys({"radius"});
-    section.read("radius", spec.radius, positive);
+    section.read("radius", spec.radius, Field{.above = 0});
   }
-  if (spec.shape == BoundaryShape::disks) section.read("spacing", spec.spacing, not_negative);
+  if (spec.shape == BoundaryShape::disks) section.read("spacing", spec.spacing, Field{.minimum = 0});
   if (spec.shape == BoundaryShape::cylinder) section.read("side", spec.side);
   if (spec.shape == BoundaryShape::disks || spec.shape == BoundaryShape::grains)
     section.read("orientation", spec.orientation);

@@ -14,9 +14,6 @@
 namespace nscdd {
 namespace {
 
-constexpr Field finite{.description = ""};
-constexpr Field positive{.description = "", .minimum = 0, .minimum_excluded = true};
-
 Generator read_generator(StrictTable& section) {
   using Generators = Alternatives<Generator>;
   std::string name;
@@ -50,7 +47,7 @@ void read_masses_section(StrictTable section, Masses& masses) {
   if (dense != (masses.model == MassModel::density))
     section.fail("density", dense ? "no density" : "a number for model \"density\"",
                  dense ? fmt::format("one, with model \"{}\"", to_string(model)) : "none");
-  if (dense) check_bounds(masses.density, positive, section.where("density"));
+  if (dense) check_bounds(masses.density, Field{.above = 0}, section.where("density"));
   section.finish();
 }
 
@@ -76,7 +73,7 @@ void read_prescribed(StrictTable section, CaseSpec& spec) {
   PrescribedVelocity velocity;
   section.require_keys({"grain", "velocity"});
   section.read("grain", velocity.grain);
-  section.read("velocity", velocity.velocity, finite);
+  section.read("velocity", velocity.velocity, Field{});
   section.finish();
   if (std::ranges::count(spec.prescribed, velocity.grain, &PrescribedVelocity::grain) > 0)
     section.fail("grain", "each grain once", fmt::format("grain {} again", velocity.grain));

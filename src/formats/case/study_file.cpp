@@ -79,7 +79,7 @@ void read_vary(StrictTable& table, StudyTable& result) {
 }
 
 void read_tolerances(StrictTable& table, StudyTable& result) {
-  constexpr Field not_negative{.description = "", .minimum = 0};
+  constexpr Field not_negative{.minimum = 0};
   table.read("check_tolerance", result.check_tolerance, not_negative);
   StrictTable section = table.section("column_tolerance", false);
   const toml::node* node = table.node("column_tolerance");
@@ -101,7 +101,7 @@ void read_steps(StrictTable& section, StudyTable& table) {
   const auto least = static_cast<double>(table.observable->first_step);
   for (const std::string& item : items) {
     table.steps.push_back(parse_integer(item, where));
-    check_bounds(table.steps.back(), Field{.description = "", .minimum = least, .maximum = 1e9}, where);
+    check_bounds(table.steps.back(), Field{.minimum = least, .maximum = 1e9}, where);
   }
 }
 

@@ -22,7 +22,7 @@ struct PackingColumn {
 
 constexpr Field packing_place{.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100};
 constexpr Field packing_positive(std::string_view name, std::string_view unit) {
-  return {.description = name, .unit = unit, .minimum = 0, .minimum_excluded = true, .maximum = 1e100};
+  return {.description = name, .unit = unit, .above = 0, .maximum = 1e100};
 }
 
 constexpr PackingColumn packing_columns[] = {{&Packing::x, true, "x", packing_place},

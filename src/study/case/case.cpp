@@ -26,8 +26,7 @@ struct MassFields {
   double density;
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("density", self.density,
-          Field{.description = "surface density", .unit = "kg/m^2", .minimum = 0, .minimum_excluded = true});
+    visit("density", self.density, Field{.description = "surface density", .unit = "kg/m^2", .above = 0});
   }
 };
 

@@ -41,10 +41,7 @@ struct SizeDistribution {
                 .unit = "m",
                 .minimum = 0});
     visit("sigma", self.sigma,
-          Field{.description = "lognormal: deviation of ln radius before truncation",
-                .minimum = 0,
-                .minimum_excluded = true,
-                .maximum = 100});
+          Field{.description = "lognormal: deviation of ln radius before truncation", .above = 0, .maximum = 100});
   }
 };
 

@@ -5,8 +5,7 @@
 
 namespace nscdd {
 
-inline constexpr Field radius_of_all{
-    .description = "radius of every disk", .unit = "m", .minimum = 0, .minimum_excluded = true};
+inline constexpr Field radius_of_all{.description = "radius of every disk", .unit = "m", .above = 0};
 
 /// Two rows of touching equal disks: grain i at (i r, (i mod 2) sqrt(3) r). With n grains it has 2n - 3 contacts and is
 /// isostatic; n = 4, 8, 12 are the examples of [ADI12] Figures 2-4.
@@ -85,8 +84,7 @@ struct SphereSites {
     visit("columns", self.columns, Field{.description = "spheres per row, along x", .minimum = 1, .maximum = 1e5});
     visit("rows", self.rows, Field{.description = "rows per layer, along y", .minimum = 1, .maximum = 1e5});
     visit("layers", self.layers, Field{.description = "layers, along z", .minimum = 1, .maximum = 1e5});
-    visit("radius", self.radius,
-          Field{.description = "radius of every sphere", .unit = "m", .minimum = 0, .minimum_excluded = true});
+    visit("radius", self.radius, Field{.description = "radius of every sphere", .unit = "m", .above = 0});
     visit_defects(self, visit, "fraction of the spheres left out");
   }
 };
