@@ -28,19 +28,13 @@ struct Options {
 constexpr std::array<std::string_view, 2> of_runs{"--steps", "--convergence"};
 constexpr std::array<std::string_view, 3> of_both{"CASE", "-o,--output", "--force"};
 
-// The values of a slider, each once.
-FlexibilityValues ascending(FlexibilityValues values) {
-  std::ranges::sort(values.first);
-  values.first.erase(std::unique(values.first.begin(), values.first.end()), values.first.end());
-  return values;
-}
-
 PackingReportParameters parameters(const Options& options, const Machine& machine) {
   PackingReportParameters result;
   SweepParameters& sweep = result.sweep;
   sweep.spectral = spectra_on(machine, options.spectral);
-  std::tie(sweep.epsilon, sweep.relative_epsilon) = ascending(parse_epsilon(options.epsilon));
-  std::tie(sweep.eta, sweep.relative_eta) = ascending(parse_eta(options.eta));
+  std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(options.epsilon);
+  std::tie(sweep.eta, sweep.relative_eta) = parse_eta(options.eta);
+  for (auto* of_slider : {&sweep.epsilon, &sweep.eta}) sort_unique(*of_slider);
   std::set<ContactSet> sets;
   for (const std::string& name : options.contacts) sets.insert(Choice<ContactSet>::parse(name, "--contacts"));
   result.contact_sets.assign(sets.begin(), sets.end());

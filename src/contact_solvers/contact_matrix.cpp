@@ -33,8 +33,7 @@ std::vector<Index> rows_of(const SparseMatrix& h, Index contact) {
   std::vector<Index> rows;
   for (Index j = D * contact; j < D * (contact + 1); ++j)
     for (SparseMatrix::InnerIterator e(h, j); e; ++e) rows.push_back(e.row());
-  std::ranges::sort(rows);
-  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  sort_unique(rows);
   return rows;
 }
 

@@ -19,10 +19,7 @@ std::vector<std::vector<Index>> coupled_contacts(const LocalFrictionProblem& pro
     coupled[at(i / D)].push_back(j / D);
     coupled[at(j / D)].push_back(i / D);
   });
-  for (std::vector<Index>& others : coupled) {
-    std::sort(others.begin(), others.end());
-    others.erase(std::unique(others.begin(), others.end()), others.end());
-  }
+  for (std::vector<Index>& others : coupled) sort_unique(others);
   return coupled;
 }
 

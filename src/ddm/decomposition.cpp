@@ -36,10 +36,8 @@ std::vector<Subdomain> with_contacts(const ReferenceProblem& problem, const Part
     for (const Index grain : grains_of_contact(problem, c)) subdomain.grains.push_back(grain);
   }
   for (Subdomain& subdomain : subdomains) {
-    auto& grains = subdomain.grains;
-    std::sort(grains.begin(), grains.end());
-    grains.erase(std::unique(grains.begin(), grains.end()), grains.end());
-    grains.shrink_to_fit();
+    sort_unique(subdomain.grains);
+    subdomain.grains.shrink_to_fit();
   }
   return subdomains;
 }

@@ -24,8 +24,7 @@ bool similar_lengths(const SparseMatrix& h) {
 EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit)
     : inertia_(subdomain.inertia), h_(subdomain.h), centres_(subdomain.centres) {
   for_entries(subdomain.a, [&](Index row, Index, double) { rows_.push_back(row); });
-  std::sort(rows_.begin(), rows_.end());
-  rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
+  sort_unique(rows_);
   a_ = SparseMatrix(selected_columns(subdomain.a.transpose(), rows_).transpose());
   dofs_per_grain_ = inertia_.size() / std::max<Index>(count(subdomain.grains), 1);
   if (inertia_.size() <= dense_limit && similar_lengths(h_)) {

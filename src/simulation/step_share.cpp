@@ -142,8 +142,7 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
   });
   std::vector<std::span<const Index>> held;
   for (std::vector<Index>& grains : shared) {
-    std::ranges::sort(grains);
-    grains.erase(std::unique(grains.begin(), grains.end()), grains.end());
+    sort_unique(grains);
     held.emplace_back(grains);
   }
   return deal_out(Interface(unknowns_of_grain<D>, system.grains(), held), weight, simulation.processes.size);
@@ -160,8 +159,7 @@ std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, In
   for (const StepContact& c : contacts)
     for (const Index i : {c.a, c.b})
       if (i < grains) numbers.push_back(static_cast<std::int32_t>(i));
-  std::ranges::sort(numbers);
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  sort_unique(numbers);
   return numbers;
 }
 

@@ -60,6 +60,13 @@ constexpr Index count(const Container& c) {
   return static_cast<Index>(c.size());
 }
 
+/// Sorts values and keeps one of those that are equal.
+template <class Value>
+void sort_unique(std::vector<Value>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
 /// Invalid input. The message states what was expected, what was met, and where (file and line, key, option or grain);
 /// control characters and invalid UTF-8 are escaped as "\x1B". `main` catches an Error and returns exit code 2. A
 /// computation that does not converge throws no Error: its result has a flag.

@@ -28,8 +28,7 @@ Graph contact_graph(const ReferenceProblem& problem, Index contacts) {
       const auto& touching = contacts_of_grain[grain];
       others.insert(others.end(), touching.begin(), touching.end());
     });
-    std::sort(others.begin(), others.end());
-    others.erase(std::unique(others.begin(), others.end()), others.end());
+    sort_unique(others);
     std::erase(others, c);
     graph.neighbours.insert(graph.neighbours.end(), others.begin(), others.end());
     graph.start.push_back(static_cast<idx_t>(graph.neighbours.size()));

@@ -34,8 +34,7 @@ Graph group_graph(const SparseMatrix& pattern, const std::vector<Index>& group,
       for (std::size_t j = 0; j < i; ++j) connect(together[i], together[j]);
   Graph graph;
   for (auto& list : lists) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
+    sort_unique(list);
     graph.neighbours.insert(graph.neighbours.end(), list.begin(), list.end());
     graph.start.push_back(static_cast<int>(graph.neighbours.size()));
   }

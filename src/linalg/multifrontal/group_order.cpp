@@ -15,11 +15,6 @@ void for_neighbours(const Graph& graph, std::size_t node, const Visit& visit) {
   for (int k = graph.start[node]; k < graph.start[node + 1]; ++k) visit(at(graph.neighbours[at(k)]));
 }
 
-void sort_once(std::vector<int>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
-
 // The connected part of each unmarked node; parts are numbered by their first nodes.
 std::vector<int> connected_parts(const Graph& graph, const std::vector<char>& last) {
   DisjointSets sets(count(last));
@@ -55,7 +50,7 @@ std::vector<Segment> segments_of(const Graph& graph, const std::vector<int>& wei
     for_neighbours(graph, node, [&](std::size_t other) {
       if (!last[other]) touched.push_back(part[other]);
     });
-    sort_once(touched);
+    sort_unique(touched);
     Segment& segment = by_parts[touched];
     segment.nodes.push_back(static_cast<int>(node));
     segment.weight += weight[node];
@@ -99,7 +94,7 @@ class MinimumDegree {
     for (const int clique : segment.cliques)
       for (const int other : cliques_[at(clique)])
         if (!segments_[at(other)].eliminated) tied.push_back(other);
-    sort_once(tied);
+    sort_unique(tied);
     return tied;
   }
 
