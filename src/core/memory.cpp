@@ -94,6 +94,12 @@ rlimit own_limit() {
   return limit;
 }
 
+// Bytes that this process may hold: its limit, or 90 % of what it holds and is left to it; infinite if unknown.
+double memory_limit() {
+  if (const rlimit own = own_limit(); own.rlim_cur != RLIM_INFINITY) return static_cast<double>(own.rlim_cur);
+  return usable_share * (resident().all + std::min(system_available(), control_groups_available()));
+}
+
 }  // namespace
 
 void limit_memory(double bytes) {
@@ -101,11 +107,6 @@ void limit_memory(double bytes) {
   limit.rlim_cur = bytes < static_cast<double>(limit.rlim_max) ? static_cast<rlim_t>(std::ceil(bytes)) : limit.rlim_max;
   if (setrlimit(RLIMIT_RSS, &limit) != 0)
     throw Error("memory: expected a limit that the system accepts, met one that it refuses");
-}
-
-double memory_limit() {
-  if (const rlimit own = own_limit(); own.rlim_cur != RLIM_INFINITY) return static_cast<double>(own.rlim_cur);
-  return usable_share * (resident().all + std::min(system_available(), control_groups_available()));
 }
 
 // The heap keeps freed memory: it is resident, but available.

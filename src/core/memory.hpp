@@ -10,9 +10,6 @@ inline constexpr double gibibyte = 1 << 30;
 /// Sets the limit of resident memory (RLIMIT_RSS, `ulimit -m`), bytes. Linux records and does not enforce it.
 void limit_memory(double bytes);
 
-/// Bytes that this process may hold: its limit, or 90 % of what it holds and is left to it; infinite if unknown.
-double memory_limit();
-
 double memory_in_use();  ///< bytes allocated, and those of the program and its libraries
 
 inline double bytes_of_matrix(Index rows, Index columns) {

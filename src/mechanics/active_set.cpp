@@ -127,10 +127,6 @@ std::vector<char> active_contacts(const ReferenceProblem& problem, const RigidIm
   return active;
 }
 
-Index UnilateralImpulses::count(UnilateralStatus wanted) const {
-  return std::count(status.begin(), status.end(), wanted);
-}
-
 UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const UnilateralOptions& options,
                                        const Monitor& monitor) {
   const Index contacts = problem.contacts();

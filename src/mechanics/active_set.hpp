@@ -43,7 +43,7 @@ struct UnilateralImpulses {
   Index iterations = 0;   ///< factorisations
   bool converged = true;  ///< residual <= tolerance
 
-  Index count(UnilateralStatus wanted) const;
+  Index count(UnilateralStatus wanted) const { return std::ranges::count(status, wanted); }
 };
 
 /// Solves the frictionless Signorini conditions in velocities, of every contact at once:
