@@ -193,7 +193,7 @@ IterationSink RunOutput::iterations() {
 void RunOutput::hand_over(bool keep) {
   if (!newest_) return;
   std::vector<TrajectoryContact>& contacts = newest_->contacts;
-  contacts = processes_.gather_at_first(contacts);
+  contacts = processes_.gather(contacts, false);
   std::ranges::sort(contacts, {}, [](const TrajectoryContact& c) { return std::pair(c.geometry.a, c.geometry.b); });
   if (trajectory_) trajectory_->append(*std::move(newest_), rows_, keep);
   newest_.reset();

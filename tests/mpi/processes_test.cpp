@@ -83,7 +83,7 @@ TEST_CASE("processes: numbers are gathered in their order, at all, at the first,
   std::vector<double> expected;
   for (Index k = 0; k < size; ++k) expected.insert(expected.end(), static_cast<std::size_t>(k), static_cast<double>(k));
   CHECK(all().gather(own) == expected);
-  CHECK(all().gather_at_first(own) == (rank == 0 ? expected : std::vector<double>()));
+  CHECK(all().gather(own, false) == (rank == 0 ? expected : std::vector<double>()));
   std::vector<double> met;
   Index turns = 0;
   all().exchange(own, [&](std::span<const double> numbers) {

@@ -72,15 +72,17 @@ struct Processes {
     return sum;
   }
 
-  /// The items of all ranks, in the order of ranks. Items hold no pointers.
+  /// The items of all ranks, in the order of ranks; nothing on ranks but 0 unless `everywhere`. Items hold no pointers.
   template <std::ranges::contiguous_range Items>
-  auto gather(const Items& own) const {
-    return gathered(std::span(own), true);
-  }
-  /// The same on rank 0, and nothing on the others.
-  template <std::ranges::contiguous_range Items>
-  auto gather_at_first(const Items& own) const {
-    return gathered(std::span(own), false);
+  auto gather(const Items& own, bool everywhere = true) const {
+    using Item = std::ranges::range_value_t<Items>;
+    static_assert(std::is_trivially_copyable_v<Item>);
+    std::vector<Item> all;
+    gather_bytes(std::as_bytes(std::span(own)), sizeof(Item), everywhere, [&all](std::size_t bytes) {
+      all.resize(bytes / sizeof(Item));
+      return reinterpret_cast<std::byte*>(all.data());
+    });
+    return all;
   }
   /// One item of each rank.
   template <class Item>
@@ -121,16 +123,6 @@ struct Processes {
     auto number = static_cast<double>(own);
     combine({&number, 1});
     return static_cast<Number>(number);
-  }
-  template <class Item, std::size_t extent>
-  std::vector<std::remove_const_t<Item>> gathered(std::span<Item, extent> own, bool everywhere) const {
-    static_assert(std::is_trivially_copyable_v<Item>);
-    std::vector<std::remove_const_t<Item>> all;
-    gather_bytes(std::as_bytes(own), sizeof(Item), everywhere, [&all](std::size_t bytes) {
-      all.resize(bytes / sizeof(Item));
-      return reinterpret_cast<std::byte*>(all.data());
-    });
-    return all;
   }
 };
 
