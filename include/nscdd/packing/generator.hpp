@@ -4,12 +4,10 @@
 #include <nscdd/packing/generators/deposit.hpp>
 #include <nscdd/packing/generators/lattice.hpp>
 
-#include <variant>
-
 namespace nscdd {
 
-/// Generators of packings: one file and one word here each. A generator has `name`, `summary`, fields and `generate`;
-/// one of spheres also `static constexpr Index dimension = 3`.
+/// Generators of packings: one file and one word here each. A generator has `name`, `summary`,
+/// `dimension`, fields and `generate`.
 using Generator =
     std::variant<TriangularStrip, HexagonalLattice, Deposit, CubicLattice, FccLattice, HcpLattice, SphereDeposit>;
 
@@ -20,14 +18,7 @@ inline Packing generate(const Generator& generator, const Monitor& monitor = {})
 
 /// Dimension of a generator's packings: 2 in the plane, 3 in space.
 inline Index dimension(const Generator& generator) {
-  return std::visit(
-      [](const auto& one) -> Index {
-        if constexpr (requires { one.dimension; })
-          return one.dimension;
-        else
-          return 2;
-      },
-      generator);
+  return std::visit([](const auto& one) { return one.dimension; }, generator);
 }
 
 }  // namespace nscdd

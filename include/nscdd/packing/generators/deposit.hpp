@@ -76,6 +76,7 @@ struct Deposit {
   static constexpr std::string_view name = "deposit";
   static constexpr std::string_view summary =
       "grains of random sizes dropped into a box, each rolled to rest on two supports";
+  static constexpr Index dimension = 2;
   Index grains = 1000;
   double width = 0;  ///< m; 0 for a bed about as high as wide
   SizeDistribution sizes = {};

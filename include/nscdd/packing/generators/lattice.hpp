@@ -12,6 +12,7 @@ inline constexpr Field radius_of_all{.description = "radius of every disk", .uni
 struct TriangularStrip {
   static constexpr std::string_view name = "strip";
   static constexpr std::string_view summary = "two rows of touching equal disks, isostatic (2n-3 contacts)";
+  static constexpr Index dimension = 2;
   Index grains = 4;
   double radius = 0.5;
 
@@ -48,6 +49,7 @@ void visit_defects(Lattice& lattice, Visitor& visit, std::string_view vacancies)
 struct HexagonalLattice {
   static constexpr std::string_view name = "hexagonal";
   static constexpr std::string_view summary = "touching equal disks on a triangular lattice, hyperstatic";
+  static constexpr Index dimension = 2;
   Index columns = 8;
   Index rows = 8;
   double radius = 0.5;
