@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/cone_contact.hpp"
+#include "mechanics/laws/coulomb.hpp"
 
 namespace nscdd {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
 #include <nscdd/mechanics/law.hpp>
 
 namespace nscdd {

@@ -5,11 +5,6 @@
 #include "mechanics/laws/cohesive.hpp"
 #include "mechanics/laws/coulomb.hpp"
 #include "mechanics/laws/frictionless.hpp"
-#include <nscdd/core/choice.hpp>
-#include <nscdd/core/fields.hpp>
-#include <nscdd/mechanics/law.hpp>
-
-#include <variant>
 
 namespace nscdd {
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "mechanics/grain_contacts.hpp"
-#include <nscdd/core/choice.hpp>
 
 #include <Eigen/Geometry>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/passage.hpp"
-
+#include "mechanics/step_contacts.hpp"
 #include "packing/grain_grid.hpp"
 
 namespace nscdd {

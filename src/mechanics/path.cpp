@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/path.hpp"
+#include "mechanics/step_contacts.hpp"
 
 namespace nscdd {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
-#include "mechanics/connectivity.hpp"
+#include "mechanics/contact_frame.hpp"
 #include <nscdd/mechanics/reference_problem.hpp>
 
 #include <fmt/ranges.h>
@@ -51,12 +51,10 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
   const Index n = packing.size(), d = packing.dimension();
   problem.dimension = problem.dofs_per_grain = d;
   problem.inertia.resize(d * n);
-  for (Index i = 0; i < n; ++i) problem.inertia.segment(d * i, d).setConstant(packing.mass[at(i)]);
   problem.centres.resize(d, n);
   for (Index i = 0; i < n; ++i) {
-    problem.centres(0, i) = packing.x[at(i)];
-    problem.centres(1, i) = packing.y[at(i)];
-    if (d == 3) problem.centres(2, i) = packing.z[at(i)];
+    problem.inertia.segment(d * i, d).setConstant(packing.mass[at(i)]);
+    problem.centres.col(i) = Vector::Map(packing.centre(i).data(), d);
   }
   problem.h = d == 2 ? connectivity<2>(network) : connectivity<3>(network);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/step_problem.hpp"
 
-#include "mechanics/connectivity.hpp"
 #include "mechanics/contact_blocks.hpp"
 #include "packing/grain_grid.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>

@@ -2,8 +2,6 @@
 #pragma once
 
 #include "mechanics/granular_system.hpp"
-#include <nscdd/core/components.hpp>
-#include <nscdd/core/fields.hpp>
 
 namespace nscdd {
 

@@ -2,7 +2,6 @@
 #include "core/fail.hpp"
 #include "packing/grain_grid.hpp"
 #include "packing/precision.hpp"
-#include <nscdd/packing/packing.hpp>
 
 #include <numbers>
 

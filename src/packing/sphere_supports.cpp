@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "packing/sphere_supports.hpp"
+#include "packing/sphere_heap.hpp"
 
 #include <numbers>
 

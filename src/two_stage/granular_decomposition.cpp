@@ -3,7 +3,6 @@
 
 #include "core/memory.hpp"
 #include "linalg/threads.hpp"
-#include "mechanics/connectivity.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "linalg/multifrontal/lu.hpp"
-#include "mechanics/connectivity.hpp"
 #include "two_stage/granular_decomposition.hpp"
 
 namespace nscdd {

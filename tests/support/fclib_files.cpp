@@ -2,7 +2,7 @@
 #include "fclib_files.hpp"
 
 #include "linalg/random.hpp"
-#include "mechanics/connectivity.hpp"
+#include "mechanics/contact_frame.hpp"
 
 #include <hdf5.h>
 

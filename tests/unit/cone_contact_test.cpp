@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/cone_contact.hpp"
-
 #include "../support/dense.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/contact_law.hpp"

@@ -7,7 +7,6 @@
 #include "contact_solvers/newton.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
-#include "mechanics/connectivity.hpp"
 #include "two_stage/cut_contacts.hpp"
 
 #include <Eigen/Geometry>

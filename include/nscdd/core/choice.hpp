@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <span>
-#include <string>
-#include <string_view>
+#include <nscdd/core/types.hpp>
+
 #include <type_traits>
 #include <variant>
-#include <vector>
 
 /// Enumerations with names. The values of the enumeration count from 0; `names_of` lists their names:
 ///     enum class Colour { red, green };

@@ -3,9 +3,6 @@
 
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/components.hpp>
-#include <nscdd/core/types.hpp>
-
-#include <vector>
 
 /// One description per parameter, used to read it from a file, list it, write it and override it.
 /// A parameter struct P with defaults in place has

@@ -2,10 +2,6 @@
 #pragma once
 
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/types.hpp>
-
-#include <type_traits>
-#include <variant>
 
 namespace nscdd {
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/fields.hpp>
 #include <nscdd/packing/packing.hpp>
 
 namespace nscdd {
