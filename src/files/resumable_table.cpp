@@ -197,7 +197,7 @@ void require_rows_of(const TableWork& work, const std::string& path) {
   if (!work.rows) return;
   CsvReader reader(text, path);
   Index number = 0;
-  for (; reader.next() && number < *work.rows; ++number)
+  for (; number < *work.rows && reader.next(); ++number)
     for (const auto& [column, expected] : work.known_cells(number))
       if (const std::string met(reader.value(layout.column(column))); met != to_text(expected))
         fail("{}:{}: {}: expected {} of this work, met {}; {}", path, reader.line(), column, to_text(expected), met,
