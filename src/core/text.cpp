@@ -7,7 +7,6 @@
 #include <nscdd/core/table.hpp>
 
 #include <charconv>
-#include <ranges>
 
 namespace nscdd {
 namespace {
@@ -215,7 +214,9 @@ std::size_t position_of(std::string_view name, std::span<const std::string_view>
 std::size_t Table::column(const std::string& name) const {
   const auto found = std::ranges::find(columns, name, &Column::name);
   if (found != columns.end()) return static_cast<std::size_t>(found - columns.begin());
-  fail("expected a column '{}', met only: {}", name, fmt::join(columns | std::views::transform(&Column::name), ", "));
+  std::vector<std::string> known;
+  for (const Column& column : columns) known.push_back(column.name);
+  fail("expected a column '{}', met only: {}", name, fmt::join(known, ", "));
 }
 
 std::string to_text(const Cell& cell) {

@@ -33,7 +33,7 @@ Heap random_heap(std::uint64_t seed, const ContactLaw& law, bool tangential_bias
     Direction<3> n{number(), number(), number()};
     const double length = std::hypot(n[0], n[1], n[2]);
     for (double& one : n) one /= length;
-    heap.contacts.rows.push_back({a, b, n[0], n[1], n[2], number()});
+    heap.contacts.rows.push_back({a, b, n, number()});
     const double pressed = 1 + number();
     heap.contacts.impulses.push_back(swept(n, {pressed, {0.2 * number() * pressed, 0.2 * number() * pressed}}));
     if (tangential_bias) heap.contacts.bias_t.push_back(swept(n, {0, {number(), number()}}).t);

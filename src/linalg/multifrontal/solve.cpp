@@ -5,7 +5,6 @@
 #include "linalg/threads.hpp"
 
 #include <numeric>
-#include <ranges>
 #include <set>
 
 namespace nscdd {
@@ -121,8 +120,8 @@ Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
   };
   for (const Index s : path)
     change_rows(s, [&](Matrix& local) { nscdd::go_forward(tree.front(s), fronts.factor(s), local); });
-  for (const Index s : path | std::views::reverse)
-    change_rows(s, [&](Matrix& local) { nscdd::go_back(tree.front(s), fronts.factor(s), local); });
+  for (auto s = path.rbegin(); s != path.rend(); ++s)
+    change_rows(*s, [&](Matrix& local) { nscdd::go_back(tree.front(*s), fronts.factor(*s), local); });
   std::vector<Index> wanted;
   for (const Index row : rows) wanted.push_back(compact[at(row)]);
   return x(wanted, Eigen::all);
