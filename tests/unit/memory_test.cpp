@@ -7,6 +7,7 @@
 #include "../support/sanitized.hpp"
 #include "linalg/multifrontal/analysis.hpp"
 #include "linalg/multifrontal/factor.hpp"
+#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/lu.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"

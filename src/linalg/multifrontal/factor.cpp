@@ -2,6 +2,7 @@
 #include "linalg/multifrontal/factor.hpp"
 
 #include "core/memory.hpp"
+#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/threads.hpp"
 

@@ -5,6 +5,7 @@
 #include "core/fail.hpp"
 #include "core/memory.hpp"
 #include "linalg/multifrontal/factor.hpp"
+#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
