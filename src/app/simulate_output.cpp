@@ -192,9 +192,10 @@ IterationSink RunOutput::iterations() {
 // Rank 0 gathers the contacts of the newest step and appends it to the trajectory.
 void RunOutput::hand_over(bool keep) {
   if (!newest_) return;
-  std::vector<TrajectoryContact>& contacts = newest_->contacts;
-  contacts = processes_.gather(contacts, false);
-  std::ranges::sort(contacts, {}, [](const TrajectoryContact& c) { return std::pair(c.geometry.a, c.geometry.b); });
+  if (std::vector<TrajectoryContact>& contacts = newest_->contacts; !processes_.alone()) {
+    contacts = processes_.gather(contacts, false);
+    std::ranges::sort(contacts, {}, [](const TrajectoryContact& c) { return std::pair(c.geometry.a, c.geometry.b); });
+  }
   if (trajectory_) trajectory_->append(*std::move(newest_), rows_, keep);
   newest_.reset();
   rows_.clear();

@@ -13,14 +13,19 @@ inline constexpr Index interleaved_block = 256;
 /// Greedy colours of contacts that share nodes, such as grains; each block of contacts is coloured independently.
 class GreedyColours {
  public:
-  explicit GreedyColours(Index nodes) : block_of_(at(nodes), 0) {}
+  explicit GreedyColours(Index nodes) : words_(1, std::vector<Word>(at(nodes))) {}
 
   /// The least colour that no contact of the block has marked at the nodes `seen`; marks it at `marked`.
   Index take_least(std::span<const Index> seen, std::span<const Index> marked, Index block = 0);
 
  private:
-  std::vector<Index> block_of_;                    // of each node, the block of its last contact
-  std::vector<std::vector<std::uint64_t>> words_;  // the colours taken at each node, 64 of them in a word
+  struct Word {
+    Index block = 0;          // in which colours were taken last
+    std::uint64_t taken = 0;  // a bit for each colour
+  };
+  std::uint64_t& taken(std::size_t word, Index node, Index block);
+
+  std::vector<std::vector<Word>> words_;  // of each node, 64 colours in a word
 };
 
 std::vector<Index> natural_order(Index contacts);

@@ -80,6 +80,8 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   problem.tangential_bias = interaction.tangential_restitution > 0;
   problem.geometry = std::move(geometry);
   problem.numbers = std::move(grains);
+  problem.start.reserve(problem.numbers.size());
+  problem.free.reserve(problem.numbers.size());
   for (const std::int32_t i : problem.numbers) {
     problem.start.push_back(with_motion<D>(start_motion(start, motions, i), system.inverse_mass(i)));
     problem.free.push_back(with_motion<D>(free_motion(start, motions, i), system.inverse_mass(i)));

@@ -79,6 +79,7 @@ bool no_room(const StepRoom& room, const ContactResidual& residual) {
 template <int D>
 std::vector<RememberedSubdomain> subdomains_to_remember(const GranularStep<D>& step, const Processes& processes) {
   std::vector<RememberedSubdomain> known = subdomains_to_remember(step.problem.geometry, step.partition);
+  if (processes.alone()) return known;
   std::set<Index> own;
   std::vector<RememberedSubdomain> given;
   const auto is_shared = [&](Index grain) { return std::ranges::binary_search(step.shared_grains, grain); };

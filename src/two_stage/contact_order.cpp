@@ -56,6 +56,7 @@ std::vector<Index> along_curve(std::span<const std::array<double, 3>> points, in
     return static_cast<std::uint32_t>(std::clamp((all(k, point) - low[k]) / extent * 65535, 0.0, 65535.0));
   };
   std::vector<std::pair<std::uint64_t, Index>> places;
+  places.reserve(points.size());
   for (Index p = 0; p < all.cols(); ++p)
     places.emplace_back(
         dimension == 2 ? hilbert_place(cell(p, 0), cell(p, 1)) : hilbert_place({cell(p, 0), cell(p, 1), cell(p, 2)}),
@@ -72,13 +73,15 @@ std::vector<Index> by_colour(std::vector<Index> order, const std::vector<GrainCo
                              const std::vector<GrainVelocity<D>>& bodies, Index block) {
   constexpr Index last_turn = 63;  // shared by all further colours, of grains with more than 64 contacts
   GreedyColours taken(count(bodies));
-  std::vector<Index> colours(contacts.size()), ends;
+  std::vector<Index> colours(contacts.size());
+  std::vector<std::array<Index, 2>> ends;  // free ones, first of all contacts: far apart in memory, waited for together
+  for (const Index c : order) {
+    const Index a = contacts[at(c)].a, b = contacts[at(c)].b;
+    ends.push_back({bodies[at(a)].inverse_mass > 0 ? a : b, bodies[at(b)].inverse_mass > 0 ? b : a});
+  }
   for (Index place = 0; place < count(order); ++place) {
-    const GrainContact<D>& contact = contacts[at(order[at(place)])];
-    ends.clear();
-    for (const Index end : {Index{contact.a}, Index{contact.b}})
-      if (bodies[at(end)].inverse_mass > 0) ends.push_back(end);
-    colours[at(order[at(place)])] = std::min(last_turn, taken.take_least(ends, ends, place / block));
+    const std::array<Index, 2>& free = ends[at(place)];
+    colours[at(order[at(place)])] = std::min(last_turn, taken.take_least(free, free, place / block));
   }
   sort_by_colour(order, colours, block);
   return order;

@@ -4,6 +4,7 @@
 #include <nscdd/core/types.hpp>
 
 #include <atomic>
+#include <cstring>
 #include <ranges>
 
 namespace nscdd {
@@ -44,7 +45,7 @@ struct Processes {
   /// The items of all ranks, `item` bytes each, in the order of ranks; on all ranks, or on rank 0 only.
   std::function<void(std::span<const std::byte> own, std::size_t item, bool everywhere, const Room& room)>
       gather_bytes = [](std::span<const std::byte> own, std::size_t, bool, const Room& room) {
-        std::ranges::copy(own, room(own.size()));
+        if (!own.empty()) std::memcpy(room(own.size()), own.data(), own.size());
       };
   /// Returns a function that sums the entries shared with neighbours, in their arrays; only neighbours synchronise.
   std::function<std::function<void(std::span<double>)>(const std::vector<SharedEntries>&)> between_neighbours =
@@ -93,6 +94,7 @@ struct Processes {
   template <std::ranges::contiguous_range Items, class Take>
   void exchange(const Items& own, Take&& take) const {
     const std::span given(own);
+    if (alone()) return take(given);
     for (Index process = 0; process < size; ++process) {
       const auto items = gather(given.first(process == rank ? given.size() : 0));
       take(std::span(items));
