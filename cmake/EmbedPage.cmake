@@ -18,14 +18,15 @@ foreach(file IN LISTS files)
   raw_string("${file}" text)
   string(APPEND program "${text},\n")
 endforeach()
-file(WRITE "${OUTPUT}" "#include \"formats/report/page_parts.hpp\"
+file(WRITE "${OUTPUT}" "#include <span>
+#include <string_view>
 namespace nscdd::page::parts {
-constinit const std::string_view page = ${page};
-constinit const std::string_view style = ${style};
+extern constinit const std::string_view page = ${page};
+extern constinit const std::string_view style = ${style};
 namespace {
 constexpr std::string_view files[] = {
 ${program}};
 }  // namespace
-constinit const std::span<const std::string_view> program = files;
+extern constinit const std::span<const std::string_view> program = files;
 }  // namespace nscdd::page::parts
 ")

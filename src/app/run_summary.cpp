@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/simulate_output.hpp"
+#include "app/run_summary.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/case_options.hpp"
-#include "app/simulate_output.hpp"
+#include "app/settled_cases.hpp"
+
+#include "app/run_summary.hpp"
 #include "formats/case/case_file.hpp"
 #include "formats/lmgc90/datbox.hpp"
 #include "study/linear/inspection.hpp"

@@ -60,10 +60,4 @@ class RunOutput {
   std::vector<Row> rows_;                 // of the steps not yet appended
 };
 
-/// A warning about steps whose boundaries may leave no room (no_room); empty if there are none.
-std::string lack_of_room(const RunTotals& totals);
-
-/// The report that ends a run, with its warnings.
-std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome);
-
 }  // namespace nscdd::app

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
+#include "app/run_summary.hpp"
 #include "app/shared_work.hpp"
-#include "app/simulate_output.hpp"
 #include "formats/case/case_file.hpp"
 
 namespace nscdd::app {

@@ -31,4 +31,13 @@ class DisjointSets {
   std::vector<Index> parent_;
 };
 
+/// The same groups, numbered in the order of appearance. Negative numbers belong to none and stay.
+inline std::vector<Index> renumbered(std::vector<Index> groups) {
+  std::vector<Index> number(groups.empty() ? 0 : at(std::ranges::max(groups) + 1), -1);
+  Index next = 0;
+  for (Index& group : groups)
+    if (group >= 0) group = number[at(group)] < 0 ? number[at(group)] = next++ : number[at(group)];
+  return groups;
+}
+
 }  // namespace nscdd

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/rigid_motions.hpp"
+#include "ddm/rigid_system.hpp"
+
 #include "linalg/threads.hpp"
 
 namespace nscdd {

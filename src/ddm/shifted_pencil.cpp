@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/shifted_pencil.hpp"
 
+#include "core/disjoint_sets.hpp"
+
 #include <numeric>
 
 namespace nscdd {
@@ -205,15 +207,7 @@ InertiaPattern SaddlePointFamily::pattern() const {
   if (rigid)
     for (const Index size : rigid->hub_rows) group.insert(group.end(), at(size), keys++);
   for (const Gluing& row : system.interface.gluing()) add(row.grain);
-  std::vector<Index> number(at(keys), -1);  // of a key, in the order of appearance
-  Index next = 0;
-  for (Index& g : group) {
-    if (g < 0) continue;
-    Index& n = number[at(g)];
-    if (n < 0) n = next++;
-    g = n;
-  }
-  return {inertia, group, border_size()};
+  return {inertia, renumbered(std::move(group)), border_size()};
 }
 
 ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsilon, double eta, double sigma) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/rigid_motions.hpp"
+#include "ddm/rigid_system.hpp"
 #include <nscdd/ddm/contraction.hpp>
 
 namespace nscdd {

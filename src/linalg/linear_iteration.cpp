@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/krylov.hpp"
+#include "linalg/linear_iteration.hpp"
 
 namespace nscdd {
 

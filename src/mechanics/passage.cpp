@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/step_contacts.hpp"
+#include "mechanics/passage.hpp"
+
 #include "packing/grain_grid.hpp"
 
 namespace nscdd {

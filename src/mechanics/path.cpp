@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/step_contacts.hpp"
+#include "mechanics/path.hpp"
 
 namespace nscdd {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/rigid_clusters.hpp"
 
+#include "core/disjoint_sets.hpp"
 #include "linalg/pencil.hpp"
 
 #include <Eigen/Geometry>
@@ -37,7 +38,7 @@ class ClusterSearch {
   std::vector<Index> run() {
     for (Index a = 0; a < centres_.cols(); ++a) seed({a});
     while (merge_pairs()) continue;
-    return numbered();
+    return renumbered(std::move(cluster_));
   }
 
  private:
@@ -180,18 +181,6 @@ class ClusterSearch {
     }
     for (const auto& [cluster, members] : merged) grow(members, cluster);
     return !merged.empty();
-  }
-
-  std::vector<Index> numbered() const {
-    std::vector<Index> number(at(clusters_), -1), result = cluster_;
-    Index next = 0;
-    for (Index& cluster : result) {
-      if (cluster < 0) continue;
-      Index& own = number[at(cluster)];
-      if (own < 0) own = next++;
-      cluster = own;
-    }
-    return result;
   }
 
   const Matrix& centres_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "two_stage/contact_order.hpp"
+
 #include "contact_solvers/contact_turns.hpp"
-#include "two_stage/granular_decomposition.hpp"
 
 namespace nscdd {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact_solvers/contact_matrix.hpp"
-#include "linalg/krylov.hpp"
+#include "linalg/linear_iteration.hpp"
 #include "two_stage/step_solver.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 

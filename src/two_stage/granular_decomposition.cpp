@@ -3,6 +3,7 @@
 
 #include "core/memory.hpp"
 #include "linalg/threads.hpp"
+#include "two_stage/contact_order.hpp"
 
 #include <fmt/format.h>
 

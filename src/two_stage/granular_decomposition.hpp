@@ -63,12 +63,6 @@ struct GranularDecomposition {
   void apply_interface_impulses(const Vector& change);
 };
 
-/// The order of contacts in memory and in a sweep. `points`: of the contacts, m; needed for `interleaved` only.
-template <int D>
-std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
-                                 const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,
-                                 std::span<const std::array<double, 3>> points);
-
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses at those of the step. `order`,
 /// `seed`: see contact_order. Ranks that share the step pass the contacts of their own subdomains and get these and the
 /// whole gluing. `process_of_subdomain`: see `deal_out`. Throws Error if the partition does not fit.

@@ -4,7 +4,7 @@
 #include "../support/dense.hpp"
 #include "../support/judged_radius.hpp"
 #include "../support/problems.hpp"
-#include "ddm/rigid_motions.hpp"
+#include "ddm/rigid_system.hpp"
 #include "spectra/spectrum_memory.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "formats/lmgc90/fixed_columns.hpp"
+#include "formats/lmgc90/datbox_body.hpp"
 
 #include <numbers>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/csv.hpp"
-#include "formats/lmgc90/fixed_columns.hpp"
+#include "formats/lmgc90/datbox_body.hpp"
 
 #include <filesystem>
 #include <set>

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/report/report_page.hpp"
 
-#include "formats/report/page_parts.hpp"
-
 #include <nlohmann/json.hpp>
 
 #include <bit>
 
 namespace nscdd {
 namespace page {
+namespace parts {  // the files of page/, embedded by cmake/EmbedPage.cmake
+extern const std::string_view page, style;
+extern const std::span<const std::string_view> program;  // in the order of the page
+}  // namespace parts
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -51,14 +51,11 @@ std::function<double(double u)> radius_quantile(const SizeDistribution& sizes);
 
 template <class AnyDeposit, class Visitor>
 void visit_deposit(AnyDeposit& deposit, Visitor& visit) {
-  constexpr bool in_space = requires { deposit.depth; };
   visit("grains", deposit.grains, Field{.description = "number of grains", .minimum = 1, .maximum = 1e7});
-  visit("width", deposit.width,
-        Field{.description = in_space ? "width of the box, along x; 0 for a bed about as high as wide"
-                                      : "width of the box; 0 for a bed about as high as wide",
-              .unit = "m",
-              .minimum = 0});
-  if constexpr (in_space)
+  visit(
+      "width", deposit.width,
+      Field{.description = "width of the box, along x; 0 for a bed about as high as wide", .unit = "m", .minimum = 0});
+  if constexpr (requires { deposit.depth; })
     visit("depth", deposit.depth,
           Field{.description = "depth of the box, along y; 0 for that of the width", .unit = "m", .minimum = 0});
   SizeDistribution::fields(deposit.sizes, visit);

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "formats/lmgc90/fixed_columns.hpp"
+
+namespace nscdd {
+
+/// A body of BODIES.DAT. The first one sets the dimension. Its number is not read: LMGC90 counts bodies.
+DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first);
+
+/// RBDY2 or RBDY3.
+const char* datbox_body_kind(Index dimension);
+
+/// Half of a unit in the seventh digit of the largest coordinate, as LMGC90 writes it: 0.1234567D+01.
+double half_digit(const Eigen::Vector3d& place, Index dimension);
+
+/// Throws Error unless the axes of a body are orthonormal to seven digits.
+void require_frame(const DatboxBody& body, const DatboxPlace& place);
+
+}  // namespace nscdd
