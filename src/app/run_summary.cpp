@@ -54,7 +54,7 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
   const double energies =
       totals.last.energy.kinetic + std::abs(totals.boundary_work) + std::max(0.0, totals.dissipation);
   if (!(totals.gain > std::max(notable_gain * energies, solver.tolerance * totals.contact_energy))) return text;
-  const bool pushes = totals.relative_overlap > 0 && dynamics.interaction.restitution == 0 &&
+  const bool pushes = totals.relative_overlap > 0 && !dynamics.interaction.on_velocity() &&
                       dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
   std::vector<std::string_view> reasons;
   if (pushes) reasons.push_back("overlaps pushed apart (dynamics.maximum_push_speed)");

@@ -37,14 +37,22 @@ Law law_at(const Law& law, double pull) {
     return law;
 }
 
+/// Signorini's condition of a contact: on the gap at the end of a step, v_n + gap/h >= 0, or on the velocity,
+/// v_n + restitution v_n^- >= 0, once bodies touch.
+enum class Signorini { gap, velocity };
+constexpr auto names_of(Signorini) { return std::to_array<std::string_view>({"gap", "velocity"}); }
+
 /// How bodies touch.
 struct Interaction {
   Choice<LawName> law;  ///< Coulomb's by default
   double friction = 0.3, boundary_friction = -1;
+  Choice<Signorini> signorini;
   double restitution = 0, tangential_restitution = 0;
   double cohesion = 0;  ///< N
   Flexibility epsilon;
 
+  /// Whether contacts act once bodies touch.
+  bool on_velocity() const { return signorini == Signorini::velocity || restitution > 0; }
   double friction_at_boundaries() const { return boundary_friction < 0 ? friction : boundary_friction; }
 
   template <class Self, class Visitor>
@@ -57,6 +65,9 @@ struct Interaction {
                 .minimum = 0,
                 .maximum = 100,
                 .also = -1});
+    visit("signorini", self.signorini,
+          Field{.description = "condition on the gap at the end of a step, or on the velocity once bodies touch; a "
+                               "restitution above 0 implies velocity"});
     visit("restitution", self.restitution,
           Field{.description = "Newton's coefficient of normal restitution", .minimum = 0, .maximum = 1});
     visit("tangential_restitution", self.tangential_restitution,

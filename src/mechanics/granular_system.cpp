@@ -5,17 +5,32 @@
 
 namespace nscdd {
 
-RigidVelocity Motion::at(double t) const {
+namespace {
+
+// Velocity by the entries of a motion.
+RigidVelocity interpolated(const Motion& motion, double t) {
+  const auto& [centre, time, velocity, oscillations, initial] = motion;
   if (velocity.empty()) return {};
   const auto after = std::upper_bound(time.begin(), time.end(), t);
   if (after == time.begin()) return velocity.front();
   if (after == time.end()) return velocity.back();
   const auto k = static_cast<std::size_t>(after - time.begin());
-  const double s = (t - time[k - 1]) / (time[k] - time[k - 1]);
-  const auto between = [s](double a, double b) { return a + s * (b - a); };
   const RigidVelocity &a = velocity[k - 1], &b = velocity[k];
-  return {between(a.x, b.x), between(a.y, b.y),           between(a.spin, b.spin),
-          between(a.z, b.z), between(a.spin_x, b.spin_x), between(a.spin_y, b.spin_y)};
+  return sum(a, (t - time[k - 1]) / (time[k] - time[k - 1]), sum(b, -1, a));
+}
+
+}  // namespace
+
+RigidVelocity sum(const RigidVelocity& a, double factor, const RigidVelocity& b) {
+  return {a.x + factor * b.x, a.y + factor * b.y,           a.spin + factor * b.spin,
+          a.z + factor * b.z, a.spin_x + factor * b.spin_x, a.spin_y + factor * b.spin_y};
+}
+
+RigidVelocity Motion::at(double t) const {
+  RigidVelocity result = interpolated(*this, t);
+  for (const Oscillation& one : oscillations)
+    result = sum(result, std::cos(one.omega * t + one.phase) * std::min(1.0, one.ramp + one.growth * t), one.amplitude);
+  return result;
 }
 
 Place carried(const Place& p, const Pose& before, const Pose& after) {
@@ -76,12 +91,19 @@ void check(const Boundary& boundary) {
   if (motion.time.size() != motion.velocity.size())
     fail("boundary '{}': expected one velocity per time, met {} times and {} velocities", boundary.name,
          motion.time.size(), motion.velocity.size());
-  for (std::size_t k = 0; k < motion.time.size(); ++k) {
-    const RigidVelocity& v = motion.velocity[k];
-    const double numbers[] = {motion.time[k], v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
+  const auto require_finite = [&](const RigidVelocity& v, double time, const char* what, std::size_t k) {
+    const double numbers[] = {time, v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
     if (!std::ranges::all_of(numbers, [](double one) { return std::isfinite(one); }))
-      fail("boundary '{}': expected finite numbers, met one that is not finite in entry {} of its motion",
-           boundary.name, k);
+      fail("boundary '{}': expected finite numbers, met one that is not finite in {} {} of its motion", boundary.name,
+           what, k);
+  };
+  require_finite(motion.initial.value_or(RigidVelocity{}), 0, "initial velocity", 0);
+  for (std::size_t k = 0; k < motion.oscillations.size(); ++k) {
+    const Oscillation& one = motion.oscillations[k];
+    require_finite(one.amplitude, one.omega + one.phase + one.ramp + one.growth, "oscillation", k);
+  }
+  for (std::size_t k = 0; k < motion.time.size(); ++k) {
+    require_finite(motion.velocity[k], motion.time[k], "entry", k);
     if (k > 0 && !(motion.time[k] > motion.time[k - 1]))
       fail("boundary '{}': expected ascending times, met {} s after {} s", boundary.name, motion.time[k],
            motion.time[k - 1]);

@@ -35,13 +35,24 @@ struct RigidVelocity {
   double x = 0, y = 0, spin = 0;
   double z = 0, spin_x = 0, spin_y = 0;
 };
+/// a + factor b
+RigidVelocity sum(const RigidVelocity& a, double factor, const RigidVelocity& b);
+
+/// An oscillation of a rigid body: amplitude cos(omega t + phase) min(1, ramp + growth t).
+struct Oscillation {
+  RigidVelocity amplitude;
+  double omega = 0, phase = 0;  ///< rad/s and rad
+  double ramp = 1, growth = 0;  ///< part of the amplitude at time 0, and its growth, 1/s
+};
 
 /// Prescribed motion of a rigid body: velocities at given times, linear in between, constant before the first and after
-/// the last; at rest without entries. The body turns about its reference point.
+/// the last, none without entries; plus oscillations. The body turns about its reference point.
 struct Motion {
   std::array<double, 3> centre{0, 0, 0};  ///< reference point at time 0, m; in the plane z = 0
   std::vector<double> time;               ///< s, ascending
   std::vector<RigidVelocity> velocity;
+  std::vector<Oscillation> oscillations = {};
+  std::optional<RigidVelocity> initial = {};  ///< before time 0, see first_motions; by default that at time 0
 
   RigidVelocity at(double t) const;
 };

@@ -24,7 +24,7 @@ WallPoint nearest_point(const Wall& wall, const Place& centre) {
 
 Configuration configuration(const StepStart& start, const std::vector<RigidVelocity>& motions, double time) {
   const auto& [system, state, interaction, scheme] = start;
-  Configuration where{state.x, state.y, state.z, system.walls, state.poses, motions};
+  Configuration where{state.x, state.y, state.z, system.walls, state.poses, step_motions(system, state, scheme)};
   for (std::size_t k = 0; k < where.poses.size(); ++k)
     where.poses[k] = advanced(where.poses[k], motions[k], time, system.dimension);
   for (std::size_t i = 0; i < where.x.size(); ++i) {
@@ -44,7 +44,7 @@ Configuration configuration(const StepStart& start, const std::vector<RigidVeloc
 
 Configuration where_contacts_are(const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
-  return configuration(start, step_motions(system, state, scheme), (1 - scheme.theta) * scheme.step);
+  return configuration(start, first_motions(system, state, scheme), (1 - scheme.theta) * scheme.step);
 }
 
 namespace {
@@ -131,14 +131,16 @@ Path path_of(const StepStart& start, const std::vector<Leg>& legs, bool always) 
 // From where contacts were found to the state.
 Leg leg_before(const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
-  return {-scheme.theta * scheme.step, 0, boundary_velocities(system, state.time - scheme.step / 2)};
+  const bool at_end = scheme.boundary_instant == BoundaryInstant::end;
+  return {-scheme.theta * scheme.step, 0,
+          boundary_velocities(system, at_end ? state.time : state.time - scheme.step / 2)};
 }
 
 std::vector<Leg> legs_to_contacts(const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   std::vector<Leg> legs;
   if (state.step > 0) legs.push_back(leg_before(start));
-  legs.push_back({0, (1 - scheme.theta) * scheme.step, step_motions(system, state, scheme)});
+  legs.push_back({0, (1 - scheme.theta) * scheme.step, first_motions(system, state, scheme)});
   return legs;
 }
 

@@ -10,7 +10,7 @@ struct Configuration {
   std::vector<double> x, y, z;         ///< of every grain, m
   std::vector<Wall> walls;             ///< moved
   std::vector<Pose> poses;             ///< of boundaries
-  std::vector<RigidVelocity> motions;  ///< of boundaries in this step
+  std::vector<RigidVelocity> motions;  ///< of boundaries, as contacts of this step see them
 
   Place centre(std::size_t i) const { return {x[i], y[i], z.empty() ? 0 : z[i]}; }
   Place velocity(const Wall& wall, const Place& point) const {
@@ -18,7 +18,8 @@ struct Configuration {
   }
 };
 
-/// The configuration `time` after the state, at its velocities and those of boundaries; and where contacts are found.
+/// The configuration `time` after the state, at its velocities and `motions` of boundaries; and where contacts are
+/// found.
 Configuration configuration(const StepStart& start, const std::vector<RigidVelocity>& motions, double time);
 Configuration where_contacts_are(const StepStart& start);
 

@@ -115,7 +115,7 @@ class ContactSearch {
     if (gap > alert_) {
       const Place move = difference(velocity(c.b, c.point), velocity(c.a, c.point));
       if (gap + step * dot(c.normal, move) > alert_) return;
-      if (start_.interaction.restitution == 0 && c.b < system_.grains() &&
+      if (!start_.interaction.on_velocity() && c.b < system_.grains() &&
           step * system_.length(move) > far_in_a_step * system_.smaller_radius(c.a, c.b)) {
         // The line of centres turns until they meet. Grains that miss each other are no contact.
         const Place line = difference(where_.centre(at(c.b)), where_.centre(at(c.a)));
@@ -134,8 +134,8 @@ class ContactSearch {
   }
 
   void visit(const StepContact& c) {
-    // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
-    if (start_.interaction.restitution > 0 && c.gap > 0 && !(pulls_ && touches(system_, c))) return;
+    // Under a condition on the velocity a contact acts once it touches: the predicted gap would swallow the impact.
+    if (start_.interaction.on_velocity() && c.gap > 0 && !(pulls_ && touches(system_, c))) return;
     ++considered_.number;
     if (c.b >= system_.grains())
       considered_.boundary_speed = std::max(considered_.boundary_speed, system_.length(velocity(c.b, c.point)));

@@ -10,7 +10,7 @@ bool is_of_step(const DeepOverlap& one, const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   if (one.overlap <= one.before) return false;
   if (state.step == 0) return one.before <= largest_overlap * system.smaller_radius(one.a, one.b);
-  const double alert = interaction.restitution > 0 ? 0 : scheme.alert * std::ranges::min(system.radius);
+  const double alert = interaction.on_velocity() ? 0 : scheme.alert * std::ranges::min(system.radius);
   return -one.before > alert;
 }
 
@@ -30,7 +30,7 @@ double short_enough(const DeepOverlap& one, const StepStart& start) {
   const double gravity = std::hypot(scheme.gravity[0], scheme.gravity[1], scheme.gravity[2]);
   const double speed = one.path / one.time + gravity * h / 2;
   const bool two = system.grains() + count(system.walls) == 2;
-  if (two && state.step == 0 && interaction.restitution == 0 && std::isfinite(one.reached))
+  if (two && state.step == 0 && !interaction.on_velocity() && std::isfinite(one.reached))
     return std::min(one.reached / (1 - scheme.theta), largest_move / 4 * small / speed);
   return safe_part * largest_overlap * small / (speed * (two ? 1 : thrown(one, start)));
 }
@@ -71,8 +71,8 @@ double safe_step(const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   TimeStepping shorter = scheme;
   const StepStart tried{system, state, interaction, shorter};
-  constexpr double met = largest_overlap / 2;        // a grain may meet another that is as fast
-  const bool bounces = interaction.restitution > 0;  // then contacts of this step are not foreseen
+  constexpr double met = largest_overlap / 2;      // a grain may meet another that is as fast
+  const bool bounces = interaction.on_velocity();  // then contacts of this step are not foreseen
   constexpr int most_tries = 100;
   for (int k = 0; k < most_tries; ++k) {
     double least = shorter.step;

@@ -20,10 +20,11 @@ double push_speed(const TimeStepping& scheme, double smaller_radius, double boun
   return natural_push_speed * (std::sqrt(gravity * smaller_radius) + boundary_speed);
 }
 
-// Adds one body per wall contact, which moves as the wall does under the grain. Returns the bodies of each contact.
+// Adds one body per wall contact, which moves as the wall does under the grain. `first`: see first_motions. Returns the
+// bodies of each contact.
 template <int D>
 std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const GranularSystem& system,
-                                                  const Configuration& where) {
+                                                  const Configuration& where, const std::vector<RigidVelocity>& first) {
   std::vector<std::array<Index, 2>> bodies;
   bodies.reserve(problem.geometry.size());
   const Index grains = count(problem.numbers);
@@ -34,9 +35,11 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
       continue;
     }
     bodies.push_back({a, count(problem.free)});
-    const auto [x, y, z] = where.velocity(where.walls[at(c.b - system.grains())], c.point);
-    problem.free.push_back(with_motion<D>({x, y, z}, 0));
-    problem.start.push_back(problem.free.back());
+    const Wall& wall = where.walls[at(c.b - system.grains())];
+    const std::size_t k = at(wall.boundary);
+    const Place before = velocity_of_point(first[k], where.poses[k], c.point), now = where.velocity(wall, c.point);
+    problem.free.push_back(with_motion<D>({now[0], now[1], now[2]}, 0));
+    problem.start.push_back(with_motion<D>({before[0], before[1], before[2]}, 0));
   }
   for (Index k = grains; k < count(problem.free); ++k)
     problem.numbers.push_back(static_cast<std::int32_t>(system.grains() + k - grains));
@@ -54,9 +57,9 @@ GrainContact<D> solver_contact(const StepContact& c, const std::array<Index, 2>&
                     .inverse_w = grain_delassus(a, b),
                     .bias = {c.gap > 0 ? c.gap / problem.h : std::max(correction * c.gap / problem.h, -push), {}},
                     .friction = driven ? problem.boundary_friction : problem.friction};
-  if (interaction.restitution > 0 || interaction.tangential_restitution > 0) {
+  if (interaction.on_velocity() || interaction.tangential_restitution > 0) {
     const LocalVector<D> before = relative_velocity(k, problem.start);
-    if (interaction.restitution > 0) k.bias.n = interaction.restitution * std::min(0.0, before.n);
+    if (interaction.on_velocity()) k.bias.n = interaction.restitution * std::min(0.0, before.n);
     k.bias.t = interaction.tangential_restitution * before.t;
   }
   return k;
@@ -68,7 +71,7 @@ template <int D>
 StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact> geometry, double boundary_speed,
                                 std::vector<std::int32_t> grains, const std::vector<RememberedImpulse>& last) {
   const auto& [system, state, interaction, scheme] = start;
-  const auto motions = step_motions(system, state, scheme);
+  const auto first = first_motions(system, state, scheme), motions = step_motions(system, state, scheme);
   StepProblem<D> problem;
   problem.h = scheme.step;
   set_scale(problem, interaction, 1);
@@ -83,10 +86,10 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   problem.start.reserve(problem.numbers.size());
   problem.free.reserve(problem.numbers.size());
   for (const std::int32_t i : problem.numbers) {
-    problem.start.push_back(with_motion<D>(start_motion(start, motions, i), system.inverse_mass(i)));
+    problem.start.push_back(with_motion<D>(start_motion(start, first, i), system.inverse_mass(i)));
     problem.free.push_back(with_motion<D>(free_motion(start, motions, i), system.inverse_mass(i)));
   }
-  const auto bodies = add_wall_bodies<D>(problem, system, where_contacts_are(start));
+  const auto bodies = add_wall_bodies<D>(problem, system, where_contacts_are(start), first);
   double scale = 0;
   problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {

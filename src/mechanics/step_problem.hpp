@@ -83,12 +83,15 @@ ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& c,
   ContactWork work;
   if (!carries(c.impulse)) return work;
   work.dissipation = -dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
-  // Work of the impulses -r on a and r on b at the velocities of driven ones.
+  // Work of the impulses -r on a and r on b at the mean velocities of driven ones.
   for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
     const GrainVelocity<D>& v = velocities[static_cast<std::size_t>(body)];
     if (v.inverse_mass > 0) continue;
-    const GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse), u = unknowns(v);
-    work.boundary -= std::inner_product(impulse.begin(), impulse.end(), u.begin(), 0.0);
+    const GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse), now = unknowns(v),
+                           before = unknowns(problem.start[static_cast<std::size_t>(body)]);
+    double twice = 0;
+    for (std::size_t k = 0; k < now.size(); ++k) twice += impulse[k] * (before[k] + now[k]);
+    work.boundary -= twice / 2;
   }
   return work;
 }

@@ -11,7 +11,17 @@ Place gravity_of(const TimeStepping& scheme, Index dimension) {
 
 std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
                                         const TimeStepping& scheme) {
-  return boundary_velocities(system, state.time + scheme.step / 2);
+  const bool at_end = scheme.boundary_instant == BoundaryInstant::end;
+  return boundary_velocities(system, state.time + (at_end ? scheme.step : scheme.step / 2));
+}
+
+std::vector<RigidVelocity> first_motions(const GranularSystem& system, const GranularState& state,
+                                         const TimeStepping& scheme) {
+  if (scheme.boundary_instant == BoundaryInstant::middle) return step_motions(system, state, scheme);
+  std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
+  for (std::size_t k = 0; state.step == 0 && k < motions.size(); ++k)
+    motions[k] = system.boundaries[k].motion.initial.value_or(motions[k]);
+  return motions;
 }
 
 GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain) {
@@ -50,15 +60,24 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
                        const std::vector<GrainMotion>& velocities, const ContactWork& work) {
   const double h = scheme.step;
   const StepEnergy before = energy_of(system, state, scheme);
-  const auto motions = step_motions(system, state, scheme);
+  const auto first = boundary_velocities(system, state.time), motions = step_motions(system, state, scheme);
+  const bool at_end = scheme.boundary_instant == BoundaryInstant::end;
+  const double whole = at_end ? scheme.theta : 1;  // part of the step with the velocities that contacts see
   const std::vector<Pose> poses = state.poses;
-  for (std::size_t k = 0; k < poses.size(); ++k) state.poses[k] = advanced(poses[k], motions[k], h, system.dimension);
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    if (at_end) state.poses[k] = advanced(poses[k], first[k], (1 - whole) * h, system.dimension);
+    state.poses[k] = advanced(state.poses[k], motions[k], whole * h, system.dimension);
+  }
   for (std::size_t i = 0; i < at(system.grains()); ++i) {
-    const GrainMotion old = motion_of(state, i, 1), &v = velocities[i];
-    const double radius = system.radius[i], theta = system.driven_by[i] < 0 ? scheme.theta : 1;
+    GrainMotion old = motion_of(state, i, 1);
+    const GrainMotion& v = velocities[i];
+    const Index k = system.driven_by[i];
+    const double radius = system.radius[i], theta = k < 0 ? scheme.theta : whole;
+    if (at_end && k >= 0 && system.boundaries[at(k)].orientation == Orientation::turning)
+      old = {0, 0, 0, first[at(k)].spin_x, first[at(k)].spin_y, first[at(k)].spin};
     Place centre = centre_of(state, i), angle;
-    for (std::size_t k = 0; k < 3; ++k) angle[k] = h * ((1 - theta) * old[3 + k] + theta * (v[3 + k] / radius));
-    if (const Index k = system.driven_by[i]; k >= 0)
+    for (std::size_t j = 0; j < 3; ++j) angle[j] = h * ((1 - theta) * old[3 + j] + theta * (v[3 + j] / radius));
+    if (k >= 0)
       centre = carried(centre, poses[at(k)], state.poses[at(k)]);
     else
       for (std::size_t j = 0; j < 3; ++j) centre[j] += h * ((1 - theta) * old[j] + theta * v[j]);

@@ -5,6 +5,11 @@
 
 namespace nscdd {
 
+/// Instant of a step whose velocities of boundaries its contacts see: its middle, whose velocity then holds for the
+/// whole step; or its end, as in LMGC90, with (1 - theta) v(t) + theta v(t + h) as the mean of the step.
+enum class BoundaryInstant { middle, end };
+constexpr auto names_of(BoundaryInstant) { return std::to_array<std::string_view>({"middle", "end"}); }
+
 /// Moreau-Jean scheme at velocity level, step h:
 ///     q_m = q^- + (1 - theta) h V^-              contacts are found here
 ///     M (V - V^-) = h F + H r,  law(H^T V, r)    solved by Gauss-Seidel sweeps, whole or decomposed
@@ -20,6 +25,7 @@ struct TimeStepping {
   double penetration_correction = 1;
   double maximum_push_speed = -1;  ///< m/s; see step_problem.cpp
   double rest_speed = 0;           ///< m/s
+  Choice<BoundaryInstant> boundary_instant;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -48,6 +54,8 @@ struct TimeStepping {
                                "weighted by mass, spin included; 0 for never",
                 .unit = "m/s",
                 .minimum = 0});
+    visit("boundary_instant", self.boundary_instant,
+          Field{.description = "instant of a step whose velocities of boundaries its contacts see"});
   }
 };
 
@@ -61,11 +69,14 @@ struct StepStart {
   const TimeStepping& scheme;
 };
 
-/// Velocities of the boundaries in the middle of a step, which hold for the whole step.
+/// Velocities of boundaries that contacts of a step see; and those that lead to q_m, where contacts are found: the
+/// same, or with BoundaryInstant::end those at the beginning of the step, in the first step Motion::initial.
 std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
                                         const TimeStepping& scheme);
+std::vector<RigidVelocity> first_motions(const GranularSystem& system, const GranularState& state,
+                                         const TimeStepping& scheme);
 
-/// V^-, the velocity of a grain as a step begins (if driven: in the step, by `motions`); and V^- + h M^-1 F.
+/// V^-, the velocity of a grain as a step begins (if driven: by `motions`); and V^- + h M^-1 F.
 GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain);
 GrainMotion free_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain);
 

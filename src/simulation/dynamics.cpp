@@ -133,8 +133,11 @@ void add_needs(std::vector<Need>& needs, const Interaction& interaction, double 
   const auto add = [&](const char* path, const char* with, const char* expected, double now, bool met) {
     needs.push_back({path, with, expected, field_text(now == 0 ? 0.0 : now), met});
   };
-  for (const char* path : {"dynamics.penetration_correction", "dynamics.maximum_push_speed"})
+  for (const char* path : {"dynamics.penetration_correction", "dynamics.maximum_push_speed"}) {
     add(path, "interaction.restitution", "0", interaction.restitution, interaction.restitution == 0);
+    needs.push_back(need(path, "interaction.signorini", interaction.signorini,
+                         [](Signorini condition) { return condition == Signorini::gap; }));
+  }
   add("dynamics.maximum_push_speed", "dynamics.penetration_correction", "> 0", penetration_correction,
       penetration_correction != 0);
 }
@@ -153,27 +156,35 @@ std::string components_text(const Place& values, bool space) {
   return space ? field_text(Components<double>(values)) : field_text(Components<double>(values[0], values[1]));
 }
 
+std::string velocity_lines(const RigidVelocity& v, bool space, const char* before = "") {
+  return fmt::format("{0}velocity = {1}\n{0}spin = {2}\n", before, components_text({v.x, v.y, v.z}, space),
+                     space ? components_text({v.spin_x, v.spin_y, v.spin}, true) : field_text(v.spin));
+}
+
+std::string motion_entry(double time, const RigidVelocity& v, bool space) {
+  std::vector<double> entry{time, v.x, v.y, v.spin};
+  if (space) entry = {time, v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
+  std::vector<std::string> numbers;
+  for (const double number : entry) numbers.push_back(field_text(number));
+  return fmt::format("[{}]", fmt::join(numbers, ", "));
+}
+
 std::string motion_lines(const Motion& motion, bool space) {
   std::string text;
   if (motion.centre != Place{0, 0, 0}) text += fmt::format("centre = {}\n", components_text(motion.centre, space));
-  if (motion.velocity.empty()) return text;
-  const auto spin = [&](const RigidVelocity& v) {
-    return space ? components_text({v.spin_x, v.spin_y, v.spin}, true) : field_text(v.spin);
-  };
-  if (motion.velocity.size() == 1 && motion.time.front() == 0) {
-    const RigidVelocity& v = motion.velocity.front();
-    return text + fmt::format("velocity = {}\nspin = {}\n", components_text({v.x, v.y, v.z}, space), spin(v));
-  }
   std::vector<std::string> entries;
-  for (std::size_t k = 0; k < motion.velocity.size(); ++k) {
-    const RigidVelocity& v = motion.velocity[k];
-    std::vector<double> entry{motion.time[k], v.x, v.y, v.spin};
-    if (space) entry = {motion.time[k], v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
-    std::vector<std::string> numbers;
-    for (const double number : entry) numbers.push_back(field_text(number));
-    entries.push_back(fmt::format("[{}]", fmt::join(numbers, ", ")));
-  }
-  return text + fmt::format("motion = [{}]\n", fmt::join(entries, ", "));
+  for (std::size_t k = 0; k < motion.velocity.size(); ++k)
+    entries.push_back(motion_entry(motion.time[k], motion.velocity[k], space));
+  if (entries.size() == 1 && motion.time.front() == 0)
+    text += velocity_lines(motion.velocity.front(), space);
+  else if (!entries.empty())
+    text += fmt::format("motion = [{}]\n", fmt::join(entries, ", "));
+  if (motion.initial) text += velocity_lines(*motion.initial, space, "initial_");
+  for (const Oscillation& one : motion.oscillations)
+    text += fmt::format("[[boundary.oscillation]]\nomega = {}\nphase = {}\nramp = {}\ngrowth = {}\n{}",
+                        field_text(one.omega), field_text(one.phase), field_text(one.ramp), field_text(one.growth),
+                        velocity_lines(one.amplitude, space));
+  return text;
 }
 
 // Defaults of parameters without effect, so that equal runs have equal texts.

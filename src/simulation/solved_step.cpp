@@ -43,7 +43,7 @@ StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double p
     free_flight += kinetic(motion);
     in_the_end += kinetic(step.all_grains[at(i)]);
   }
-  for (const GrainVelocity<D>& v : step.problem.start)
+  for (const GrainVelocity<D>& v : step.problem.free)
     if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, squared_velocity(v) + squared_rim(v));
   for (const GrainContact<D>& c : step.contacts) speed_squared = std::max(speed_squared, squared(c.bias));
   speed_squared = before.processes.maximum(speed_squared);

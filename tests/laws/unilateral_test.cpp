@@ -44,7 +44,7 @@ Vector by_enumeration(const Dense& w, const Vector& b) {
 }
 
 // The law of a frictionless contact without restitution, for sweeps that know nothing of the solver.
-struct Signorini {
+struct SignoriniLaw {
   double impulse(double free_velocity, double delassus) const { return std::max(0.0, -free_velocity / delassus); }
 };
 
@@ -232,7 +232,7 @@ TEST_CASE("unilateral: velocities are the same from any start, by any method and
     Vector r = Vector::Zero(b.size()), v = problem.arriving_velocity;
     const auto off = [&] { return (v - interior.velocities).cwiseAbs().maxCoeff(); };
     for (int sweep = 0; sweep < 20000 && !(sweep % 100 == 0 && off() < 1e-5 * speed); ++sweep)
-      gauss_seidel_sweep(contacts, Signorini{}, r, v);
+      gauss_seidel_sweep(contacts, SignoriniLaw{}, r, v);
     CHECK(off() < 1e-5 * speed);
     // twice the same, bit for bit
     CHECK(unilateral_impulses(problem).impulses == interior.impulses);

@@ -41,6 +41,31 @@ TEST_CASE("moving case: everything read") {
   CHECK(!parse(case_text("strip")).dynamics);
 }
 
+TEST_CASE("moving case: oscillations, initial velocities and spins, written and read back") {
+  const std::string text = moving_case() +
+                           "[[boundary]]\nname = \"plate\"\nshape = \"grains\"\nfirst = 3\nlast = 3\n"
+                           "initial_velocity = [1, 2]\ninitial_spin = 3\n"
+                           "[[boundary.oscillation]]\nvelocity = [4, 5]\nomega = 6\nphase = 0.5\nramp = 0\ngrowth = 2\n"
+                           "[[boundary.oscillation]]\nspin = 7\nomega = 8\n"
+                           "[[prescribed]]\ngrain = 0\nvelocity = [0.5, 0]\nspin = -9\n";
+  const CaseSpec one = parse(text), back = parse(to_toml(one));
+  CHECK(to_toml(back) == to_toml(one));
+  const Motion& motion = back.dynamics->boundaries.at(3).motion;
+  CHECK(motion.velocity.empty());
+  CHECK(motion.initial->y == 2);
+  CHECK(motion.initial->spin == 3);
+  CHECK(motion.at(0.25).x == doctest::Approx(4 * std::cos(2.0) / 2).epsilon(1e-14));
+  CHECK(motion.at(0.25).spin == doctest::Approx(7 * std::cos(2.0)).epsilon(1e-14));
+  CHECK(back.prescribed.at(0).spin == std::array<double, 3>{0, 0, -9});
+  const Spoilt other{text, parse};
+  other("omega = 8", "", {"boundary[3].oscillation[1].omega"});
+  other("spin = 7\n", "", {"boundary[3].oscillation[1].velocity:", "amplitudes"});
+  other("velocity = [4, 5]", "velocity = [4, 5, 6]", {"boundary[3].oscillation:", "numbers for the plane"});
+  other("spin = -9", "spin = [1, 2, 3]", {"prescribed[0].spin:", "one number in the plane"});
+  refused(case_text("strip") + "[[prescribed]]\ngrain = 0\nvelocity = [0.5, 0]\nspin = -9\n",
+          {"c.toml:", "prescribed:", "a spin only with [dynamics]"});
+}
+
 TEST_CASE("moving case: written and read back it is the same case") {
   CaseSpec one = parse(moving_case() +
                        "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 3\nlast = -7\n"

@@ -67,7 +67,11 @@ TEST_CASE("a sweep over spheres is one contact after the other by its law, in th
   for (const std::string_view name : names_of(LawName{}))
     for (const double relaxation : {1.0, 0.6})
       for (const bool tangential_bias : {false, true}) {
-        const ContactLaw law = contact_law({.law = std::string(name), .cohesion = 0.4, .epsilon = 0.5}, 1, 1);
+        Interaction interaction;
+        interaction.law = std::string(name);
+        interaction.cohesion = 0.4;
+        interaction.epsilon = 0.5;
+        const ContactLaw law = contact_law(interaction, 1, 1);
         CAPTURE(name);
         CAPTURE(relaxation);
         CAPTURE(tangential_bias);

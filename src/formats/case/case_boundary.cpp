@@ -17,17 +17,14 @@ class BoundaryNumbers {
     take(section_.node(key), key, static_cast<Index>(numbers.size()));
     value = {numbers[0], numbers[1], numbers[2]};
   }
-  // A spin is one number in the plane, and three in space.
-  void read_spin(std::array<double, 3>& spin) {
-    const toml::node* found = section_.node("spin");
-    if (found == nullptr) return;
-    if (!found->is_array()) {
-      section_.read("spin", spin[2], Field{});
-      take(found, "spin", 2);
-      return;
-    }
-    read("spin", spin);
-    if (dimension_ == 2) section_.fail("spin", "one number in the plane, or three in space", "an array of 2");
+  /// The keys velocity and spin, if before them is "", or initial_velocity and initial_spin.
+  RigidVelocity read_velocity(const std::string& before = "") {
+    std::array<double, 3> velocity{}, spin{};
+    read((before + "velocity").c_str(), velocity);
+    const std::string key = before + "spin";
+    if (const Index dimension = read_spin(section_, key, spin); dimension > 0)
+      take(section_.node(key), key.c_str(), dimension);
+    return {velocity[0], velocity[1], spin[2], velocity[2], spin[0], spin[1]};
   }
   // Notes the dimension of an entry. Throws Error if other entries have another one.
   void take(const toml::node* node, const char* key, Index dimension) {
@@ -87,19 +84,30 @@ void read_motion_table(StrictTable& section, BoundaryNumbers& numbers, Motion& m
 Motion read_motion(StrictTable& section, BoundaryNumbers& numbers) {
   Motion motion;
   numbers.read("centre", motion.centre);
-  std::array<double, 3> velocity{}, spin{};
-  numbers.read("velocity", velocity);
-  numbers.read_spin(spin);
   const bool uniform = section.has("velocity") || section.has("spin");
-  if (section.node("motion") == nullptr) {
-    if (uniform) {
-      motion.time = {0};
-      motion.velocity = {{velocity[0], velocity[1], spin[2], velocity[2], spin[0], spin[1]}};
-    }
-    return motion;
+  const RigidVelocity velocity = numbers.read_velocity();
+  if (section.node("motion") != nullptr) {
+    if (uniform) section.fail("motion", "either motion = ... or velocity and spin", "both");
+    read_motion_table(section, numbers, motion);
+  } else if (uniform) {
+    motion.time = {0};
+    motion.velocity = {velocity};
   }
-  if (uniform) section.fail("motion", "either motion = ... or velocity and spin", "both");
-  read_motion_table(section, numbers, motion);
+  if (section.has("initial_velocity") || section.has("initial_spin"))
+    motion.initial = numbers.read_velocity("initial_");
+  for (StrictTable one : section.tables("oscillation")) {
+    Oscillation& oscillation = motion.oscillations.emplace_back();
+    BoundaryNumbers own(one);
+    oscillation.amplitude = own.read_velocity();
+    if (own.dimension() == 0) one.fail("velocity", "velocity or spin, the amplitudes", "neither");
+    numbers.take(section.node("oscillation"), "oscillation", own.dimension());
+    one.require_keys({"omega"});
+    one.read("omega", oscillation.omega, Field{.unit = "rad/s"});
+    one.read("phase", oscillation.phase, Field{.unit = "rad"});
+    one.read("ramp", oscillation.ramp, Field{});
+    one.read("growth", oscillation.growth, Field{.unit = "1/s"});
+    one.finish();
+  }
   return motion;
 }
 
@@ -121,6 +129,20 @@ void read_name(StrictTable& section, std::string& name) {
 }
 
 }  // namespace
+
+Index read_spin(StrictTable& section, std::string_view key, std::array<double, 3>& spin) {
+  const toml::node* found = section.node(key);
+  if (found == nullptr) return 0;
+  if (!found->is_array()) {
+    section.read(key, spin[2]);
+    return 2;
+  }
+  Components<double> numbers;
+  section.read(key, numbers);
+  if (numbers.size() == 2) section.fail(key, "one number in the plane, or three in space", "an array of 2");
+  spin = {numbers[0], numbers[1], numbers[2]};
+  return 3;
+}
 
 BoundarySpec read_boundary(StrictTable section) {
   BoundarySpec spec;

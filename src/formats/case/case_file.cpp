@@ -74,6 +74,11 @@ void read_prescribed(StrictTable section, CaseSpec& spec) {
   section.require_keys({"grain", "velocity"});
   section.read("grain", velocity.grain);
   section.read("velocity", velocity.velocity, Field{});
+  const auto dimension = static_cast<Index>(velocity.velocity.size());
+  if (const Index of_spin = read_spin(section, "spin", velocity.spin); of_spin > 0 && of_spin != dimension)
+    section.fail("spin",
+                 dimension == 2 ? "one number in the plane, as velocity" : "three numbers in space, as velocity",
+                 dimension == 2 ? "three" : "one");
   section.finish();
   if (std::ranges::count(spec.prescribed, velocity.grain, &PrescribedVelocity::grain) > 0)
     section.fail("grain", "each grain once", fmt::format("grain {} again", velocity.grain));
@@ -148,6 +153,9 @@ void read_sections(StrictTable& root, CaseSpec& spec, bool effects_wanted) {
   root.read_section("loads", spec.loads);
   for (const StrictTable& prescribed : root.tables("prescribed")) read_prescribed(prescribed, spec);
   spec.dynamics = read_dynamics(root, effects_wanted);
+  const auto spins = [](const PrescribedVelocity& one) { return one.spin != std::array<double, 3>{}; };
+  if (!spec.dynamics && std::ranges::any_of(spec.prescribed, spins))
+    root.fail("prescribed", "a spin only with [dynamics], since the linear study has none", "one without");
 }
 
 }  // namespace

@@ -19,6 +19,9 @@ CaseSpec read_case(const std::string& path);
 /// some of which are for the plane and others for space, and as check(BoundarySpec).
 BoundarySpec read_boundary(StrictTable section);
 
+/// Reads a spin: one number in the plane, three in space. Returns that dimension, 0 without the key.
+Index read_spin(StrictTable& section, std::string_view key, std::array<double, 3>& spin);
+
 /// The case of a file or folder: a case file (.toml), a packing, a contact problem, or a folder DATBOX of LMGC90, whose
 /// laws and boundaries are read only if `moving`. Throws Error for another ending, and as the readers of these files.
 CaseSpec spec_of_file(const std::string& path, bool moving = false);

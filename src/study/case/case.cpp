@@ -85,6 +85,12 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
     start.state.velocity_y[at(i)] = v[none.dimension * i + 1];
     if (none.dimension == 3) start.state.velocity_z[at(i)] = v[none.dimension * i + 2];
   }
+  for (const PrescribedVelocity& spinning : prescribed) {
+    start.state.spin[at(spinning.grain)] = spinning.spin[2];
+    if (none.dimension == 2) continue;
+    start.state.spin_x[at(spinning.grain)] = spinning.spin[0];
+    start.state.spin_y[at(spinning.grain)] = spinning.spin[1];
+  }
 }
 
 // A model without its decomposition.
@@ -187,8 +193,11 @@ std::string to_toml(const CaseSpec& spec) {
   }
   text += partition;
   if (!spec.loads.none()) text += "\n[loads]\n" + field_lines(spec.loads);
-  for (const PrescribedVelocity& velocity : spec.prescribed)
-    text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", velocity.grain, field_text(velocity.velocity));
+  for (const auto& [grain, velocity, spin] : spec.prescribed) {
+    text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", grain, field_text(velocity));
+    if (spin != std::array<double, 3>{})
+      text += fmt::format("spin = {}\n", velocity.size() == 2 ? field_text(spin[2]) : field_text(Components(spin)));
+  }
   if (spec.dynamics) text += to_toml(*spec.dynamics);
   return text;
 }
