@@ -64,12 +64,6 @@ int export_vtkhdf(const Chosen& chosen, const std::string& path) {
   return finished(chosen, path);
 }
 
-bool spins(const GranularState& state) {
-  return std::ranges::any_of(std::array{&state.spin, &state.spin_x, &state.spin_y}, [](const auto* spins) {
-    return std::ranges::any_of(*spins, [](double spin) { return spin != 0; });
-  });
-}
-
 int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
   const TrajectoryStep first = read_trajectory_step(chosen.trajectory, chosen.steps.front());
   const DatboxWriter writer(rebuilt_simulation(chosen.trajectory, chosen.header, first.state));
@@ -90,9 +84,6 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
     for (const auto& [name, text] : writer.tables()) write(name, text);
     write("DOF.INI", writer.dof(first));
     write("Vloc_Rloc.INI", writer.vloc_rloc(first));
-    if (spins(first.state))
-      note("{}: {}s spin in step {}, which nscdd simulate does not begin with; LMGC90 does",
-           (folder / "DATBOX").string(), shape_of_grains(chosen.header.system.dimension), first.state.step);
   } else {
     note("{}: no DATBOX is written: {}", folder.string(), reason);
   }

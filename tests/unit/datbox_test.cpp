@@ -243,6 +243,75 @@ TEST_CASE("DATBOX: laws, gravity, walls and motions") {
   CHECK(pair.last == 2);
   CHECK(pair.motion.velocity[0].x == 2);  // AMP cos(0)
   CHECK(pair.motion.velocity[0].spin == -0.075);
+  CHECK(pair.motion.oscillations.empty());
+  CHECK(dynamics.interaction.signorini == Signorini::gap);
+  CHECK(dynamics.time.boundary_instant == BoundaryInstant::end);
+}
+
+TEST_CASE("DATBOX: AMP cos(OMEGA t + PHI) is an oscillation from the time of DOF.INI on, with its ramp") {
+  DatboxTexts texts = small();
+  texts.driven = replaced(texts.driven, "  0.0000000D+00  0.2000000D+01  0.0000000D+00  0.0000000D+00  0.1000000D+01",
+                          "  0.0000000D+00  0.2000000D+01  0.3000000D+01  0.4000000D+00  0.1000000D+01");
+  texts.driven =
+      replaced(texts.driven, " vlocy      2  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01",
+               " vlocy      2  0.0000000D+00 -0.5000000D+01  0.3000000D+01  0.4000000D+00  0.1000000D+01");
+  const Motion pair = datbox_dynamics(read(texts)).boundaries[1].motion;
+  CHECK(pair.oscillations.size() == 1);  // both have one frequency, phase and ramp
+  for (const double t : {0.0, 0.25, 3.0}) {
+    CHECK(pair.at(t).x == doctest::Approx(2 * std::cos(3 * (t + 0.5) + 0.4)).epsilon(1e-14));
+    CHECK(pair.at(t).y == doctest::Approx(-5 * std::cos(3 * (t + 0.5) + 0.4)).epsilon(1e-14));
+    CHECK(pair.at(t).spin == -0.075);
+  }
+  texts.driven = replaced(texts.driven, "0.3000000D+01  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.2500000D+00",
+                          "0.3000000D+01  0.1000000D+01  0.2000000D+01  0.0000000D+00  0.2500000D+00");
+  const Motion wall = datbox_dynamics(read(texts)).boundaries[0].motion;
+  for (const double t : {0.0, 0.25, 3.0})
+    CHECK(wall.at(t).y == doctest::Approx((3 + std::cos(2 * (t + 0.5))) * std::min(1.0, 0.25 + 0.5 * (t + 0.5))));
+}
+
+TEST_CASE("DATBOX: laws on the velocity and on the gap, bulk laws with more data, numbers that LMGC90 cuts off") {
+  DatboxTexts texts = small();
+  const auto with_law = [&](const std::string& law) {
+    DatboxTexts with = texts;
+    with.tact = replaced(with.tact, "iqsc1  IQS_CLB                         fric= 0.5000000D+00", law);
+    return datbox_dynamics(read(with));
+  };
+  const std::string fric = " fric= 0.5000000D+00";
+  const Dynamics rst = with_law("iqsc1  RST_CLB                         rstn= 0.0000000D+00  rstt= 0.2500000D+00\n" +
+                                std::string(39, ' ') + fric.substr(1));
+  CHECK(rst.interaction.on_velocity());
+  CHECK(rst.interaction.restitution == 0);
+  CHECK(rst.interaction.tangential_restitution == 0.25);
+  CHECK(rst.interaction.friction == 0.5);
+  CHECK(with_law("iqsc1  VEL_SGR_CLB                    " + fric).interaction.on_velocity());
+  const Dynamics gap = with_law("iqsc1  GAP_SGR_CLB                    " + fric);
+  CHECK(!gap.interaction.on_velocity());
+  CHECK(gap.time.penetration_correction == 1);
+  CHECK(gap.time.maximum_push_speed == 1e100);
+  texts.bulk = replaced(texts.bulk, "STONE  RIGID        ", "STONE  THERMO_RIGID ");
+  CHECK(datbox_packing(read(texts), DatboxGrains::all).mass[0] == doctest::Approx(1000 * std::numbers::pi * 0.04));
+  // One column to the right: LMGC90 would read 0.0000000D+0, the same number, and 0.7000000D+0 in place of 7.
+  texts.initial = replaced(texts.initial, "V(3)= 0.0000000D+00", "V(3)=  0.0000000D+00");
+  CHECK(read(texts).bodies[0].velocity[2] == 0);
+  texts.initial = replaced(texts.initial, "V(1)= 0.7000000D+01  ", "V(1)=  0.7000000D+01 ");
+  check_error([&] { read(texts); }, {"DOF.INI:9: V(1): expected a number in columns 35 to 48", "and more behind it"});
+}
+
+TEST_CASE("DATBOX: a driven cluster of spheres is a boundary; velocities of DOF.INI with spins are prescribed") {
+  DatboxTexts texts = small_in_space();
+  texts.bodies = replaced(texts.bodies, " SPHER      1  color  ROUGE  byrd= 0.2000000D+01\n",
+                          " SPHEb      1  color  ROUGE  byrd= 0.2000000D+01\n" + std::string(29, ' ') +
+                              "coo1= 0.1000000D+02  coo2= 0.2000000D+02  coo3= 0.3000000D+02\n"
+                              " SPHEb      2  color  ROUGE  byrd= 0.1000000D+01\n" +
+                              std::string(29, ' ') + "coo1=-0.1000000D+02  coo2= 0.0000000D+00  coo3= 0.0000000D+00\n");
+  const Datbox datbox = read(texts);
+  const Packing packing = datbox_packing(datbox, DatboxGrains::all);
+  REQUIRE(packing.size() == 3);
+  CHECK(packing.centre(1) == std::array<double, 3>{11, 22, 26});
+  CHECK(packing.centre(2) == std::array<double, 3>{-9, 2, -4});
+  const BoundarySpec boundary = datbox_dynamics(datbox).boundaries[1];
+  CHECK(boundary.first == 1);
+  CHECK(boundary.last == 2);
 }
 
 TEST_CASE("DATBOX: spheres, their masses, a plank as a plane, and spins along the axes of a body") {
@@ -300,7 +369,7 @@ TEST_CASE("DATBOX: what of spheres is not modelled or cannot be read is refused 
     check_error([&] { datbox_dynamics(read(texts)); }, names);
   };
   const auto bodies = &DatboxTexts::bodies, driven = &DatboxTexts::driven, initial = &DatboxTexts::initial;
-  refused(bodies, "SPHER      1  color  BLEUx", "SPHEb      1  color  BLEUx", {"BODIES.DAT:10:", "SPHER"});
+  refused(bodies, "SPHER      1  color  BLEUx", "CYLND      1  color  BLEUx", {"BODIES.DAT:10:", "SPHER"});
   refused(bodies, "RBDY3      2", "RBDY2      2", {"BODIES.DAT:14:", "RBDY3"});
   refused(bodies, "NO6xx      1", "NO3xx      1", {"BODIES.DAT:7:", "NO6xx"});
   refused(bodies, "I2  = 0.8377580D-03", "I2  = 0.9377580D-03", {"BODIES.DAT:2: I1 to I3"});
@@ -309,7 +378,7 @@ TEST_CASE("DATBOX: what of spheres is not modelled or cannot be read is refused 
   refused(bodies, "gam1=-0.1000000D+01", "gam1= 0.1000000D+01", {"BODIES.DAT:22:", "axes"});
   refused(bodies, " SPHER      1  color  BLEUx  byrd= 0.2500000D+00",
           " SPHER      1  color  BLEUx  byrd= 0.2500000D+00\n SPHER      2  color  BLEUx  byrd= 0.2500000D+00",
-          {"BODIES.DAT:2:", "met one with 2"});
+          {"BODIES.DAT:2:", "met one of 2"});
   refused(driven, "vlocy      6", "vlocy      7", {"DRV_DOF.DAT:11:", "1, 2 ... 6"});
   refused(driven, " vlocy      6", "!vlocy      6", {"BODIES.DAT:14:", "driven"});
   DatboxTexts texts = small_in_space();
@@ -448,7 +517,6 @@ TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and
   refused(driven, "vlocy      2", "vlocy      4", {"DRV_DOF.DAT:7:", "1, 2 or 3"});
   refused(driven, " vlocy      2  0.3000000D+01", " vlocy      2 evolution n.dat",
           {"DRV_DOF.DAT:7: evolution:", "met 'n.dat"});
-  refused(driven, "0.2000000D+01  0.0000000D+00", "0.2000000D+01  0.1000000D+01", {"DRV_DOF.DAT:15:", "AMP"});
   refused(driven, "0.2500000D+00  0.5000000D+00", "0.2500000D+00 -0.5000000D+00", {"DRV_DOF.DAT:7: RAMP"});
   refused(driven, " vlocy      3 -0.75", "!vlocy      3 -0.75", {"BODIES.DAT:24:", "free"});
   refused(driven, "RBDY2        3", "RBDY2        7", {"DRV_DOF.DAT:11:", "3 bodies"});

@@ -21,12 +21,13 @@ template <class... Arguments>
 
 /// A shape of a body.
 struct DatboxContactor {
-  /// JONCx, a plank with round ends, or PLANx in space; else a disk DISKx (DISKb in a cluster) or a sphere SPHER.
+  /// JONCx, a plank with round ends, or PLANx in space; else a disk DISKx or a sphere SPHER (DISKb, SPHEb in a
+  /// cluster).
   bool plank = false;
   double radius = 0;                 ///< m, of a disk or sphere
   double length = 0, thickness = 0;  ///< m, of a plank: half its length without the ends, half its thickness
   double width = 0;                  ///< m, of a plank in space: half its width
-  Eigen::Vector2d shift{0, 0};       ///< m, from the centre of the body, in its axes; in the plane only
+  Eigen::Vector3d shift{0, 0, 0};    ///< m, from the centre of the body, in its axes
   std::string colour;
   DatboxPlace place;
 };
@@ -61,11 +62,13 @@ struct DatboxBody {
   bool plank() const { return contactors[0].plank; }
 };
 
-/// A contact law: IQS_CLB, RST_CLB, or another one, which contacts must not use.
+/// A contact law: IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB, RST_CLB, or another one, which contacts must not use.
 struct DatboxLaw {
   std::string kind;
   double friction = 0, restitution = 0, tangential_restitution = 0;
   DatboxPlace place;
+
+  bool on_velocity() const { return kind == "RST_CLB" || kind == "VEL_SGR_CLB"; }
 };
 
 /// Contactors that see each other, and their law.
@@ -99,8 +102,8 @@ struct DatboxTexts {
 };
 
 /// Reads the files by columns, as LMGC90 does. `folder` precedes the names of files in errors. Throws Error for bodies
-/// other than RBDY2 or RBDY3, bodies of both, contactors other than disks, spheres and planks, several contactors in a
-/// body in space, several nodes or bulk elements in a body, and for all that LMGC90 could not read or would cut off.
+/// other than RBDY2 or RBDY3, bodies of both, contactors other than disks, spheres and planks, several nodes or bulk
+/// elements in a body, and for all that LMGC90 could not read or would read as another number.
 Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder);
 
 /// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX.
@@ -123,15 +126,24 @@ Packing datbox_packing(const Datbox& datbox, DatboxGrains which);
 
 /// The packing of a folder as a case with prescribed initial velocities. `moving`: also laws, gravity and boundaries
 /// (planks as straight walls, driven disks as grains of a boundary), with default time steps. Throws Error as
-/// datbox_packing and, if `moving`, for initial spins and all else that is not modelled (docs/formats.md).
+/// datbox_packing and, if `moving`, for all else that is not modelled (docs/formats.md).
 CaseSpec case_of_datbox(const std::string& path, bool moving);
+
+/// The motion of a driven body, `start` after the origin of the time of its drives, s. Throws Error unless it is driven
+/// in all degrees of freedom, and turns about one axis.
+Motion datbox_motion(const DatboxBody& body, double start, Index dimension);
 
 /// Its laws, gravity and boundaries.
 Dynamics datbox_dynamics(const Datbox& datbox);
 
-/// The law, and the largest distance (m) at which bodies see each other. Throws Error if laws differ in more than the
-/// friction at driven bodies, if one is neither IQS_CLB nor RST_CLB, or if not all free disks see each other and all
-/// driven bodies.
-std::pair<Interaction, double> contact_law_of(const Datbox& datbox);
+struct DatboxContacts {
+  Interaction interaction;
+  double alert = 0;               ///< largest distance at which bodies see each other, m
+  bool removes_overlaps = false;  ///< GAP_SGR_CLB, in one step
+};
+
+/// Throws Error if laws differ in more than the friction at driven bodies, if one is another than those of DatboxLaw,
+/// or if not all free grains see each other and all driven bodies.
+DatboxContacts contact_law_of(const Datbox& datbox);
 
 }  // namespace nscdd

@@ -38,7 +38,7 @@ DatboxContactor read_contactor(FixedColumns& lines, bool space) {
   const std::string kind(lines.text(2, 6));
   DatboxContactor contactor{
       .plank = kind == (space ? "PLANx" : "JONCx"), .colour = std::string(lines.text(23, 27)), .place = lines.place()};
-  const bool cluster = !space && kind == "DISKb";
+  const bool cluster = kind == (space ? "SPHEb" : "DISKb");
   if (contactor.plank && space) {
     contactor.length = lines.positive_number(35, "axe1");
     contactor.width = lines.positive_number(56, "axe2");
@@ -50,12 +50,12 @@ DatboxContactor read_contactor(FixedColumns& lines, bool space) {
     contactor.radius = lines.positive_number(35, "byrd");
   } else {
     lines.refuse(fmt::format("expected contactors {}: other shapes are not modelled",
-                             space ? "SPHER or PLANx" : "DISKx, DISKb or JONCx"),
+                             space ? "SPHER, SPHEb or PLANx" : "DISKx, DISKb or JONCx"),
                  kind);
   }
   if (cluster) {
-    lines.require_next("a line with the place of the disk DISKb");
-    contactor.shift = {lines.number(35, "coo1"), lines.number(56, "coo2")};
+    lines.require_next(fmt::format("a line with the place of {}", kind));
+    contactor.shift = {lines.number(35, "coo1"), lines.number(56, "coo2"), space ? lines.number(77, "coo3") : 0};
   }
   return contactor;
 }
@@ -71,13 +71,13 @@ void complete(DatboxBody& body, Index dimension) {
   }
   if (body.contactors.size() > 1 && body.position.isZero(0)) {
     double area = 0;
-    Eigen::Vector2d centre(0, 0);
+    Eigen::Vector3d centre(0, 0, 0);
     for (const DatboxContactor& one : body.contactors) {
       area += one.radius * one.radius;
       centre += one.radius * one.radius * one.shift;
     }
     centre /= area;
-    body.position.head<2>() = centre;
+    body.position.head<2>() = centre.head<2>();
     for (DatboxContactor& one : body.contactors) one.shift -= centre;
   }
   if (body.contactors.size() == 1 && (body.average_radius == 0 || body.gyration_radius == 0)) {
@@ -143,8 +143,6 @@ DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first) {
   require_that(lines.key() == "$$$$$$", "a body that ends with $$$$$$, met one that does not");
   require_that(seen["$blmty"] > 0 && seen["$nodty"] > 0, "a body with a bulk element and a node, met one without");
   require_that(contactors > 0, "a body with a contactor, met one without");
-  require_that(dimension == 2 || contactors == 1,
-               fmt::format("a body in space with one contactor, met one with {}: not modelled", contactors));
   require_that(contactors == 1 || std::ranges::none_of(body.contactors, &DatboxContactor::plank),
                "a plank JONCx alone in its body, met one with other contactors");
   complete(body, dimension);

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <numbers>
-#include <set>
 
 namespace nscdd {
 namespace {
@@ -27,6 +26,9 @@ void require_full_disk(const DatboxBody& body) {
 // The moments of inertia of a full sphere are 2/5 m R^2.
 void require_full_sphere(const DatboxBody& body) {
   constexpr double tolerance = 1e-3;
+  if (body.contactors.size() > 1)
+    refuse(body.place, "expected free bodies of one sphere, met one of {}: free clusters are not modelled",
+           body.contactors.size());
   const double radius = body.contactors[0].radius, average = body.average_radius;
   const double expected = 0.4 * radius * radius * 4.0 / 3 * std::numbers::pi * average * average * average;
   for (const double inertia : body.inertia)
@@ -42,10 +44,11 @@ double density_of(const Datbox& datbox, const DatboxBody& body) {
   return found->second;
 }
 
-Eigen::Vector2d place_in_plane(const DatboxBody& body, const DatboxContactor& disk) {
+Vector3 place_of(const DatboxBody& body, const DatboxContactor& grain, bool space) {
+  if (space) return body.position + body.frame * grain.shift;
   const double c = std::cos(body.position[2]), s = std::sin(body.position[2]);
-  return {body.position[0] + c * disk.shift[0] - s * disk.shift[1],
-          body.position[1] + s * disk.shift[0] + c * disk.shift[1]};
+  return {body.position[0] + c * grain.shift[0] - s * grain.shift[1],
+          body.position[1] + s * grain.shift[0] + c * grain.shift[1], 0};
 }
 
 // Calls `visit(body, disk, number)` for every grain of the packing.
@@ -55,79 +58,6 @@ void for_each_grain(const Datbox& datbox, DatboxGrains which, Visit visit) {
   for (const DatboxBody& body : datbox.bodies)
     for (const DatboxContactor& contactor : body.contactors)
       if (!contactor.plank && (which == DatboxGrains::all || !body.driven())) visit(body, contactor, number++);
-}
-
-// The velocity (m/s or rad/s) of a degree of freedom over time (s): linear between points, constant beyond.
-using Course = std::vector<std::array<double, 2>>;
-
-double value_at(const Course& course, double t) {
-  if (t <= course.front()[0]) return course.front()[1];
-  const auto to = std::ranges::find_if(course, [=](const auto& point) { return t <= point[0]; });
-  if (to == course.end()) return course.back()[1];
-  const auto& from = *(to - 1);
-  return std::lerp(from[1], (*to)[1], (t - from[0]) / ((*to)[0] - from[0]));
-}
-
-// [CT + AMP cos(PHI)] min(1, RAMPI + RAMP t).
-Course formula_of(const DatboxDrive& drive, double start) {
-  if (drive.amplitude != 0 && drive.omega != 0)
-    refuse(drive.place, "expected AMP or OMEGA 0, met {} and {}: motions are linear in time here", drive.amplitude,
-           drive.omega);
-  if (drive.rate < 0) refuse(drive.place, "RAMP: expected 0 or more, met {}", drive.rate);
-  const double full = drive.constant + drive.amplitude * std::cos(drive.phase);
-  const double initial = std::min(1.0, drive.initial + drive.rate * start);
-  Course course(1, {0, full * initial});
-  if (full != 0 && drive.rate > 0 && initial < 1) course.push_back({(1 - initial) / drive.rate, full});
-  return course;
-}
-
-// A table is extrapolated linearly beyond its ends: by points so far away that no run reaches them.
-Course table_of(const DatboxDrive& drive, double start) {
-  constexpr double far = 1e6;  // times the span of the table
-  const auto& rows = drive.table;
-  const double span = rows.back()[0] - rows.front()[0];
-  const auto beyond = [](const std::array<double, 2>& a, const std::array<double, 2>& b, double t) {
-    return std::array<double, 2>{t, a[1] + (b[1] - a[1]) * ((t - a[0]) / (b[0] - a[0]))};
-  };
-  Course course = rows;
-  if (rows[0][1] != rows[1][1]) course.insert(course.begin(), beyond(rows[0], rows[1], rows[0][0] - far * span));
-  if (rows.back()[1] != rows[rows.size() - 2][1])
-    course.push_back(beyond(rows[rows.size() - 2], rows.back(), rows.back()[0] + far * span));
-  for (auto& point : course) point[0] -= start;
-  return course;
-}
-
-// Spins in space are along axes of the body, which are those of the beginning only if it turns about one `axis`.
-RigidVelocity velocity_in_space(const DatboxBody& body, const std::array<double, 6>& v, Vector3& axis) {
-  const Vector3 own(v[3], v[4], v[5]), spin = body.frame * own;
-  if (axis.isZero(0)) axis = own;
-  if (axis.cross(own).norm() > 1e-5 * axis.norm() * own.norm())
-    refuse(body.place, "expected a body that turns about one axis, met one that does not: not modelled");
-  return {v[0], v[1], spin[2], v[2], spin[0], spin[1]};
-}
-
-Motion motion_of(const DatboxBody& body, double start, Index dimension) {
-  const std::size_t dofs = dimension == 2 ? 3 : 6;
-  std::array<Course, 6> courses;
-  std::set<double> times;
-  for (std::size_t k = 0; k < dofs; ++k) {
-    if (!body.drives[k])
-      refuse(body.place, "expected a body that is free or driven in all of vlocy 1, 2 {}, met one without {}",
-             dimension == 2 ? "and 3" : "... 6", k + 1);
-    const DatboxDrive& drive = *body.drives[k];
-    courses[k] = drive.table.empty() ? formula_of(drive, start) : table_of(drive, start);
-    for (const auto& point : courses[k]) times.insert(point[0]);
-  }
-  Motion motion;
-  motion.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0};
-  Vector3 axis = Vector3::Zero();
-  for (const double t : times) {
-    motion.time.push_back(t);
-    std::array<double, 6> v{};
-    for (std::size_t k = 0; k < dofs; ++k) v[k] = value_at(courses[k], t);
-    motion.velocity.push_back(dimension == 2 ? RigidVelocity{v[0], v[1], v[2]} : velocity_in_space(body, v, axis));
-  }
-  return motion;
 }
 
 // The axes of a plank, as columns: along it, across it, and normal to it.
@@ -196,7 +126,7 @@ std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
     if (body.driven()) {
       BoundarySpec boundary;
       boundary.name = fmt::format("body {}", k + 1);
-      boundary.motion = motion_of(body, datbox.start, datbox.dimension);
+      boundary.motion = datbox_motion(body, datbox.start, datbox.dimension);
       if (body.plank()) {
         set_wall(datbox, body, boundary);
       } else {
@@ -217,13 +147,13 @@ std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxGrains
   for_each_grain(datbox, which, [&](const DatboxBody& body, const DatboxContactor&, Index number) {
     if (body.driven()) return;
     const bool space = datbox.space();
-    const double spin = space ? body.spin.norm() : body.velocity[2];
-    if (spin != 0 && which == DatboxGrains::all)
-      refuse(body.velocity_place, "{}: expected {}s that do not spin at the beginning, met {}",
-             space ? "V(4) to V(6)" : "V(3)", shape_of_grains(datbox.dimension), spin);
     const Vector3& v = body.velocity;
-    if (v.head(datbox.dimension).isZero(0)) return;
-    moving.push_back({number, space ? Components<double>{v[0], v[1], v[2]} : Components<double>{v[0], v[1]}});
+    Vector3 spin = Vector3::Zero();
+    if (which == DatboxGrains::all) spin = space ? Vector3(body.frame * body.spin) : Vector3(0, 0, v[2]);
+    if (v.head(datbox.dimension).isZero(0) && spin.isZero(0)) return;
+    moving.push_back({number,
+                      space ? Components<double>{v[0], v[1], v[2]} : Components<double>{v[0], v[1]},
+                      {spin[0], spin[1], spin[2]}});
   });
   return moving;
 }
@@ -244,10 +174,10 @@ Packing datbox_packing(const Datbox& datbox, DatboxGrains which) {
     const double size = body.driven() ? disk.radius : body.average_radius;  // a driven mass has no effect
     const bool space = datbox.space();
     if (!body.driven()) space ? require_full_sphere(body) : require_full_disk(body);
-    const Eigen::Vector2d place = space ? body.position.head<2>() : place_in_plane(body, disk);
+    const Vector3 place = place_of(body, disk, space);
     packing.x.push_back(place[0]);
     packing.y.push_back(place[1]);
-    if (space) packing.z.push_back(body.position[2]);
+    if (space) packing.z.push_back(place[2]);
     const double density = density_of(datbox, body);
     packing.mass.push_back(space ? density * 4.0 / 3 * std::numbers::pi * size * size * size
                                  : density * std::numbers::pi * size * size);
@@ -262,13 +192,17 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
   const Packing packing = datbox_packing(datbox, DatboxGrains::all);
   Dynamics dynamics;
   dynamics.boundaries = boundaries_of(datbox);
-  double alert = 0;
-  std::tie(dynamics.interaction, alert) = contact_law_of(datbox);
+  const auto [interaction, alert, removes_overlaps] = contact_law_of(datbox);
+  dynamics.interaction = interaction;
   if (!datbox.gravity) fail("{}/BULK_BEHAV.DAT: expected a section $gravy, met none", datbox.folder);
   const auto [x, y, z] = *datbox.gravity;
   dynamics.time.gravity = datbox.space() ? Components<double>{x, y, z} : Components<double>{x, y};
   dynamics.time.alert = std::min(10.0, alert / *std::ranges::min_element(packing.radius));
-  if (dynamics.interaction.restitution == 0) dynamics.time.penetration_correction = 0;  // as in IQS_CLB
+  dynamics.time.boundary_instant = BoundaryInstant::end;
+  if (removes_overlaps)
+    dynamics.time.maximum_push_speed = 1e100;
+  else if (!interaction.on_velocity())
+    dynamics.time.penetration_correction = 0;
   return dynamics;
 }
 

@@ -9,10 +9,17 @@ bool is_constant(const std::vector<double>& values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
 }
 
+// Whether DRV_DOF.DAT has such a velocity: [CT + AMP cos(OMEGA t + PHI)] min(1, RAMPI + RAMP t), or a table.
+bool has_formula(const std::vector<double>& values, const std::vector<std::array<double, 5>>& oscillations) {
+  if (oscillations.empty()) return true;
+  const auto& [amplitude, omega, phase, ramp, growth] = oscillations.front();
+  return oscillations.size() == 1 && is_constant(values) && (values.front() == 0 || (ramp == 1 && growth == 0));
+}
+
 std::string table_name(Index body, std::size_t dof) { return fmt::format("velocity_{}_{}.dat", body, dof + 1); }
 
 std::string law_text(const char* name, const Interaction& interaction, double friction) {
-  if (interaction.restitution > 0)
+  if (interaction.on_velocity())
     return fmt::format(
         "$behav  lawty\n {}  {:30}{}\n{:38}{}\n\n", name, "RST_CLB",
         datbox_named({{"rstn=", interaction.restitution}, {"rstt=", interaction.tangential_restitution}}), "",
@@ -24,8 +31,8 @@ std::string law_text(const char* name, const Interaction& interaction, double fr
 std::string without_law(const Interaction& interaction) {
   if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
     return fmt::format("interaction.law: expected coulomb or frictionless, met {}", law);
-  if (interaction.restitution == 0 && interaction.tangential_restitution != 0)
-    return "interaction.tangential_restitution: expected 0 without normal restitution, as IQS_CLB has it";
+  if (!interaction.on_velocity() && interaction.tangential_restitution != 0)
+    return "interaction.tangential_restitution: expected 0 with the condition on the gap, as IQS_CLB has it";
   return {};
 }
 
@@ -44,11 +51,10 @@ std::string sight_text(const char* body, const char* grain, const char* law, con
 }
 
 bool turns_about_one_axis(const Motion& motion) {
-  const Eigen::Vector3d first = spin_vector(
-      *std::ranges::max_element(motion.velocity, {}, [&](const RigidVelocity& v) { return spin_vector(v).norm(); }));
-  return std::ranges::none_of(motion.velocity, [&](const RigidVelocity& v) {
-    return first.cross(spin_vector(v)).norm() > 1e-12 * first.squaredNorm();
-  });
+  const std::vector<Eigen::Vector3d> spins = spins_of(motion);
+  const Eigen::Vector3d first = *std::ranges::max_element(spins, {}, [](const auto& spin) { return spin.norm(); });
+  return std::ranges::none_of(spins,
+                              [&](const auto& spin) { return first.cross(spin).norm() > 1e-12 * first.squaredNorm(); });
 }
 
 }  // namespace
@@ -69,6 +75,13 @@ std::string datbox_named(std::initializer_list<std::pair<std::string_view, doubl
 
 std::string DatboxWriter::without_datbox() const {
   if (const std::string reason = without_law(first_.dynamics.interaction); !reason.empty()) return reason;
+  for (const Driven& one : driven_bodies())
+    for (std::size_t dof = 0; dof < one.velocity.size(); ++dof)
+      if (!has_formula(one.velocity[dof], one.oscillations[dof]))
+        return fmt::format(
+            "boundary '{}': expected along each degree of freedom a table, or one oscillation and a constant velocity, "
+            "which is 0 if the oscillation has a ramp",
+            first_.system.boundaries[at(bodies_[at(one.body - 1)].boundary)].name);
   for (const Body& body : bodies_) {
     if (body.boundary < 0) continue;
     const Boundary& boundary = first_.system.boundaries[at(body.boundary)];
@@ -104,13 +117,19 @@ std::vector<DatboxWriter::Driven> DatboxWriter::driven_bodies() const {
     const Motion& motion = first_.system.boundaries[at(body.boundary)].motion;
     Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
     if (body.wall >= 0) frame = node_of(body, first_.state).frame;
-    Driven one{number, motion.time, std::vector<std::vector<double>>(space_ ? 6 : 3)};
-    for (const RigidVelocity& v : motion.velocity.empty() ? std::vector<RigidVelocity>{{}} : motion.velocity) {
+    const auto numbers = [&](const RigidVelocity& v) {
       const Eigen::Vector3d spin = frame.transpose() * spin_vector(v);
-      const std::array<double, 6> in_space{v.x, v.y, v.z, spin[0], spin[1], spin[2]}, in_plane{v.x, v.y, v.spin};
+      return space_ ? std::vector<double>{v.x, v.y, v.z, spin[0], spin[1], spin[2]}
+                    : std::vector<double>{v.x, v.y, v.spin};
+    };
+    Driven one{number, motion.time, std::vector<std::vector<double>>(space_ ? 6 : 3)};
+    for (const RigidVelocity& v : motion.velocity.empty() ? std::vector<RigidVelocity>{{}} : motion.velocity)
+      for (std::size_t k = 0; k < one.velocity.size(); ++k) one.velocity[k].push_back(numbers(v)[k]);
+    one.oscillations.resize(one.velocity.size());
+    for (const auto& [amplitude, omega, phase, ramp, growth] : motion.oscillations)
       for (std::size_t k = 0; k < one.velocity.size(); ++k)
-        one.velocity[k].push_back(space_ ? in_space[k] : in_plane[k]);
-    }
+        if (const double size = numbers(amplitude)[k]; size != 0)
+          one.oscillations[k].push_back({size, omega, phase, ramp, growth});
     all.push_back(std::move(one));
   }
   return all;
@@ -126,10 +145,14 @@ std::string DatboxWriter::driven() const {
     for (std::size_t dof = 0; dof < one.velocity.size(); ++dof) {
       const std::vector<double>& values = one.velocity[dof];
       text += fmt::format(" vlocy  {:5}", dof + 1);
-      if (is_constant(values))
+      if (!one.oscillations[dof].empty()) {
+        text += " " + datbox_number(values.front());
+        for (const double value : one.oscillations[dof].front()) text += " " + datbox_number(value);
+      } else if (is_constant(values)) {
         for (const double value : {values.front(), 0.0, 0.0, 0.0, 1.0, 0.0}) text += " " + datbox_number(value);
-      else
+      } else {
         text += " evolution " + table_name(one.body, dof);
+      }
       text += "\n";
     }
     text += "$$$$$$\n\n";

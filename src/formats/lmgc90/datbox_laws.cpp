@@ -40,16 +40,15 @@ const DatboxLaw& law_of(const Datbox& datbox, const DatboxSight& sight) {
   const auto found = datbox.laws.find(sight.law);
   if (found == datbox.laws.end()) refuse(sight.place, "expected a law that is described, met '{}'", sight.law);
   const DatboxLaw& law = found->second;
-  if (law.kind != "IQS_CLB" && law.kind != "RST_CLB")
-    refuse(law.place, "expected law IQS_CLB or RST_CLB, met {}: others are not modelled", law.kind);
-  if (law.kind == "RST_CLB" && !(law.restitution > 0))
-    refuse(law.place, "rstn: expected a restitution above 0, or law IQS_CLB, met {}", law.restitution);
+  if (law.kind != "IQS_CLB" && law.kind != "GAP_SGR_CLB" && !law.on_velocity())
+    refuse(law.place, "expected law IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, met {}: others are not modelled",
+           law.kind);
   return law;
 }
 
 }  // namespace
 
-std::pair<Interaction, double> contact_law_of(const Datbox& datbox) {
+DatboxContacts contact_law_of(const Datbox& datbox) {
   const DatboxLaw *of_free = nullptr, *of_driven = nullptr, none;
   double alert = 0;
   const auto add = [&](const Colour& a, const Colour& b, bool driven) {
@@ -61,6 +60,9 @@ std::pair<Interaction, double> contact_law_of(const Datbox& datbox) {
       refuse(sight.place, "expected one friction between free {}s{}, {} as before, met {}",
              shape_of_grains(datbox.dimension), driven ? " and driven bodies" : "", same->friction, law.friction);
     const DatboxLaw& any = of_free != nullptr ? *of_free : *of_driven;
+    if (any.on_velocity() != law.on_velocity() || (any.kind == "GAP_SGR_CLB") != (law.kind == "GAP_SGR_CLB"))
+      refuse(sight.place, "expected one Signorini condition for all contacts, that of {} as before, met {}", any.kind,
+             law.kind);
     if (any.restitution != law.restitution || any.tangential_restitution != law.tangential_restitution)
       refuse(sight.place, "expected one restitution for all contacts, {} and {} as before, met {} and {}",
              any.restitution, any.tangential_restitution, law.restitution, law.tangential_restitution);
@@ -76,9 +78,10 @@ std::pair<Interaction, double> contact_law_of(const Datbox& datbox) {
   Interaction interaction;
   interaction.friction = law.friction;
   if (of_driven != nullptr && of_driven->friction != law.friction) interaction.boundary_friction = of_driven->friction;
+  if (law.on_velocity()) interaction.signorini = Signorini::velocity;
   interaction.restitution = law.restitution;
   interaction.tangential_restitution = law.tangential_restitution;
-  return {interaction, alert};
+  return {interaction, alert, law.kind == "GAP_SGR_CLB"};
 }
 
 }  // namespace nscdd

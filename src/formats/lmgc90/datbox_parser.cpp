@@ -76,7 +76,8 @@ void read_drives(FixedColumns lines, Datbox& datbox, const DatboxTexts& texts, c
                                                 {&DatboxDrive::phase, 60, "PHI"},
                                                 {&DatboxDrive::initial, 75, "RAMPI"},
                                                 {&DatboxDrive::rate, 90, "RAMP"}})
-        drive.*value = lines.number(static_cast<std::size_t>(column), name);
+        if (column <= 30 || drive.constant != 0 || drive.amplitude != 0)  // else the rest has no effect
+          drive.*value = lines.number(static_cast<std::size_t>(column), name);
     }
   }
 }
@@ -118,7 +119,7 @@ void read_bulk(FixedColumns lines, Datbox& datbox) {
                         datbox.space() ? lines.number(67, "grv3") : 0};
     } else if (section == "$behav") {
       lines.require_next("a bulk law");
-      if (lines.text(9, 38) == "RIGID")
+      if (lines.text(9, 38).ends_with("RIGID"))  // THERMO_RIGID and others have further data
         datbox.density[std::string(lines.text(2, 6))] = lines.positive_number(46, "Umas");
     }
   }
@@ -126,7 +127,7 @@ void read_bulk(FixedColumns lines, Datbox& datbox) {
 
 DatboxLaw read_law(FixedColumns& lines) {
   DatboxLaw law{.kind = std::string(lines.text(9, 38)), .place = lines.place()};
-  if (law.kind == "IQS_CLB") {
+  if (law.kind == "IQS_CLB" || law.kind == "GAP_SGR_CLB" || law.kind == "VEL_SGR_CLB") {
     law.friction = lines.number(46, "fric");
   } else if (law.kind == "RST_CLB") {
     law.restitution = lines.number(46, "rstn");

@@ -16,8 +16,15 @@ double volume_of(double radius) { return 4.0 / 3 * std::numbers::pi * radius * r
 
 }  // namespace
 
+std::vector<Vector3> spins_of(const Motion& motion) {
+  std::vector<Vector3> spins;
+  for (const RigidVelocity& v : motion.velocity) spins.push_back(spin_vector(v));
+  for (const Oscillation& one : motion.oscillations) spins.push_back(spin_vector(one.amplitude));
+  return spins;
+}
+
 bool turns(const Motion& motion) {
-  return std::ranges::any_of(motion.velocity, [](const RigidVelocity& v) { return spin_vector(v) != Vector3::Zero(); });
+  return std::ranges::any_of(spins_of(motion), [](const Vector3& spin) { return spin != Vector3::Zero(); });
 }
 
 std::string datbox_three(const std::array<std::string, 3>& names, const Vector3& values) {
@@ -235,7 +242,9 @@ std::string DatboxWriter::bulk() const {
 std::string DatboxWriter::dof(const TrajectoryStep& step) const {
   const GranularSystem& system = first_.system;
   const GranularState& state = step.state;
-  const std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
+  std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
+  for (std::size_t k = 0; state.step == 0 && k < motions.size(); ++k)
+    motions[k] = system.boundaries[k].motion.initial.value_or(motions[k]);
   std::string text = datbox_head("DOF", state.step, state.time);
   for (Index number = 1; number <= count(bodies_); ++number) {
     const Body& body = bodies_[at(number - 1)];

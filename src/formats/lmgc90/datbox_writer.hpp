@@ -54,6 +54,7 @@ class DatboxWriter {
     Index body = 0;
     std::vector<double> time;
     std::vector<std::vector<double>> velocity;
+    std::vector<std::vector<std::array<double, 5>>> oscillations{};  // AMP, OMEGA, PHI, RAMPI and RAMP of each
   };
 
   void number_bodies();
@@ -101,7 +102,8 @@ inline constexpr const char *datbox_law_of_grains = "CLB_G", *datbox_law_of_boun
 
 inline Eigen::Vector3d spin_vector(const RigidVelocity& v) { return {v.spin_x, v.spin_y, v.spin}; }
 
-/// Whether the motion ever has a spin.
+/// Spins of the entries and oscillations of a motion, and whether it ever has one.
+std::vector<Eigen::Vector3d> spins_of(const Motion& motion);
 bool turns(const Motion& motion);
 
 }  // namespace nscdd

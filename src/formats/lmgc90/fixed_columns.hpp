@@ -44,16 +44,17 @@ class FixedColumns {
   std::string_view key() const { return text(1, 6); }
   bool section() const { return line_.empty() || line_[0] == '$'; }
 
-  /// A number in the 14 columns from `first` on, with D or E for the exponent. `blank`: blanks are 0.
+  /// A number in the 14 columns from `first` on, with D or E for the exponent. `blank`: blanks are 0. LMGC90 reads no
+  /// further: a number that goes on must have the same value with what it would cut off.
   double number(std::size_t first, std::string_view what, bool blank = false) const {
     const std::string_view field = text(first, first + 13);
     if (field.empty() && blank) return 0;
-    const bool cut =
-        !field.empty() && line_.size() >= first + 14 && line_[first + 12] != ' ' && line_[first + 13] != ' ';
-    const std::optional<double> value = cut ? std::nullopt : fortran_number(field);
-    if (!value)
+    const std::size_t end = std::max(std::min(line_.find_first_of(" \t", first + 12), line_.size()), first - 1);
+    const std::string_view whole = field.empty() ? field : trimmed(line_.substr(first - 1, end - (first - 1)));
+    const std::optional<double> value = fortran_number(field);
+    if (!value || value != fortran_number(whole))
       refuse(fmt::format("{}: expected a number in columns {} to {}", what, first, first + 13),
-             cut ? fmt::format("'{}' and more behind it", field) : fmt::format("'{}'", field));
+             whole.size() > field.size() ? fmt::format("'{}' and more behind it", field) : fmt::format("'{}'", field));
     return *value;
   }
   double positive_number(std::size_t first, std::string_view what) const {
