@@ -19,6 +19,14 @@ template <class... Arguments>
   fail("{}:{}: {}", place.file, place.line, fmt::format(format, std::forward<Arguments>(arguments)...));
 }
 
+/// The solid that a polygon POLYG or a polyhedron POLYR bounds.
+struct DatboxSolid {
+  double volume = 0;                                  ///< m^3, in the plane its area, m^2
+  Eigen::Vector3d centre{0, 0, 0};                    ///< of mass, m, in the axes of the body
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre, over the density
+  double reach = 0;                                   ///< m, from the centre to the farthest vertex
+};
+
 /// A shape of a body.
 struct DatboxContactor {
   /// JONCx, a plank with round ends, or PLANx in space; else a disk DISKx or a sphere SPHER (DISKb, SPHEb in a
@@ -28,6 +36,7 @@ struct DatboxContactor {
   double length = 0, thickness = 0;  ///< m, of a plank: half its length without the ends, half its thickness
   double width = 0;                  ///< m, of a plank in space: half its width
   Eigen::Vector3d shift{0, 0, 0};    ///< m, from the centre of the body, in its axes
+  std::optional<DatboxSolid> solid{};  ///< of a POLYG or POLYR
   std::string colour;
   DatboxPlace place;
 };
@@ -53,8 +62,10 @@ struct DatboxBody {
   std::string bulk;                                  ///< name of its bulk law
   std::vector<DatboxContactor> contactors;           ///< at least one
   std::array<std::optional<DatboxDrive>, 6> drives;  ///< three in the plane
+  std::array<std::optional<DatboxDrive>, 6> forces;  ///< N or N m
   std::optional<DatboxPlace> force;                  ///< place of a prescribed force, if any
   DatboxPlace place, velocity_place;
+  std::string unmodelled;  ///< the error about its first shape that no packing has; empty: none
 
   bool driven() const {
     return std::ranges::any_of(drives, [](const auto& drive) { return drive.has_value(); });
@@ -101,10 +112,16 @@ struct DatboxTexts {
   std::function<std::string(const std::string& name)> table{};  ///< the text of a table that DRV_DOF.DAT names
 };
 
+/// Which bodies are read.
+enum class DatboxShapes {
+  modelled,  ///< those of packings: disks, spheres and planks, one contactor in a body in space
+  any,       ///< all; DatboxBody::unmodelled has the error that `modelled` throws
+};
+
 /// Reads the files by columns, as LMGC90 does. `folder` precedes the names of files in errors. Throws Error for bodies
-/// other than RBDY2 or RBDY3, bodies of both, contactors other than disks, spheres and planks, several nodes or bulk
-/// elements in a body, and for all that LMGC90 could not read or would read as another number.
-Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder);
+/// other than RBDY2 or RBDY3, bodies of both, other shapes, several nodes or bulk elements in a body, and for all that
+/// LMGC90 could not read or would read as another number.
+Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxShapes = DatboxShapes::modelled);
 
 /// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX.
 bool holds_datbox(const std::string& path);
@@ -112,8 +129,12 @@ bool holds_datbox(const std::string& path);
 /// The existing files of such a folder.
 std::vector<std::string> datbox_files(const std::string& path);
 
-/// Reads such a folder. Throws Error as parse_datbox, and for files that cannot be read.
-Datbox read_datbox(const std::string& path);
+/// Reads such a folder, with the state in `initial`, or in its DOF.INI if that is empty. Throws Error as parse_datbox,
+/// and for files that cannot be read.
+Datbox read_datbox(const std::string& path, DatboxShapes = DatboxShapes::modelled, const std::string& initial = {});
+
+/// Throws Error if its bulk law has none.
+double density_of(const Datbox& datbox, const DatboxBody& body);
 
 enum class DatboxGrains {
   all,   ///< of a case that moves: driven grains form boundaries
@@ -126,12 +147,16 @@ Packing datbox_packing(const Datbox& datbox, DatboxGrains which);
 
 /// The packing of a folder as a case with prescribed initial velocities. `moving`: also laws, gravity and boundaries
 /// (planks as straight walls, driven disks as grains of a boundary), with default time steps. Throws Error as
-/// datbox_packing and, if `moving`, for all else that is not modelled (docs/formats.md).
+/// datbox_packing and, if `moving`, for all else that is not modelled (docs/formats.md). A folder with other shapes whose
+/// Vloc_Rloc.INI has contacts is a contact problem, unless `moving`.
 CaseSpec case_of_datbox(const std::string& path, bool moving);
 
 /// The motion of a driven body, `start` after the origin of the time of its drives, s. Throws Error unless it is driven
 /// in all degrees of freedom, and turns about one axis.
 Motion datbox_motion(const DatboxBody& body, double start, Index dimension);
+
+/// Throws Error at `place` for a law that is not described, and for other laws than those of DatboxLaw.
+const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const DatboxPlace& place);
 
 /// Its laws, gravity and boundaries.
 Dynamics datbox_dynamics(const Datbox& datbox);

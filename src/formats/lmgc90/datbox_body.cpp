@@ -34,7 +34,16 @@ void read_frame(FixedColumns& lines, DatboxBody& body) {
   body.position += lines.three_numbers("coo{}");
 }
 
-DatboxContactor read_contactor(FixedColumns& lines, bool space) {
+// Only the first error of a body is kept.
+template <class... Arguments>
+void note_unmodelled(DatboxBody& body, const DatboxPlace& place, fmt::format_string<Arguments...> format,
+                     Arguments&&... arguments) {
+  if (body.unmodelled.empty())
+    body.unmodelled =
+        fmt::format("{}:{}: {}", place.file, place.line, fmt::format(format, std::forward<Arguments>(arguments)...));
+}
+
+DatboxContactor read_contactor(FixedColumns& lines, bool space, DatboxBody& body) {
   const std::string kind(lines.text(2, 6));
   DatboxContactor contactor{
       .plank = kind == (space ? "PLANx" : "JONCx"), .colour = std::string(lines.text(23, 27)), .place = lines.place()};
@@ -49,9 +58,10 @@ DatboxContactor read_contactor(FixedColumns& lines, bool space) {
   } else if (cluster || kind == (space ? "SPHER" : "DISKx")) {
     contactor.radius = lines.positive_number(35, "byrd");
   } else {
-    lines.refuse(fmt::format("expected contactors {}: other shapes are not modelled",
-                             space ? "SPHER, SPHEb or PLANx" : "DISKx, DISKb or JONCx"),
-                 kind);
+    note_unmodelled(body, contactor.place, "expected contactors {}: other shapes are not modelled, met {}",
+                    space ? "SPHER, SPHEb or PLANx" : "DISKx, DISKb or JONCx", kind);
+    if (kind == (space ? "POLYR" : "POLYG") && lines.text(30, 38) == "nb_vertex")
+      contactor.solid = read_solid(lines, space);
   }
   if (cluster) {
     lines.require_next(fmt::format("a line with the place of {}", kind));
@@ -63,6 +73,7 @@ DatboxContactor read_contactor(FixedColumns& lines, bool space) {
 // Computes, as LMGC90 does, values that are 0 in BODIES.DAT: the centre of a body of several contactors, weighted by
 // their areas, and its radii. (Those of a plank, which is never free here, have no effect.)
 void complete(DatboxBody& body, Index dimension) {
+  if (body.contactors.size() == 1 && body.contactors[0].solid) return complete_solid(body, dimension);
   if (dimension == 3) {
     const double radius = body.contactors[0].radius, volume = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
     if (body.average_radius == 0) body.average_radius = radius;
@@ -100,8 +111,10 @@ void read_line(FixedColumns& lines, const std::string& section, Index dimension,
     return;  // coo4 to coo6, which LMGC90 sets to 0
   else if (section == "$tacty" && space && again && lines.text(30, 39) == "localframe" && body.plank())
     read_frame(lines, body);
+  else if (section == "$tacty" && lines.text(2, 6).empty() && !body.unmodelled.empty())
+    return;  // more of a shape that is not modelled
   else if (section == "$tacty")
-    body.contactors.push_back(read_contactor(lines, space));
+    body.contactors.push_back(read_contactor(lines, space, body));
   else
     lines.refuse(fmt::format("section {}: expected one line", section), "another");
 }
@@ -143,8 +156,8 @@ DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first) {
   require_that(lines.key() == "$$$$$$", "a body that ends with $$$$$$, met one that does not");
   require_that(seen["$blmty"] > 0 && seen["$nodty"] > 0, "a body with a bulk element and a node, met one without");
   require_that(contactors > 0, "a body with a contactor, met one without");
-  require_that(contactors == 1 || std::ranges::none_of(body.contactors, &DatboxContactor::plank),
-               "a plank JONCx alone in its body, met one with other contactors");
+  if (contactors > 1 && std::ranges::any_of(body.contactors, &DatboxContactor::plank))
+    note_unmodelled(body, body.place, "expected a plank JONCx alone in its body, met one with other contactors");
   complete(body, dimension);
   return body;
 }

@@ -37,13 +37,6 @@ void require_full_sphere(const DatboxBody& body) {
              expected, inertia);
 }
 
-double density_of(const Datbox& datbox, const DatboxBody& body) {
-  const auto found = datbox.density.find(body.bulk);
-  if (found == datbox.density.end())
-    refuse(body.place, "bulk law '{}': expected a law RIGID of that name in BULK_BEHAV.DAT, met none", body.bulk);
-  return found->second;
-}
-
 Vector3 place_of(const DatboxBody& body, const DatboxContactor& grain, bool space) {
   if (space) return body.position + body.frame * grain.shift;
   const double c = std::cos(body.position[2]), s = std::sin(body.position[2]);
@@ -165,6 +158,13 @@ std::string trimmed(std::string path) {
 }
 
 }  // namespace
+
+double density_of(const Datbox& datbox, const DatboxBody& body) {
+  const auto found = datbox.density.find(body.bulk);
+  if (found == datbox.density.end())
+    refuse(body.place, "bulk law '{}': expected a law RIGID of that name in BULK_BEHAV.DAT, met none", body.bulk);
+  return found->second;
+}
 
 Packing datbox_packing(const Datbox& datbox, DatboxGrains which) {
   Packing packing;

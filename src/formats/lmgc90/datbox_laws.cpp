@@ -37,16 +37,20 @@ const DatboxSight& sight_of(const Datbox& datbox, const Colour& a, const Colour&
 }
 
 const DatboxLaw& law_of(const Datbox& datbox, const DatboxSight& sight) {
-  const auto found = datbox.laws.find(sight.law);
-  if (found == datbox.laws.end()) refuse(sight.place, "expected a law that is described, met '{}'", sight.law);
+  return law_named(datbox, sight.law, sight.place);
+}
+
+}  // namespace
+
+const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const DatboxPlace& place) {
+  const auto found = datbox.laws.find(name);
+  if (found == datbox.laws.end()) refuse(place, "expected a law that is described, met '{}'", name);
   const DatboxLaw& law = found->second;
   if (law.kind != "IQS_CLB" && law.kind != "GAP_SGR_CLB" && !law.on_velocity())
     refuse(law.place, "expected law IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, met {}: others are not modelled",
            law.kind);
   return law;
 }
-
-}  // namespace
 
 DatboxContacts contact_law_of(const Datbox& datbox) {
   const DatboxLaw *of_free = nullptr, *of_driven = nullptr, none;

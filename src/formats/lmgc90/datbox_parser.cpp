@@ -55,16 +55,13 @@ void read_drives(FixedColumns lines, Datbox& datbox, const DatboxTexts& texts, c
     while (lines.next() && lines.key() != "$$$$$$") {
       if (lines.section() || lines.text(2, 3) == "NO") continue;
       const std::string_view kind = lines.text(2, 6);
-      if (kind == "force") {
-        body.force = lines.place();
-        continue;
-      }
-      if (kind != "vlocy") lines.refuse("expected vlocy or force", kind);
+      if (kind != "vlocy" && kind != "force") lines.refuse("expected vlocy or force", kind);
+      if (kind == "force") body.force = lines.place();
       const Index dof = lines.integer(9, 13, "degree of freedom");
       if (dof < 1 || dof > most)
         lines.refuse(fmt::format("expected a degree of freedom 1, 2 {}", most == 3 ? "or 3" : "... 6"),
                      std::to_string(dof));
-      DatboxDrive& drive = body.drives[at(dof - 1)].emplace();
+      DatboxDrive& drive = (kind == "force" ? body.forces : body.drives)[at(dof - 1)].emplace();
       drive.place = lines.place();
       if (lines.text(15, 23) == "evolution") {
         read_table(lines, texts, folder, drive);
@@ -164,14 +161,17 @@ fs::path datbox_folder(const std::string& path) {
 
 }  // namespace
 
-Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder) {
+Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxShapes shapes) {
   const auto lines = [&](const std::string& text, const char* name) {
     return FixedColumns(text, (fs::path(folder) / name).string());
   };
   Datbox datbox;
   datbox.folder = folder;
-  for (FixedColumns bodies = lines(texts.bodies, "BODIES.DAT"); bodies.find("$bdyty");)
+  for (FixedColumns bodies = lines(texts.bodies, "BODIES.DAT"); bodies.find("$bdyty");) {
     datbox.bodies.push_back(read_datbox_body(bodies, datbox.dimension, datbox.bodies.empty()));
+    const std::string& unmodelled = datbox.bodies.back().unmodelled;
+    if (shapes == DatboxShapes::modelled && !unmodelled.empty()) fail("{}", unmodelled);
+  }
   read_drives(lines(texts.driven, "DRV_DOF.DAT"), datbox, texts, folder);
   read_initial(lines(texts.initial, "DOF.INI"), datbox);
   read_bulk(lines(texts.bulk, "BULK_BEHAV.DAT"), datbox);
@@ -191,13 +191,13 @@ std::vector<std::string> datbox_files(const std::string& path) {
   return files;
 }
 
-Datbox read_datbox(const std::string& path) {
+Datbox read_datbox(const std::string& path, DatboxShapes shapes, const std::string& initial) {
   const fs::path folder = datbox_folder(path);
   const auto required = [&](const std::string& name) { return read_text((folder / name).string()); };
   const auto text = [&](const char* name) { return is_there(folder / name) ? required(name) : std::string(); };
   return parse_datbox({required("BODIES.DAT"), required("BULK_BEHAV.DAT"), text("TACT_BEHAV.DAT"), text("DRV_DOF.DAT"),
-                       text("DOF.INI"), required},
-                      folder.string());
+                       initial.empty() ? text("DOF.INI") : read_text(initial), required},
+                      folder.string(), shapes);
 }
 
 }  // namespace nscdd
