@@ -21,12 +21,14 @@ struct FclibInfo {
 };
 
 /// A file of the Friction Contact Library (FCLIB, https://frictionalcontactlibrary.github.io), with which Siconos,
-/// LMGC90 and others exchange frictional contact problems. A text file of Siconos (.dat) fills only `problem`.
+/// LMGC90 and others exchange frictional contact problems. A text file of Siconos (.dat) fills only `problem`,
+/// one of LMGC90 has a guess and the points of its contacts.
 struct FclibFile {
   std::variant<LocalFrictionProblem, GlobalFrictionProblem> problem;
   FclibInfo info;
   std::optional<FclibSolution> solution;
   std::vector<FclibSolution> guesses;
+  Matrix points = {};  ///< of the contacts, D x contacts, m; only from Vloc_Rloc of LMGC90, else empty
 
   Index contacts() const;
   Index dimension() const;  ///< D: `spacedim` of FCLIB, 2 or 3
@@ -45,9 +47,10 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name);
 /// Reads a file of FCLIB with any name. Throws Error as `fclib_from_hdf5`.
 FclibFile read_fclib(const std::string& path);
 
-/// Reads a global problem: a text of Siconos if the name ends in .dat (docs/formats.md), else HDF5 of FCLIB. Throws
-/// Error as `read_fclib`, "name:line: expected ..., met ..." for a text, and for a local problem.
-GlobalFrictionProblem read_global_problem(const std::string& path);
+/// Reads a global problem: a text of Siconos if the name ends in .dat, of LMGC90 if it begins with Vloc_Rloc or is a
+/// folder DATBOX (docs/formats.md), else HDF5 of FCLIB. `points`: receives those of the file. Throws Error as
+/// `read_fclib`, "name:line: expected ..., met ..." for a text, and for a local problem.
+GlobalFrictionProblem read_global_problem(const std::string& path, Matrix* points = nullptr);
 
 /// The bytes of a file that FCLIB and Siconos read, and that reads back to `file` bit for bit: matrices by columns,
 /// 32-bit integers. The group `provenance` is ours.

@@ -213,7 +213,8 @@ Case resolve(CaseSpec spec) {
       return moves ? datbox_packing(read_datbox(path), DatboxGrains::all) : read_packing(path);
     });
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
-    one.problem = at_key(one.spec, "problem.file", [&] { return read_global_problem(beside(file->path)); });
+    one.problem =
+        at_key(one.spec, "problem.file", [&] { return read_global_problem(beside(file->path), &one.points); });
   if (std::holds_alternative<SettledFrom>(one.spec.packing))
     throw Error(where(one.spec, "packing.settled") + ": expected a generator or a file: nothing can be settled here");
   return one;

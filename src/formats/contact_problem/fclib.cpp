@@ -265,8 +265,9 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
 
 FclibFile read_fclib(const std::string& path) { return fclib_from_hdf5(read_text(path), path); }
 
-GlobalFrictionProblem read_global_problem(const std::string& path) {
+GlobalFrictionProblem read_global_problem(const std::string& path, Matrix* points) {
   FclibFile file = read_contact_problem(path);
+  if (points != nullptr) *points = file.points;
   if (auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return std::move(*global);
   fail("{}: expected a global problem, with M and H, met a local one, which does not identify bodies", path);
 }

@@ -30,17 +30,32 @@ struct MassFields {
   }
 };
 
-Partition partition_without_geometry(const Partitioner& partitioner, const ReferenceProblem& problem,
-                                     const std::string& path) {
+// The points of contacts as a packing with their midpoints.
+std::pair<Packing, ContactNetwork> geometry_of(const Matrix& points) {
+  const auto row = [&](Index k) { return std::vector<double>(points.row(k).begin(), points.row(k).end()); };
+  Packing packing{.x = row(0), .y = row(1), .radius = std::vector<double>(at(points.cols()), 1.0), .mass = {}};
+  if (points.rows() == 3) packing.z = row(2);
+  ContactNetwork network;
+  for (Index c = 0; c < points.cols(); ++c) {
+    Contact contact;
+    std::ranges::copy(points.col(c), contact.midpoint.begin());
+    network.contacts.insert(network.contacts.end(), at(points.rows()), contact);  // one per column of H
+  }
+  return {packing, network};
+}
+
+Partition partition_of_problem(const Partitioner& partitioner, const ReferenceProblem& problem, const Matrix& points,
+                               const std::string& path) {
   if (subdomains(partitioner) == 1)
     return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
-  const auto refuse = [&]() -> std::pair<Packing, ContactNetwork> {
+  const auto geometry = [&] {
+    if (points.size() > 0) return geometry_of(points);
     fail(
         "{}: expected subdomains metis:N (partition.metis) for a contact problem, which has no geometry, met {} "
         "subdomains by another partitioner",
         path, subdomains(partitioner));
   };
-  return distribute(partitioner, refuse, [&]() -> const ReferenceProblem& { return problem; });
+  return distribute(partitioner, geometry, [&]() -> const ReferenceProblem& { return problem; });
 }
 
 // "file:line: ", as far as known.
@@ -102,7 +117,7 @@ Model without_parts(const Case& one, const Monitor& monitor) try {
       fail("{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
            file->path, one.spec.prescribed.size());
     model.problem = reference_problem(one.problem, file->path);
-    model.partition = partition_without_geometry(one.spec.partition, model.problem, file->path);
+    model.partition = partition_of_problem(one.spec.partition, model.problem, one.points, file->path);
     return model;
   }
   model.packing = with_masses(packing_of(one, monitor), one.spec.masses);

@@ -43,6 +43,7 @@ struct Case {
   CaseSpec spec;
   Packing packing = {};                ///< of a packing file, or settled (with masses); else empty
   GlobalFrictionProblem problem = {};  ///< of the file of a contact problem; else empty
+  Matrix points = {};                  ///< of its contacts, D x contacts, m; empty where the file has none
   /// Of a settled packing: the case file it was settled from, then those which that one was settled from in turn.
   std::string settled_from = {};
   /// Called with every model of this case before it is decomposed, for remarks on its contacts and subdomains.
@@ -87,8 +88,9 @@ void check_dynamics(const CaseSpec& spec);
 /// grains.
 Simulation simulation_of(const Case& one, const Monitor& monitor = {});
 
-/// The model of a case: packing, masses, contacts, M and H, decomposition. A contact problem has its M and H, and no
-/// regular grid can partition it. Throws Error as the functions called. The monitor follows the generator.
+/// The model of a case: packing, masses, contacts, M and H, decomposition. A contact problem has its M and H, and a grid
+/// partitions it only if the points of its contacts are known. Throws Error as the functions called. The monitor follows
+/// the generator.
 Model build(const Case& one, const Monitor& monitor = {});
 
 /// The two halves of it for one of several ranks, which keeps its own subdomains. The first half has all subdomains,
