@@ -26,7 +26,7 @@ std::vector<Verb> all_verbs() {
       {"report", "one page to look at a packing or a run: radii, modes, criteria, force chains, as HTML",
        declare_report},
       {"generate", "write the packing of a generator or a case, as CSV or HDF5", declare_generate},
-      {"solve", "solve a frictional contact problem of another program (FCLIB, Siconos)", declare_solve},
+      {"solve", "solve a frictional contact problem of another program (FCLIB, Siconos, LMGC90)", declare_solve},
       {"list", "known cases, studies, generators, partitioners and observables", declare_list},
       {"manual", "write manual pages and the completion of bash into a folder", declare_manual},
   };

@@ -2,6 +2,7 @@
 #include "app/solve_trials.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
+#include "formats/lmgc90/datbox.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd::app {
@@ -148,7 +149,7 @@ void write_result(const FclibFile& file, const FrictionSolution& solution, const
 
 void check_options(const Options& options) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(options.file, ignored))
+  if (std::filesystem::is_directory(options.file, ignored) && !holds_datbox(options.file))
     fail("{}: expected a file, or a folder with --csv, met a folder alone", options.file);
   if (options.algorithms.size() > 1 || options.algorithms == std::vector<std::string>{"all"})
     fail("--solver: expected one, or several with --csv, met {}", fmt::join(options.algorithms, ", "));
@@ -211,7 +212,8 @@ int run(const Options& options, const Context& context) {
 Action declare_solve(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("FILE", options->file,
-                   "contact problem with friction, in the plane or in space, HDF5 of FCLIB or .dat of Siconos; with "
+                   "contact problem with friction, in the plane or in space, HDF5 of FCLIB, .dat of Siconos or "
+                   "Vloc_Rloc.INI of LMGC90; with "
                    "--csv also a folder of them");
   command.fields(options->solver);
   Option& solver = command.named("--solver");

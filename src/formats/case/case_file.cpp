@@ -5,7 +5,7 @@
 #include "files/csv.hpp"
 #include "files/strict_toml.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
-#include "formats/lmgc90/datbox.hpp"
+#include "formats/lmgc90/vloc_rloc.hpp"
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/formats/read_model.hpp>
 
@@ -179,6 +179,11 @@ CaseSpec spec_of_file(const std::string& path, bool moving) {
   const std::filesystem::path extension = std::filesystem::path(path).extension();
   if (extension == ".toml") return read_case(path);
   CaseSpec spec;
+  if (has_vloc_rloc_name(path)) {
+    spec.name = datbox_name(std::filesystem::path(path).parent_path().string());
+    spec.packing = ContactProblemFile{path};
+    return spec;
+  }
   spec.name = std::filesystem::path(path).stem().string();
   const auto format = packing_format(path);
   bool problem = format == PackingFormat::hdf5 && holds_fclib(read_text(path), path);
@@ -190,7 +195,7 @@ CaseSpec spec_of_file(const std::string& path, bool moving) {
     if (!packing && !siconos)
       fail(
           "{}: expected a case file (.toml), a packing file (.csv, .h5 or .hdf5, or .txt with lines 'x y radius'), a "
-          "folder with BODIES.DAT or a contact problem (.hdf5 or .dat)",
+          "folder with BODIES.DAT or a contact problem (.hdf5, .dat or Vloc_Rloc.INI)",
           path);
     problem = !packing;
   }

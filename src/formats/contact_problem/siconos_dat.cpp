@@ -4,6 +4,7 @@
 #include "core/fail.hpp"
 #include "core/text.hpp"
 #include "files/csv.hpp"
+#include "formats/lmgc90/vloc_rloc.hpp"
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/core/fields.hpp>
 
@@ -292,6 +293,7 @@ std::string siconos_text(const FclibFile& file, const std::string& program) {
 bool has_siconos_name(const std::string& path) { return std::filesystem::path(path).extension() == ".dat"; }
 
 FclibFile read_contact_problem(const std::string& path) {
+  if (has_vloc_rloc_name(path) || holds_datbox(path)) return read_vloc_rloc(path);
   return has_siconos_name(path) ? siconos_from_text(read_text(path), path) : read_fclib(path);
 }
 

@@ -20,7 +20,8 @@ std::string siconos_text(const FclibFile& file, const std::string& program);
 /// Whether the name is that of a file of Siconos: it ends in .dat.
 bool has_siconos_name(const std::string& path);
 
-/// Reads a file of FCLIB or of Siconos, by its name. Throws Error as `fclib_from_hdf5` and `siconos_from_text`.
+/// Reads a file of FCLIB, of Siconos or of LMGC90, by its name. Throws Error as `fclib_from_hdf5`, `siconos_from_text`
+/// and `read_vloc_rloc`.
 FclibFile read_contact_problem(const std::string& path);
 
 }  // namespace nscdd

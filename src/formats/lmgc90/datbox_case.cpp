@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Packing and case of a DATBOX.
-#include "formats/lmgc90/datbox.hpp"
+#include "formats/lmgc90/vloc_rloc.hpp"
 
 #include <filesystem>
 #include <numbers>
@@ -207,12 +207,18 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
 }
 
 CaseSpec case_of_datbox(const std::string& path, bool moving) {
-  const Datbox datbox = read_datbox(path);
+  const Datbox datbox = read_datbox(path, DatboxShapes::any);
   CaseSpec spec;
+  spec.name = datbox_name(trimmed(path));
+  const auto unmodelled = std::ranges::find_if(datbox.bodies, [](const auto& one) { return !one.unmodelled.empty(); });
+  if (unmodelled != datbox.bodies.end()) {
+    const std::string network = vloc_rloc_of_datbox(path);
+    if (network.empty()) fail("{}", unmodelled->unmodelled);
+    if (moving) fail("{}; sweep, inspect and solve take its contacts from {}", unmodelled->unmodelled, network);
+    spec.packing = ContactProblemFile{network};
+    return spec;
+  }
   spec.packing = PackingFile{trimmed(path)};
-  std::filesystem::path folder = std::filesystem::path(trimmed(path)).lexically_normal();
-  if (folder.filename() == "DATBOX" && folder.has_parent_path()) folder = folder.parent_path();
-  spec.name = folder.filename().string();
   spec.prescribed = moving_grains(datbox, moving ? DatboxGrains::all : DatboxGrains::free);
   if (moving) spec.dynamics = datbox_dynamics(datbox);
   return spec;
