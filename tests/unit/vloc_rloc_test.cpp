@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contact networks of LMGC90 as contact problems: M, H and loads of bodies with corners against numbers worked out by
+// hand, what is refused, and the folders of LMGC90 where NSCDD_LMGC90 names a folder of them.
+#include "formats/lmgc90/vloc_rloc.hpp"
+
+#include "../support/run_program.hpp"
+#include "../support/spoilt.hpp"
+#include "files/csv.hpp"
+#include "formats/contact_problem/siconos_dat.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+
+struct NetworkTexts {
+  DatboxTexts datbox;
+  std::string contacts;
+};
+
+// A square of side 2 about (1, 1) with five corners, whose mass follows from its corners, over a plank that is driven,
+// and a triangle about (2, 3) that is driven along x and pushed along y.
+NetworkTexts square() {
+  NetworkTexts texts;
+  texts.datbox.bodies = R"($bdyty
+ RBDY2      1
+$blmty
+ PLAIN      1  behav  STONE  avrd= 0.0000000D+00  gyrd= 0.0000000D+00
+$nodty
+ NO3xx      1                coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00
+$tacty
+ POLYG      1  color  BLEUx  nb_vertex=    5      byrd= 0.0000000D+00
+                             coo1= 0.0000000D+00  coo2= 0.0000000D+00
+                             coo1= 0.1000000D+01  coo2= 0.0000000D+00
+                             coo1= 0.2000000D+01  coo2= 0.0000000D+00
+                             coo1= 0.2000000D+01  coo2= 0.2000000D+01
+                             coo1= 0.0000000D+00  coo2= 0.2000000D+01
+$$$$$$
+
+$bdyty
+ RBDY2      2
+$blmty
+ PLAIN      1  behav  STONE  avrd= 0.0000000D+00  gyrd= 0.0000000D+00
+$nodty
+ NO3xx      1                coo1= 0.1000000D+01  coo2=-0.5000000D+00  coo3= 0.0000000D+00
+$tacty
+ JONCx      1  color  WALLx  ax1 = 3.0000000E+00  ax2 = 5.0000000E-01
+$$$$$$
+
+$bdyty
+ RBDY2      3
+$blmty
+ PLAIN      1  behav  STONE  avrd= 0.5641896D+00  gyrd= 0.5000000D+00
+$nodty
+ NO3xx      1                coo1= 0.2000000D+01  coo2= 0.3000000D+01  coo3= 0.0000000D+00
+$tacty
+ POLYG      1  color  BLEUx  nb_vertex=    3      byrd= 0.0000000D+00
+                             coo1=-0.1000000D+01  coo2=-0.1000000D+01
+                             coo1= 0.1000000D+01  coo2=-0.1000000D+01
+                             coo1= 0.0000000D+00  coo2= 0.2000000D+01
+$$$$$$
+)";
+  texts.datbox.bulk = R"($gravy
+                   grv1= 0.0000000D+00  grv2=-0.1000000D+02  grv3= 0.0000000D+00
+$behav  lawty
+ STONE  THERMO_RIGID                    Umas= 0.3000000D+01
+)";
+  texts.datbox.tact = R"($behav  lawty
+ iqsc0  IQS_CLB                         fric= 0.5000000D+00
+$behav  lawty
+ rstc0  RST_CLB                         rstn= 0.5000000D+00  rstt= 0.2500000D+00
+                                        fric= 0.3000000D+00
+)";
+  texts.datbox.driven = R"($bdyty
+ RBDY2      2
+$nodty
+ NO3xx      1
+ vlocy      1  0.1250000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+ vlocy      2  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+ vlocy      3  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+$$$$$$
+$bdyty
+ RBDY2      3
+$nodty
+ NO3xx      1
+ vlocy      1  0.5000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+ vlocy      3  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+ force      2  0.6000000D+01  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+$$$$$$
+)";
+  texts.datbox.initial = R"($steps       10              time= 0.1000000D+00
+$bdyty
+ RBDY2        1
+$nodty
+ NO3xx      1                X(1)= 0.0000000D+00  X(2)= 0.0000000D+00  X(3)= 0.0000000D+00
+                             V(1)= 0.5000000D+00  V(2)=-0.1000000D+01  V(3)= 0.2500000D+00
+$$$$$$
+$bdyty
+ RBDY2        3
+$nodty
+ NO3xx      1                X(1)= 0.0000000D+00  X(2)= 0.0000000D+00  X(3)= 0.0000000D+00
+                             V(1)= 0.5000000D+00  V(2)=-0.2000000D+01  V(3)= 0.0000000D+00
+$$$$$$
+)";
+  texts.contacts = R"(
+! Vloc_Rloc
+
+$steps       10              time= 0.1000000D+00
+
+!-----------------------------------------------------------------------
+$icdan  PLJCx        1
+ cdbdy  numbr  cdtac  numbr  vertx  numbr  behav  anbdy  numbr  antac  numbr                sttus iadj
+ RBDY2      1  POLYG      1  CDVER      2  iqsc0  RBDY2      2  JONCx      1                stick     1
+                             rlt/H 0.4000000D+01  rln/H 0.1200000D+02  rls/H 0.0000000D+00
+                             vlt = 0.1000000D+00  vln = 0.2000000D+00  vls = 0.0000000D+00
+                             gapTT 0.1000000D-01
+                             n(1)= 0.0000000D+00  n(2)= 0.1000000D+01  n(3)= 0.0000000D+00
+                             coo1= 0.1500000D+01  coo2= 0.0000000D+00  coo3= 0.0000000D+00
+
+$icdan  PLPLx        1
+ cdbdy  numbr  cdtac  numbr  vertx  numbr  behav  anbdy  numbr  antac  numbr  segmt  numbr  sttus  iadj
+ RBDY2      3  POLYG      1  CDVER      2  rstc0  RBDY2      1  POLYG      1  ANSEG      3  noctc     1
+                             rlt/H 0.0000000D+00  rln/H 0.3000000D+01  rls/H 0.0000000D+00
+                             vlt = 0.1000000D+00  vln = 0.2000000D+00  vls = 0.0000000D+00
+                             gapTT-0.1000000D-02
+                             n(1)= 0.6000000D+00  n(2)= 0.8000000D+00  n(3)= 0.0000000D+00
+                             coo1= 0.1800000D+01  coo2= 0.2100000D+01  coo3= 0.0000000D+00
+)";
+  return texts;
+}
+
+FclibFile problem_of(const NetworkTexts& texts) {
+  const Datbox datbox = parse_datbox(texts.datbox, "box", DatboxShapes::any);
+  return contact_problem_of(datbox, parse_vloc_rloc(texts.contacts, "box/Vloc_Rloc.INI", datbox), "box/Vloc_Rloc.INI");
+}
+
+// A box of 2 x 4 x 6 about (5, 6, 7), turned a quarter about z, on a plane that sinks.
+NetworkTexts box_on_plane() {
+  NetworkTexts texts;
+  texts.datbox.bodies = R"($bdyty
+ RBDY3      1
+$blmty
+ PLAIN      1  behav  STONE  avrd= 0.0000000D+00  gyrd= 0.0000000D+00
+$nodty
+ NO6xx      1                coo1= 0.4000000D+01  coo2= 0.4000000D+01  coo3= 0.4000000D+01
+                             coo4= 0.0000000D+00  coo5= 0.0000000D+00  coo6= 0.0000000D+00
+$tacty
+ POLYR      1  color  REDxx  nb_vertex=    8      nb_face=   12
+                             coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00
+                             coo1= 0.2000000D+01  coo2= 0.0000000D+00  coo3= 0.0000000D+00
+                             coo1= 0.2000000D+01  coo2= 0.4000000D+01  coo3= 0.0000000D+00
+                             coo1= 0.0000000D+00  coo2= 0.4000000D+01  coo3= 0.0000000D+00
+                             coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.6000000D+01
+                             coo1= 0.2000000D+01  coo2= 0.0000000D+00  coo3= 0.6000000D+01
+                             coo1= 0.2000000D+01  coo2= 0.4000000D+01  coo3= 0.6000000D+01
+                             coo1= 0.0000000D+00  coo2= 0.4000000D+01  coo3= 0.6000000D+01
+                             ver1= 1              ver2= 2              ver3= 3
+                             ver1= 1              ver2= 3              ver3= 4
+                             ver1= 5              ver2= 6              ver3= 7
+                             ver1= 5              ver2= 7              ver3= 8
+                             ver1= 1              ver2= 2              ver3= 6
+                             ver1= 1              ver2= 6              ver3= 5
+                             ver1= 2              ver2= 3              ver3= 7
+                             ver1= 2              ver2= 7              ver3= 6
+                             ver1= 3              ver2= 4              ver3= 8
+                             ver1= 3              ver2= 8              ver3= 7
+                             ver1= 4              ver2= 1              ver3= 5
+                             ver1= 4              ver2= 5              ver3= 8
+$$$$$$
+$bdyty
+ RBDY3      2
+$blmty
+ PLAIN      1  behav  STONE  avrd= 0.0000000D+00  gyrd= 0.0000000D+00
+$nodty
+ NO6xx      1                coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00
+                             coo4= 0.0000000D+00  coo5= 0.0000000D+00  coo6= 0.0000000D+00
+$tacty
+ PLANx      1  color  WALLx  axe1= 9.0000000E+00  axe2= 9.0000000E+00  axe3= 1.0000000E+00
+$$$$$$
+)";
+  texts.datbox.bulk = R"($gravy
+                   grv1= 0.0000000D+00  grv2= 0.0000000D+00  grv3= 0.0000000D+00
+$behav  lawty
+ STONE  RIGID                           Umas= 0.1000000D+01
+)";
+  texts.datbox.tact = "$behav  lawty\n iqsc0  IQS_CLB                         fric= 0.5000000D+00\n";
+  texts.datbox.driven = "$bdyty\n RBDY3      2\n$nodty\n NO6xx      1\n";
+  for (const char* dof : {"1", "2", "3", "4", "5", "6"})
+    texts.datbox.driven += std::string(" vlocy      ") + dof + (*dof == '3' ? " -0.1000000D+00" : "  0.0000000D+00") +
+                           "  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00\n";
+  texts.datbox.driven += "$$$$$$\n";
+  texts.datbox.initial = R"($steps        0              time= 0.0000000D+00
+$bdyty
+ RBDY3        1
+$nodty
+ NO6xx      1                X(1)= 0.0000000D+00  X(2)= 0.0000000D+00  X(3)= 0.0000000D+00
+                             X(4)= 0.0000000D+00  X(5)= 0.0000000D+00  X(6)= 0.0000000D+00
+                             V(1)= 0.1000000D+01  V(2)= 0.2000000D+01  V(3)= 0.3000000D+01
+                             V(4)= 0.1000000D+00  V(5)= 0.2000000D+00  V(6)= 0.3000000D+00
+                             a(1)= 0.0000000D+00  a(2)= 0.1000000D+01  a(3)= 0.0000000D+00
+                             b(1)=-0.1000000D+01  b(2)= 0.0000000D+00  b(3)= 0.0000000D+00
+                             g(1)= 0.0000000D+00  g(2)= 0.0000000D+00  g(3)= 0.1000000D+01
+$$$$$$
+)";
+  texts.contacts = R"(
+$steps        0              time= 0.0000000D+00
+$icdan  PRPLx        1
+ cdbdy  numbr  cdtac  numbr  CDVER  behav  anbdy  numbr  antac  numbr  sttus
+ RBDY3      1  POLYR      1      3  iqsc0  RBDY3      2  PLANx      1  stick
+                             rls/H-0.2000000D+01  rlt/H-0.4000000D+01  rln/H 0.1000000D+02
+                             vls = 0.1000000D+00  vlt = 0.2000000D+00  vln = 0.3000000D+00
+                             gapTT-0.1000000D-08
+                             coo1= 0.6000000D+01  coo2= 0.4000000D+01  coo3= 0.4000000D+01
+                             t(1)= 0.1000000D+01  t(2)= 0.0000000D+00  t(3)= 0.0000000D+00
+                             n(1)= 0.0000000D+00  n(2)= 0.0000000D+00  n(3)= 0.1000000D+01
+                             s(1)= 0.0000000D+00  s(2)=-0.1000000D+01  s(3)= 0.0000000D+00
+)";
+  return texts;
+}
+
+void check_close(const Matrix& met, const Matrix& expected) {
+  REQUIRE(met.rows() == expected.rows());
+  REQUIRE(met.cols() == expected.cols());
+  CHECK((met - expected).cwiseAbs().maxCoeff() < 2e-6);
+}
+
+// The relative velocities of the state in the files, from H and, of driven unknowns, from w: without loads and biases.
+struct Speeds {
+  Vector met, of_file;  // of contacts that carry: the others have those of the beginning of their step
+  double fastest = 0;   // unknown of a body
+};
+Speeds speeds_of(Datbox datbox, const DatboxNetwork& network) {
+  datbox.gravity = {0, 0, 0};
+  for (auto& [name, law] : datbox.laws) law.restitution = law.tangential_restitution = 0;
+  for (DatboxBody& body : datbox.bodies) {
+    body.forces = {};
+    Eigen::Vector<double, 6> now;
+    now << body.velocity, body.spin;
+    for (Index k = 0; k < 6; ++k)
+      if (auto& drive = body.drives[static_cast<std::size_t>(k)]) {
+        drive.emplace();
+        drive->constant = now[k];
+        drive->initial = 1;
+      }
+  }
+  DatboxNetwork carrying = network;
+  std::erase_if(carrying.contacts, [](const DatboxContact& one) { return one.force.isZero(0); });
+  for (DatboxContact& one : carrying.contacts) one.gap = std::min(one.gap, 0.0);
+  const auto problem = std::get<GlobalFrictionProblem>(contact_problem_of(datbox, carrying, "network").problem);
+  REQUIRE(problem.contacts() == static_cast<Index>(carrying.contacts.size()));
+  const Vector v = problem.f.cwiseQuotient(Vector(problem.mass.diagonal()));
+  Speeds speeds{problem.h.transpose() * v + problem.w, Vector(problem.size()), v.cwiseAbs().maxCoeff()};
+  for (Index c = 0; c < problem.contacts(); ++c)
+    speeds.of_file.segment(problem.dimension * c, problem.dimension) =
+        carrying.contacts[static_cast<std::size_t>(c)].speed.head(problem.dimension);
+  return speeds;
+}
+
+}  // namespace
+
+TEST_CASE("vloc_rloc: M, H, loads and biases of a square on a plank and under a half-driven triangle, by hand") {
+  const FclibFile file = problem_of(square());
+  const auto& problem = std::get<GlobalFrictionProblem>(file.problem);
+  CHECK(problem.dimension == 2);
+  // m = 3 x 4 and m (4 + 4) / 12; the triangle has 3 pi avrd^2 and m gyrd^2.
+  check_close(problem.mass, Vector{{12, 12, 8, 3, 3, 0.75}}.asDiagonal().toDenseMatrix());
+  // h = 0.1 s / 10. The triangle is pushed by 6 N; its x and spin are driven.
+  check_close(problem.f, Vector{{12 * 0.5, -12 * 1.1, 8 * 0.25, 3 * 0.5, 3 * (-2 - 0.1 + 0.02), 0}});
+  Matrix h = Matrix::Zero(6, 4);
+  h.col(0) << 0, 1, 0.5, 0, 0, 0;           // at (0.5, -1) from the centre of the square, n = (0, 1)
+  h.col(1) << 1, 0, 1, 0, 0, 0;             // t = (1, 0)
+  h.col(2) << -0.6, -0.8, 0.02, 0, 0.8, 0;  // at (0.8, 1.1) from there and (-0.2, -0.9) from the triangle
+  h.col(3) << -0.8, 0.6, 1.36, 0, -0.6, 0;  // t = (0.8, -0.6)
+  check_close(problem.h, h);
+  // A gap of 0.01 m closes at 1 m/s. Restitution of -0.795 and 0.94 m/s by 1/2 and 1/4, the triangle at 0.5 m/s along
+  // x.
+  check_close(problem.w, Vector{{1, -0.125, -0.3975 + 0.3, 0.235 + 0.4}});
+  check_close(problem.friction, Vector{{0.5, 0.3}});
+  check_close(file.points, Matrix{{1.5, 1.8}, {0, 2.1}});
+  REQUIRE(file.guesses.size() == 1);
+  check_close(file.guesses[0].r, Vector{{0.12, 0.04, 0.03, 0}});
+  CHECK(file.guesses[0].v[1] == doctest::Approx(-1.1 + (0.12 - 0.8 * 0.03) / 12));
+  const LocalFrictionProblem local = reduce(problem);
+  CHECK(local.w.coeff(0, 0) == doctest::Approx(1.0 / 12 + 0.25 / 8));
+  CHECK(Matrix(local.w).isApprox(Matrix(local.w).transpose(), 1e-14));
+}
+
+TEST_CASE("vloc_rloc: a polyhedron has its volume and moments of inertia, and spins along its own axes") {
+  const FclibFile file = problem_of(box_on_plane());
+  const auto& problem = std::get<GlobalFrictionProblem>(file.problem);
+  // m = 48, m (b^2 + c^2) / 12.
+  check_close(problem.mass, Vector{{48, 48, 48, 208, 160, 80}}.asDiagonal().toDenseMatrix());
+  check_close(problem.f, Vector{{48, 96, 144, 20.8, 32, 24}});
+  // At r = (1, -2, -3) from the centre; r x d along the axes (0, 1, 0), (-1, 0, 0), (0, 0, 1).
+  Matrix h(6, 3);
+  h.col(0) << 0, 0, 1, -1, 2, 0;
+  h.col(1) << 1, 0, 0, -3, 0, 2;
+  h.col(2) << 0, -1, 0, 0, 3, -1;
+  check_close(problem.h, h);
+  check_close(problem.w, Vector{{0.1, 0, 0}});                   // the plane moves away
+  check_close(file.guesses[0].r, Vector{{0.05, -0.02, -0.01}});  // h = 0.005 s, the default
+  const LocalFrictionProblem local = reduce(problem);
+  CHECK(Matrix(local.w).isApprox(Matrix(local.w).transpose(), 1e-14));
+}
+
+TEST_CASE("vloc_rloc: a polyhedron that lies askew has axes in which its inertia is diagonal") {
+  NetworkTexts texts = box_on_plane();
+  // The corners turned by 3-4-5 about z: (x, y) -> (0.6 x - 0.8 y, 0.8 x + 0.6 y).
+  const auto turn = [&](const char* from, const char* to) {
+    for (int twice = 0; twice < 2; ++twice) texts.datbox.bodies = replaced(texts.datbox.bodies, from, to);
+  };
+  turn("coo1= 0.2000000D+01  coo2= 0.0000000D+00", "coo1= 0.1200000D+01  coo2= 0.1600000D+01");
+  turn("coo1= 0.2000000D+01  coo2= 0.4000000D+01", "coo1=-0.2000000D+01  coo2= 0.4000000D+01");
+  turn("coo1= 0.0000000D+00  coo2= 0.4000000D+01", "coo1=-0.3200000D+01  coo2= 0.2400000D+01");
+  const Datbox datbox = parse_datbox({texts.datbox.bodies, "", "", "", "", {}}, "box", DatboxShapes::any);
+  const DatboxBody& body = datbox.bodies[0];
+  CHECK((body.position - Vector3(4 - 1.0, 4 + 2.0, 7)).norm() < 1e-12);
+  CHECK((body.inertia - Vector3(80, 160, 208)).norm() < 1e-9);  // ascending, as LAPACK has them
+  const Vector3 long_side = body.frame.col(2);                  // the largest is about the side of length 2
+  CHECK(std::abs(long_side.dot(Vector3(0.6, 0.8, 0))) == doctest::Approx(1));
+  CHECK(body.frame.determinant() == doctest::Approx(1));
+}
+
+TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
+  const auto spoil = [](std::string NetworkTexts::*text, const std::string& from, const std::string& to,
+                        const Names& names) {
+    NetworkTexts texts = square();
+    texts.*text = replaced(texts.*text, from, to);
+    check_error([&] { problem_of(texts); }, names);
+  };
+  const auto contacts = &NetworkTexts::contacts;
+  spoil(contacts, "RBDY2      3  POLYG", "RBDY2      4  POLYG", {"Vloc_Rloc.INI:18:", "3 bodies", "'4'"});
+  spoil(contacts, "RBDY2      1  POLYG      1  ANSEG", "RBDY2      3  POLYG      1  ANSEG", {":18:", "body 3 twice"});
+  spoil(contacts, "RBDY2      3  POLYG", "MAILx      3  POLYG", {":18:", "RBDY2", "MAILx"});
+  spoil(contacts, "n(1)= 0.6000000D+00", "n(1)= 0.7000000D+00", {":16:", "unit", "1.06"});
+  spoil(contacts, "n(1)= 0.6000000D+00", "n(1)= 0.6000000D+0x", {":22:", "n(1)=", "columns 35 to 48"});
+  spoil(contacts, "rstc0", "rstc9", {":16:", "law", "rstc9"});
+  spoil(contacts, "vlt = 0.1000000D+00", "xxx = 0.1000000D+00", {":7:", "'vlt ='", "none"});
+  spoil(contacts, "coo1= 0.1800000D+01", "coo1= 0.9800000D+01", {":16:", "2 m", "periodic"});
+  NetworkTexts none = square();
+  none.contacts.erase(none.contacts.find("$icdan"));
+  check_error([&] { problem_of(none); }, {"Vloc_Rloc.INI:", "contacts", "none"});
+  const auto spoil_input = [](std::string DatboxTexts::*text, const std::string& from, const std::string& to,
+                              const Names& names) {
+    NetworkTexts texts = square();
+    texts.datbox.*text = replaced(texts.datbox.*text, from, to);
+    check_error([&] { problem_of(texts); }, names);
+  };
+  spoil_input(&DatboxTexts::tact, "IQS_CLB", "MAC_CZM", {"TACT_BEHAV.DAT:2:", "IQS_CLB or RST_CLB", "MAC_CZM"});
+  spoil_input(&DatboxTexts::bulk, "STONE", "STEEL", {"BODIES.DAT:2:", "STONE", "RIGID"});
+  spoil_input(
+      &DatboxTexts::driven,
+      " vlocy      3  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00\n", "",
+      {"BODIES.DAT:17:", "avrd and gyrd", "0"});
+  spoil_input(&DatboxTexts::bodies, "nb_vertex=    5", "nb_vertex=    2", {"BODIES.DAT:8:", "polygon", "0 m^2"});
+  spoil_input(&DatboxTexts::bodies, "coo1= 0.2000000D+01  coo2= 0.2000000D+01",
+              "coo1=-0.2000000D+01  coo2=-0.1000000D+02", {"BODIES.DAT:8:", "counter-clockwise"});
+}
+
+TEST_CASE("vloc_rloc: a packing of other shapes is refused where it always was") {
+  check_error([] { parse_datbox(square().datbox, "box"); }, {"box/BODIES.DAT:8:", "DISKx, DISKb or JONCx", "POLYG"});
+  check_error([] { parse_datbox(box_on_plane().datbox, "box"); }, {"box/BODIES.DAT:9:", "SPHER or PLANx", "POLYR"});
+}
+
+TEST_CASE("vloc_rloc: relative velocities of LMGC90's folders follow from the velocities of its bodies") {
+  const char* corpus = std::getenv("NSCDD_LMGC90");
+  if (corpus == nullptr) return;
+  // LMGC90's are of the last visit of its Gauss-Seidel sweeps; a step at rest is converged to the digits.
+  const std::map<std::string, double> tolerance{{"2.Rigide_1.Thermique_0.MiseEnCharge_SOLUCE", 0.01},
+                                                {"2.Rigide_2.Electrique_0.MiseEnCharge_SOLUCE", 0.005},
+                                                {"Ddm_exemple1", 0.02},
+                                                {"RIGID_2D_500PL_PerioBoxJC", 0.01},
+                                                {"RIGID_2D_1024DK_BoxJC_ThermalConduction", 0.005},
+                                                {"RIGID_2D_WallPL_GroundJC", 1e-6}};
+  for (const auto& [name, most] : tolerance) {
+    CAPTURE(name);
+    const std::string folder = (std::filesystem::path(corpus) / name).string();
+    if (!holds_datbox(folder)) continue;
+    const std::string path = (std::filesystem::path(folder) / "Vloc_Rloc.INI").string();
+    const Datbox datbox = read_datbox(folder, DatboxShapes::any);
+    const Speeds speeds = speeds_of(datbox, parse_vloc_rloc(read_text(path), path, datbox));
+    CHECK((speeds.met - speeds.of_file).cwiseAbs().maxCoeff() < most * speeds.fastest);
+  }
+}
+
+TEST_CASE("vloc_rloc: LMGC90's forces hold its walls of polygons and polyhedra at rest") {
+  const char* corpus = std::getenv("NSCDD_LMGC90");
+  if (corpus == nullptr) return;
+  // The forces in space belong to a density of 2500 kg/m^3, that of TEXxx, not to the 4000 of its blocks.
+  for (const auto& [name, denser] : {std::pair("RIGID_2D_WallPL_GroundJC", 1.0), {"RIGID_3D_Wall_PR", 1.6}}) {
+    CAPTURE(name);
+    const std::string folder = (std::filesystem::path(corpus) / name).string();
+    if (!holds_datbox(folder)) continue;
+    const std::string path = (std::filesystem::path(folder) / "Vloc_Rloc.INI").string();
+    Datbox datbox = read_datbox(folder, DatboxShapes::any);
+    const DatboxNetwork network = parse_vloc_rloc(read_text(path), path, datbox);
+    for (DatboxBody& body : datbox.bodies) body.velocity.setZero(), body.spin.setZero();
+    const FclibFile file = contact_problem_of(datbox, network, path);
+    const auto& problem = std::get<GlobalFrictionProblem>(file.problem);
+    CHECK((problem.f + denser * problem.h * file.guesses[0].r).norm() < 1e-5 * problem.f.norm());
+  }
+}
+
+TEST_CASE("vloc_rloc: a file is read with the state of its step beside it and the bodies of ../DATBOX") {
+  const TemporaryFolder folder;
+  const NetworkTexts texts = square();
+  write_file(folder / "run/DATBOX/BODIES.DAT", texts.datbox.bodies);
+  write_file(folder / "run/DATBOX/BULK_BEHAV.DAT", texts.datbox.bulk);
+  write_file(folder / "run/DATBOX/TACT_BEHAV.DAT", texts.datbox.tact);
+  write_file(folder / "run/DATBOX/DRV_DOF.DAT", texts.datbox.driven);
+  write_file(folder / "run/DATBOX/Vloc_Rloc.INI", texts.contacts);
+  write_file(folder / "run/OUTBOX/DOF.OUT.10", texts.datbox.initial);
+  write_file(folder / "run/OUTBOX/Vloc_Rloc.OUT.10", texts.contacts);
+  const std::string output = (folder / "run/OUTBOX/Vloc_Rloc.OUT.10").string();
+  const FclibFile file = read_contact_problem(output);
+  CHECK(Matrix(std::get<GlobalFrictionProblem>(file.problem).h) ==
+        Matrix(std::get<GlobalFrictionProblem>(problem_of(texts).problem).h));
+  CHECK(datbox_name((folder / "run/OUTBOX").string()) == "run");
+  // Without DOF.INI the state is that of time 0.
+  check_error([&] { read_contact_problem((folder / "run").string()); }, {"Vloc_Rloc.INI:", "DOF.INI", "0 s", "0.1 s"});
+}
