@@ -358,6 +358,9 @@ TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
       &DatboxTexts::driven,
       " vlocy      3  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00\n", "",
       {"BODIES.DAT:17:", "avrd and gyrd", "0"});
+  spoil_input(&DatboxTexts::bodies, " POLYG      1  color  BLEUx  nb_vertex=    5",
+              " DISKx      1  color  BLEUx  byrd= 0.1000000D+01\n POLYG      1  color  BLEUx  nb_vertex=    5",
+              {"BODIES.DAT:9:", "POLYG"});  // whose centre would have to be computed
   spoil_input(&DatboxTexts::bodies, "nb_vertex=    5", "nb_vertex=    2", {"BODIES.DAT:8:", "polygon", "0 m^2"});
   spoil_input(&DatboxTexts::bodies, "coo1= 0.2000000D+01  coo2= 0.2000000D+01",
               "coo1=-0.2000000D+01  coo2=-0.1000000D+02", {"BODIES.DAT:8:", "counter-clockwise"});

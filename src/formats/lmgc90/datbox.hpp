@@ -114,8 +114,8 @@ struct DatboxTexts {
 
 /// Which bodies are read.
 enum class DatboxShapes {
-  modelled,  ///< those of packings: disks, spheres and planks, one contactor in a body in space
-  any,       ///< all; DatboxBody::unmodelled has the error that `modelled` throws
+  modelled,  ///< of the shapes of packings: disks, spheres and planks
+  any,       ///< of all shapes but SPHEb; DatboxBody::unmodelled has the error that `modelled` throws
 };
 
 /// Reads the files by columns, as LMGC90 does. `folder` precedes the names of files in errors. Throws Error for bodies

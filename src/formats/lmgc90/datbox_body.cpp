@@ -34,15 +34,6 @@ void read_frame(FixedColumns& lines, DatboxBody& body) {
   body.position += lines.three_numbers("coo{}");
 }
 
-// Only the first error of a body is kept.
-template <class... Arguments>
-void note_unmodelled(DatboxBody& body, const DatboxPlace& place, fmt::format_string<Arguments...> format,
-                     Arguments&&... arguments) {
-  if (body.unmodelled.empty())
-    body.unmodelled =
-        fmt::format("{}:{}: {}", place.file, place.line, fmt::format(format, std::forward<Arguments>(arguments)...));
-}
-
 DatboxContactor read_contactor(FixedColumns& lines, bool space, DatboxBody& body) {
   const std::string kind(lines.text(2, 6));
   DatboxContactor contactor{
@@ -58,8 +49,10 @@ DatboxContactor read_contactor(FixedColumns& lines, bool space, DatboxBody& body
   } else if (cluster || kind == (space ? "SPHER" : "DISKx")) {
     contactor.radius = lines.positive_number(35, "byrd");
   } else {
-    note_unmodelled(body, contactor.place, "expected contactors {}: other shapes are not modelled, met {}",
-                    space ? "SPHER, SPHEb or PLANx" : "DISKx, DISKb or JONCx", kind);
+    if (body.unmodelled.empty())
+      body.unmodelled =
+          fmt::format("{}:{}: expected contactors {}: other shapes are not modelled, met {}", contactor.place.file,
+                      contactor.place.line, space ? "SPHER, SPHEb or PLANx" : "DISKx, DISKb or JONCx", kind);
     if (kind == (space ? "POLYR" : "POLYG") && lines.text(30, 38) == "nb_vertex")
       contactor.solid = read_solid(lines, space);
   }
@@ -81,6 +74,7 @@ void complete(DatboxBody& body, Index dimension) {
     return;
   }
   if (body.contactors.size() > 1 && body.position.isZero(0)) {
+    if (!body.unmodelled.empty()) fail("{}", body.unmodelled);  // only disks have weights here
     double area = 0;
     Eigen::Vector3d centre(0, 0, 0);
     for (const DatboxContactor& one : body.contactors) {
@@ -156,8 +150,8 @@ DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first) {
   require_that(lines.key() == "$$$$$$", "a body that ends with $$$$$$, met one that does not");
   require_that(seen["$blmty"] > 0 && seen["$nodty"] > 0, "a body with a bulk element and a node, met one without");
   require_that(contactors > 0, "a body with a contactor, met one without");
-  if (contactors > 1 && std::ranges::any_of(body.contactors, &DatboxContactor::plank))
-    note_unmodelled(body, body.place, "expected a plank JONCx alone in its body, met one with other contactors");
+  require_that(contactors == 1 || std::ranges::none_of(body.contactors, &DatboxContactor::plank),
+               "a plank JONCx alone in its body, met one with other contactors");
   complete(body, dimension);
   return body;
 }

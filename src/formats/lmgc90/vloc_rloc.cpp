@@ -55,6 +55,11 @@ std::vector<NetworkBody> network_bodies(const Datbox& datbox, double h, Index& r
   if (!datbox.gravity) fail("{}/BULK_BEHAV.DAT: expected a section $gravy, met none", datbox.folder);
   std::vector<NetworkBody> bodies;
   for (const DatboxBody& body : datbox.bodies) {
+    if (datbox.space() && body.contactors.size() > 1)
+      refuse(body.place,
+             "expected a body in space with one contactor, met one with {}: LMGC90 computes the centre of a cluster, "
+             "which is in no file",
+             body.contactors.size());
     NetworkBody& own = bodies.emplace_back();
     for (Index k = 0; k < dofs; ++k) own.driven[at(k)] = body.drives[at(k)].has_value();
     own.spin_axes = datbox.space() ? Matrix(body.frame) : Matrix(Vector3::UnitZ());
@@ -115,7 +120,8 @@ void add_contact(const Datbox& datbox, const std::vector<NetworkBody>& bodies, c
           w[k] += along[j] * own.after[j];
     }
   }
-  if (contact.gap > 0) {  // it may close within the step (LMGC90 leaves contacts of RST_CLB with a gap out of it)
+  // A gap may close within the step (LMGC90 leaves contacts of laws on the velocity with a gap out of it).
+  if (contact.gap > 0 || law.kind == "GAP_SGR_CLB") {
     w[0] += contact.gap / h;
   } else {
     w[0] += law.restitution * std::min(0.0, before[0]);

@@ -34,7 +34,7 @@ DatboxNetwork parse_vloc_rloc(std::string_view text, const std::string& name, co
 /// The contact problem of the step after the state of `datbox`, with the points of its contacts, and with LMGC90's
 /// forces times h as a guess. h is time over steps of the network, or the default of cases if it has none. M is
 /// diagonal, with three rows per body, in space six, spins along its own axes; bodies that are driven in all degrees of
-/// freedom have none. Throws Error for other laws than IQS_CLB and RST_CLB, a mass that is not positive, a point beyond
+/// freedom have none. Throws Error for other laws than those of DatboxLaw, a mass that is not positive, a point beyond
 /// the reach of its body (an image in a periodic cell), and for no contacts at all; `name` is that of the file.
 FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network, const std::string& name);
 
