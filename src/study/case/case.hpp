@@ -88,8 +88,8 @@ void check_dynamics(const CaseSpec& spec);
 /// grains.
 Simulation simulation_of(const Case& one, const Monitor& monitor = {});
 
-/// The model of a case: packing, masses, contacts, M and H, decomposition. A contact problem has its M and H, and a grid
-/// partitions it only if the points of its contacts are known. Throws Error as the functions called. The monitor follows
+/// The model of a case: packing, masses, contacts, M and H, decomposition. A contact problem has its M and H, and a
+/// grid partitions it only with the points of its contacts. Throws Error as the functions called. The monitor follows
 /// the generator.
 Model build(const Case& one, const Monitor& monitor = {});
 
