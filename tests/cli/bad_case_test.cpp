@@ -55,7 +55,7 @@ TEST_CASE("case file: an unknown key") {
   check_spoilt("title", "titel", {"bad.toml:1", "titel", "title"});
   check_spoilt("density = 2.5", "density = 2.5\nbeauty = 1", {"bad.toml:11", "masses.beauty"});
   check_spoilt("grid = [2, 1]", "grid = [2, 1]\nseed = 1", {"bad.toml:13", "partition.seed"});
-  check_spoilt("grain = 3", "grain = 3\nspin = 1", {"bad.toml:15", "prescribed", "spin"});
+  check_spoilt("grain = 3", "grain = 3\nturn = 1", {"bad.toml:15", "prescribed", "turn"});
 }
 
 TEST_CASE("case file: an unknown section") {

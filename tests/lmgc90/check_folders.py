@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs folders DATBOX of LMGC90's public tree, and compares the paper's own sample with runs of LMGC90 itself.
 
-The folders are not in this repository. They are looked for in $NSCDD_LMGC90, else in ../shared/lmgc90 beside the
-source tree: an archive datbox.tar.xz (corpus/NAME/BODIES.DAT ...) and, if there, reference.tar.xz with outputs of
-LMGC90 (reference/RUN/DOF.OUT.1.of_1 ...). Without them the test is skipped.
+The folders are not in this repository. $NSCDD_LMGC90 is a folder that has them (NAME/BODIES.DAT ...), or their archive
+datbox.tar.xz (corpus/NAME/BODIES.DAT ...); by default ../shared/lmgc90 beside the source tree. With an archive
+reference.tar.xz beside them (reference/RUN/DOF.OUT.1.of_1 ..., outputs of LMGC90) runs are compared, too. Without
+folders the test is skipped.
 
 usage: check_folders.py PROGRAM SOURCE
 Exit code 0: as expected; 1: not; 77: no folders."""
@@ -53,8 +54,9 @@ def distance(one, other):
 
 def main(program, source):
     home = Path(os.environ.get("NSCDD_LMGC90") or Path(source).parent / "shared" / "lmgc90")
-    if not (home / "datbox.tar.xz").is_file():
-        print(f"skipped: no {home / 'datbox.tar.xz'}")
+    packed_folders = (home / "datbox.tar.xz").is_file()
+    if not packed_folders and not (home / RUN[0]).is_dir():
+        print(f"skipped: no {home / 'datbox.tar.xz'} and no {home / RUN[0]}")
         return 77
     failed = False
     with tempfile.TemporaryDirectory() as folder:
@@ -65,7 +67,8 @@ def main(program, source):
                     packed.extractall(work)
 
         def simulate(name, *options):
-            return subprocess.run([program, "simulate", work / "corpus" / name, "-o", work / f"{name}.h5", *options],
+            folder = (work / "corpus" if packed_folders else home) / name
+            return subprocess.run([program, "simulate", folder, "-o", work / f"{name}.h5", *options],
                                   capture_output=True, text=True)
 
         for name in RUN:

@@ -352,7 +352,7 @@ TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
     texts.datbox.*text = replaced(texts.datbox.*text, from, to);
     check_error([&] { problem_of(texts); }, names);
   };
-  spoil_input(&DatboxTexts::tact, "IQS_CLB", "MAC_CZM", {"TACT_BEHAV.DAT:2:", "IQS_CLB or RST_CLB", "MAC_CZM"});
+  spoil_input(&DatboxTexts::tact, "IQS_CLB", "MAC_CZM", {"TACT_BEHAV.DAT:2:", "VEL_SGR_CLB or RST_CLB", "MAC_CZM"});
   spoil_input(&DatboxTexts::bulk, "STONE", "STEEL", {"BODIES.DAT:2:", "STONE", "RIGID"});
   spoil_input(
       &DatboxTexts::driven,
@@ -368,7 +368,7 @@ TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
 
 TEST_CASE("vloc_rloc: a packing of other shapes is refused where it always was") {
   check_error([] { parse_datbox(square().datbox, "box"); }, {"box/BODIES.DAT:8:", "DISKx, DISKb or JONCx", "POLYG"});
-  check_error([] { parse_datbox(box_on_plane().datbox, "box"); }, {"box/BODIES.DAT:9:", "SPHER or PLANx", "POLYR"});
+  check_error([] { parse_datbox(box_on_plane().datbox, "box"); }, {"box/BODIES.DAT:9:", "SPHEb or PLANx", "POLYR"});
 }
 
 TEST_CASE("vloc_rloc: relative velocities of LMGC90's folders follow from the velocities of its bodies") {

@@ -32,10 +32,10 @@ struct DatboxContactor {
   /// JONCx, a plank with round ends, or PLANx in space; else a disk DISKx or a sphere SPHER (DISKb, SPHEb in a
   /// cluster).
   bool plank = false;
-  double radius = 0;                 ///< m, of a disk or sphere
-  double length = 0, thickness = 0;  ///< m, of a plank: half its length without the ends, half its thickness
-  double width = 0;                  ///< m, of a plank in space: half its width
-  Eigen::Vector3d shift{0, 0, 0};    ///< m, from the centre of the body, in its axes
+  double radius = 0;                   ///< m, of a disk or sphere
+  double length = 0, thickness = 0;    ///< m, of a plank: half its length without the ends, half its thickness
+  double width = 0;                    ///< m, of a plank in space: half its width
+  Eigen::Vector3d shift{0, 0, 0};      ///< m, from the centre of the body, in its axes
   std::optional<DatboxSolid> solid{};  ///< of a POLYG or POLYR
   std::string colour;
   DatboxPlace place;
@@ -147,8 +147,8 @@ Packing datbox_packing(const Datbox& datbox, DatboxGrains which);
 
 /// The packing of a folder as a case with prescribed initial velocities. `moving`: also laws, gravity and boundaries
 /// (planks as straight walls, driven disks as grains of a boundary), with default time steps. Throws Error as
-/// datbox_packing and, if `moving`, for all else that is not modelled (docs/formats.md). A folder with other shapes whose
-/// Vloc_Rloc.INI has contacts is a contact problem, unless `moving`.
+/// datbox_packing and, if `moving`, for all else that is not modelled (docs/formats.md). A folder with other shapes
+/// whose Vloc_Rloc.INI has contacts is a contact problem, unless `moving`.
 CaseSpec case_of_datbox(const std::string& path, bool moving);
 
 /// The motion of a driven body, `start` after the origin of the time of its drives, s. Throws Error unless it is driven

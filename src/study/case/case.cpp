@@ -86,26 +86,19 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
 
 // Free grains start with the arriving velocities of the linear study.
 void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
-  ContactNetwork none;
-  none.grains = packing.size();
-  none.dimension = packing.dimension();
+  const ContactNetwork none{.contacts = {}, .grains = packing.size(), .dimension = packing.dimension()};
   const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing);
   for (std::size_t k = 0; k < prescribed.size(); ++k)
     if (const Index grain = prescribed[k].grain; !start.system.free(grain))
       throw Error(grain_key(k), fmt::format("expected a free grain, met {}", body_name(start.system, grain)));
   const Vector v = assemble(packing, none, prescribed, one.spec.loads).arriving_velocity;
-  for (Index i = 0; i < packing.size(); ++i) {
-    if (!start.system.free(i)) continue;
-    start.state.velocity_x[at(i)] = v[none.dimension * i];
-    start.state.velocity_y[at(i)] = v[none.dimension * i + 1];
-    if (none.dimension == 3) start.state.velocity_z[at(i)] = v[none.dimension * i + 2];
-  }
-  for (const PrescribedVelocity& spinning : prescribed) {
-    start.state.spin[at(spinning.grain)] = spinning.spin[2];
-    if (none.dimension == 2) continue;
-    start.state.spin_x[at(spinning.grain)] = spinning.spin[0];
-    start.state.spin_y[at(spinning.grain)] = spinning.spin[1];
-  }
+  std::vector<GrainMotion> motions(at(packing.size()));  // with spins, since the radius is 1 for them
+  for (Index i = 0; i < packing.size(); ++i)
+    std::copy_n(v.data() + none.dimension * i, none.dimension, motions[at(i)].begin());
+  for (const PrescribedVelocity& spinning : prescribed)
+    std::ranges::copy(spinning.spin, motions[at(spinning.grain)].begin() + 3);
+  for (Index i = 0; i < packing.size(); ++i)
+    if (start.system.free(i)) set_motion(start.state, at(i), motions[at(i)], 1);
 }
 
 // A model without its decomposition.
