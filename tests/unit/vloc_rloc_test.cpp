@@ -381,7 +381,8 @@ TEST_CASE("vloc_rloc: relative velocities of LMGC90's folders follow from the ve
                                                 {"RIGID_2D_500PL_PerioBoxJC", 0.01},
                                                 {"RIGID_2D_1024DK_BoxJC_ThermalConduction", 0.005},
                                                 {"RIGID_2D_WallPL_GroundJC", 1e-6}};
-  for (const auto& [name, most] : tolerance) {
+  for (const auto& [of, most] : tolerance) {
+    const std::string name = of;
     CAPTURE(name);
     const std::string folder = (std::filesystem::path(corpus) / name).string();
     if (!holds_datbox(folder)) continue;
@@ -396,7 +397,8 @@ TEST_CASE("vloc_rloc: LMGC90's forces hold its walls of polygons and polyhedra a
   const char* corpus = std::getenv("NSCDD_LMGC90");
   if (corpus == nullptr) return;
   // The forces in space belong to a density of 2500 kg/m^3, that of TEXxx, not to the 4000 of its blocks.
-  for (const auto& [name, denser] : {std::pair("RIGID_2D_WallPL_GroundJC", 1.0), {"RIGID_3D_Wall_PR", 1.6}}) {
+  for (const auto& [of, denser] : {std::pair("RIGID_2D_WallPL_GroundJC", 1.0), {"RIGID_3D_Wall_PR", 1.6}}) {
+    const std::string name = of;
     CAPTURE(name);
     const std::string folder = (std::filesystem::path(corpus) / name).string();
     if (!holds_datbox(folder)) continue;
