@@ -100,7 +100,8 @@ void check(const Boundary& boundary) {
   require_finite(motion.initial.value_or(RigidVelocity{}), 0, "initial velocity", 0);
   for (std::size_t k = 0; k < motion.oscillations.size(); ++k) {
     const Oscillation& one = motion.oscillations[k];
-    require_finite(one.amplitude, one.omega + one.phase + one.ramp + one.growth, "oscillation", k);
+    for (const double number : {one.omega, one.phase, one.ramp, one.growth})
+      require_finite(one.amplitude, number, "oscillation", k);
   }
   for (std::size_t k = 0; k < motion.time.size(); ++k) {
     require_finite(motion.velocity[k], motion.time[k], "entry", k);

@@ -150,7 +150,9 @@ Path Path::to_contacts(const StepStart& start) { return path_of(start, legs_to_c
 
 Path Path::whole(const StepStart& start, bool onwards) {
   std::vector<Leg> legs = legs_to_contacts(start);
-  if (onwards) legs.push_back({legs.back().to, legs.back().to + start.scheme.step, legs.back().motions});
+  if (onwards)
+    legs.push_back(
+        {legs.back().to, legs.back().to + start.scheme.step, step_motions(start.system, start.state, start.scheme)});
   return path_of(start, legs, true);
 }
 

@@ -42,7 +42,7 @@ TEST_CASE("moving case: everything read") {
 }
 
 TEST_CASE("moving case: oscillations, initial velocities and spins, written and read back") {
-  const std::string text = moving_case() +
+  const std::string text = replaced(moving_case(), "[dynamics]\n", "[dynamics]\nboundary_instant = \"end\"\n") +
                            "[[boundary]]\nname = \"plate\"\nshape = \"grains\"\nfirst = 3\nlast = 3\n"
                            "initial_velocity = [1, 2]\ninitial_spin = 3\n"
                            "[[boundary.oscillation]]\nvelocity = [4, 5]\nomega = 6\nphase = 0.5\nramp = 0\ngrowth = 2\n"
@@ -59,6 +59,10 @@ TEST_CASE("moving case: oscillations, initial velocities and spins, written and 
   CHECK(back.prescribed.at(0).spin == std::array<double, 3>{0, 0, -9});
   const Spoilt other{text, parse};
   other("omega = 8", "", {"boundary[3].oscillation[1].omega"});
+  other("growth = 2", "growth = -2", {"boundary[3].oscillation[0].growth:", ">= 0"});
+  other("ramp = 0", "ramp = 2", {"boundary[3].oscillation[0].ramp:", "<= 1"});
+  other("spin = -9", "spin = inf", {"prescribed[0].spin:"});
+  other("boundary_instant = \"end\"", "", {"boundary[3].initial_velocity:", "boundary_instant"});
   other("spin = 7\n", "", {"boundary[3].oscillation[1].velocity:", "amplitudes"});
   other("velocity = [4, 5]", "velocity = [4, 5, 6]", {"boundary[3].oscillation:", "numbers for the plane"});
   other("spin = -9", "spin = [1, 2, 3]", {"prescribed[0].spin:", "one number in the plane"});

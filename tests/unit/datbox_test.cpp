@@ -307,11 +307,20 @@ TEST_CASE("DATBOX: a driven cluster of spheres is a boundary; velocities of DOF.
   const Datbox datbox = read(texts);
   const Packing packing = datbox_packing(datbox, DatboxGrains::all);
   REQUIRE(packing.size() == 3);
-  CHECK(packing.centre(1) == std::array<double, 3>{11, 22, 26});
-  CHECK(packing.centre(2) == std::array<double, 3>{-9, 2, -4});
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK(packing.centre(1)[k] == doctest::Approx(std::array{11.0, 22.0, 26.0}[k]).epsilon(1e-14));
+    CHECK(packing.centre(2)[k] == doctest::Approx(std::array{-9.0, 2.0, -4.0}[k]).epsilon(1e-14));
+  }
+  const double weight = 8.0 / 9;  // of the larger sphere, by volume
+  CHECK(datbox.bodies[2].position[0] == doctest::Approx(1 + weight * 10 - (1 - weight) * 10));
+  CHECK(datbox.bodies[2].position[2] == doctest::Approx(-4 + weight * 30));
   const BoundarySpec boundary = datbox_dynamics(datbox).boundaries[1];
   CHECK(boundary.first == 1);
   CHECK(boundary.last == 2);
+  texts.driven =
+      texts.driven.substr(0, texts.driven.rfind(" vlocy      6")) +
+      replaced(texts.driven.substr(texts.driven.rfind(" vlocy      6")), "6  0.0000000D+00", "6  0.1000000D+01");
+  check_error([&] { datbox_dynamics(read(texts)); }, {"BODIES.DAT:", "I1 to I3 of a cluster that turns"});
 }
 
 TEST_CASE("DATBOX: spheres, their masses, a plank as a plane, and spins along the axes of a body") {
@@ -348,6 +357,7 @@ TEST_CASE("DATBOX: spheres, their masses, a plank as a plane, and spins along th
   CHECK(driven.first == 1);
   CHECK(driven.last == 1);
   CHECK(driven.motion.at(1).z == 7);
+  CHECK(driven.dimension == 3);  // else its text would be one of the plane
   CHECK(driven.motion.centre == std::array<double, 3>{1, 2, -4});
   // Without inertia and averaged radius both are those of the contactor, and a plank may lie the other way round.
   DatboxTexts texts = small_in_space();

@@ -104,8 +104,8 @@ Motion read_motion(StrictTable& section, BoundaryNumbers& numbers) {
     one.require_keys({"omega"});
     one.read("omega", oscillation.omega, Field{.unit = "rad/s"});
     one.read("phase", oscillation.phase, Field{.unit = "rad"});
-    one.read("ramp", oscillation.ramp, Field{});
-    one.read("growth", oscillation.growth, Field{.unit = "1/s"});
+    one.read("ramp", oscillation.ramp, Field{.minimum = 0, .maximum = 1});
+    one.read("growth", oscillation.growth, Field{.unit = "1/s", .minimum = 0});
     one.finish();
   }
   return motion;
@@ -134,11 +134,11 @@ Index read_spin(StrictTable& section, std::string_view key, std::array<double, 3
   const toml::node* found = section.node(key);
   if (found == nullptr) return 0;
   if (!found->is_array()) {
-    section.read(key, spin[2]);
+    section.read(key, spin[2], Field{});
     return 2;
   }
   Components<double> numbers;
-  section.read(key, numbers);
+  section.read(key, numbers, Field{});
   if (numbers.size() == 2) section.fail(key, "one number in the plane, or three in space", "an array of 2");
   spin = {numbers[0], numbers[1], numbers[2]};
   return 3;

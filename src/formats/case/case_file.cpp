@@ -119,6 +119,8 @@ std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
     const BoundarySpec spec = read_boundary(boundary);
     if (std::ranges::count(dynamics.boundaries, spec.name, &BoundarySpec::name) > 0)
       boundary.fail("name", "each name once", fmt::format("{} again", field_text(spec.name)));
+    if (effects_wanted && spec.motion.initial && dynamics.time.boundary_instant == BoundaryInstant::middle)
+      boundary.fail("initial_velocity", "dynamics.boundary_instant = \"end\" with it", "\"middle\", the default");
     dynamics.boundaries.push_back(spec);
   }
   return dynamics;

@@ -67,6 +67,18 @@ DatboxContactor read_contactor(FixedColumns& lines, bool space, DatboxBody& body
 // their areas, and its radii. (Those of a plank, which is never free here, have no effect.)
 void complete(DatboxBody& body, Index dimension) {
   if (body.contactors.size() == 1 && body.contactors[0].solid) return complete_solid(body, dimension);
+  if (dimension == 3 && body.contactors.size() > 1) {  // LMGC90 moves the node to the centre, weighted by volume
+    double volume = 0;
+    Eigen::Vector3d centre(0, 0, 0);
+    for (const DatboxContactor& one : body.contactors) {
+      volume += one.radius * one.radius * one.radius;
+      centre += one.radius * one.radius * one.radius * one.shift;
+    }
+    if (volume > 0) centre /= volume;
+    body.position += centre;
+    for (DatboxContactor& one : body.contactors) one.shift -= centre;
+    return;
+  }
   if (dimension == 3) {
     const double radius = body.contactors[0].radius, volume = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
     if (body.average_radius == 0) body.average_radius = radius;

@@ -119,6 +119,7 @@ std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
     if (body.driven()) {
       BoundarySpec boundary;
       boundary.name = fmt::format("body {}", k + 1);
+      boundary.dimension = datbox.dimension;
       boundary.motion = datbox_motion(body, datbox.start, datbox.dimension);
       if (body.plank()) {
         set_wall(datbox, body, boundary);

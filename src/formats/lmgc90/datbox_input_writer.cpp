@@ -13,18 +13,21 @@ bool is_constant(const std::vector<double>& values) {
 bool has_formula(const std::vector<double>& values, const std::vector<std::array<double, 5>>& oscillations) {
   if (oscillations.empty()) return true;
   const auto& [amplitude, omega, phase, ramp, growth] = oscillations.front();
-  return oscillations.size() == 1 && is_constant(values) && (values.front() == 0 || (ramp == 1 && growth == 0));
+  return oscillations.size() == 1 && is_constant(values) && (values.front() == 0 || ramp == 1);
 }
 
 std::string table_name(Index body, std::size_t dof) { return fmt::format("velocity_{}_{}.dat", body, dof + 1); }
 
-std::string law_text(const char* name, const Interaction& interaction, double friction) {
+std::string law_text(const char* name, const Dynamics& dynamics, double friction) {
+  const Interaction& interaction = dynamics.interaction;
+  const bool removes_overlaps = dynamics.time.penetration_correction == 1 && dynamics.time.maximum_push_speed >= 1e100;
   if (interaction.on_velocity())
     return fmt::format(
         "$behav  lawty\n {}  {:30}{}\n{:38}{}\n\n", name, "RST_CLB",
         datbox_named({{"rstn=", interaction.restitution}, {"rstt=", interaction.tangential_restitution}}), "",
         datbox_named({{"fric=", friction}}));
-  return fmt::format("$behav  lawty\n {}  {:30}{}\n\n", name, "IQS_CLB", datbox_named({{"fric=", friction}}));
+  return fmt::format("$behav  lawty\n {}  {:30}{}\n\n", name, removes_overlaps ? "GAP_SGR_CLB" : "IQS_CLB",
+                     datbox_named({{"fric=", friction}}));
 }
 
 // Why LMGC90 has no such law; empty if it has one.
@@ -36,10 +39,11 @@ std::string without_law(const Interaction& interaction) {
   return {};
 }
 
-std::string law_texts(const Interaction& interaction) {
+std::string law_texts(const Dynamics& dynamics) {
+  const Interaction& interaction = dynamics.interaction;
   const bool frictionless = to_string(interaction.law) == Frictionless::name;
-  return law_text(datbox_law_of_grains, interaction, frictionless ? 0 : interaction.friction) +
-         law_text(datbox_law_of_boundaries, interaction, frictionless ? 0 : interaction.friction_at_boundaries());
+  return law_text(datbox_law_of_grains, dynamics, frictionless ? 0 : interaction.friction) +
+         law_text(datbox_law_of_boundaries, dynamics, frictionless ? 0 : interaction.friction_at_boundaries());
 }
 
 // Contactors `grain` of free grains see those of another kind and colour.
@@ -103,7 +107,7 @@ std::string DatboxWriter::without_datbox() const {
 std::string DatboxWriter::tact() const {
   const double alert = first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius);
   const char *grain = space_ ? "SPHER" : "DISKx", *plank = space_ ? "PLANx" : "JONCx";
-  return "! File TACT_BEHAV\n\n" + law_texts(first_.dynamics.interaction) +
+  return "! File TACT_BEHAV\n\n" + law_texts(first_.dynamics) +
          sight_text(kind(), grain, datbox_law_of_grains, grain, datbox_grains, alert) +
          sight_text(kind(), grain, datbox_law_of_boundaries, grain, datbox_boundaries, alert) +
          sight_text(kind(), grain, datbox_law_of_boundaries, plank, datbox_boundaries, alert);

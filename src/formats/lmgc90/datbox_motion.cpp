@@ -74,6 +74,15 @@ Motion datbox_motion(const DatboxBody& body, double start, Index dimension) {
   std::set<double> times;
   Motion motion;
   motion.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0};
+  const auto turns = [](const auto& drive) {
+    return drive && (drive->constant != 0 || drive->amplitude != 0 || !drive->table.empty());
+  };
+  if (dimension == 3 && body.contactors.size() > 1 && body.inertia.isZero(0) &&
+      (!body.frame.isIdentity(0) || !body.spin.isZero(0) ||
+       std::any_of(body.drives.begin() + 3, body.drives.end(), turns)))
+    refuse(body.place,
+           "expected I1 to I3 of a cluster that turns or has axes of its own, met 0: LMGC90 takes its principal axes, "
+           "which are in no file");
   const Vector3 spin = body.frame * body.spin, &v0 = body.velocity;
   motion.initial = dimension == 2 ? RigidVelocity{v0[0], v0[1], v0[2]}
                                   : RigidVelocity{v0[0], v0[1], spin[2], v0[2], spin[0], spin[1]};

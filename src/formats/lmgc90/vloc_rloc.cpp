@@ -72,11 +72,14 @@ std::vector<NetworkBody> network_bodies(const Datbox& datbox, double h, Index& r
     }
     for (Index k = 0; k < dofs; ++k) {
       if (const auto& drive = body.drives[at(k)]) {
+        if (const auto& force = body.forces[at(k)])
+          refuse(force->place, "expected a velocity or a force of degree of freedom {}, met both", k + 1);
         own.after[k] = value_of(*drive, datbox.start + h);
         continue;
       }
       if (k < datbox.dimension) own.after[k] += h * (*datbox.gravity)[at(k)];
-      if (const auto& force = body.forces[at(k)]) own.after[k] += h * value_of(*force, datbox.start + h) / own.mass[k];
+      if (const auto& force = body.forces[at(k)])  // the mean of both ends of the step: theta is 1/2
+        own.after[k] += h * (value_of(*force, datbox.start) + value_of(*force, datbox.start + h)) / 2 / own.mass[k];
     }
   }
   return bodies;
