@@ -3,9 +3,9 @@
 """Runs folders DATBOX of LMGC90's public tree, and compares the paper's own sample with runs of LMGC90 itself.
 
 The folders are not in this repository. $NSCDD_LMGC90 is a folder that has them (NAME/BODIES.DAT ...), or their archive
-datbox.tar.xz (corpus/NAME/BODIES.DAT ...); by default ../shared/lmgc90 beside the source tree. With an archive
-reference.tar.xz beside them (reference/RUN/DOF.OUT.1.of_1 ..., outputs of LMGC90) runs are compared, too. Without
-folders the test is skipped.
+datbox.tar.xz (corpus/NAME/BODIES.DAT ...). The default is ../shared/lmgc90, from the source tree. The archive
+reference.tar.xz of the same folder, if there, has outputs of LMGC90 (reference/RUN/DOF.OUT.1.of_1 ...), with which runs
+are compared. Without folders the test is skipped.
 
 usage: check_folders.py PROGRAM SOURCE
 Exit code 0: as expected; 1: not; 77: no folders."""

@@ -321,6 +321,12 @@ TEST_CASE("DATBOX: a driven cluster of spheres is a boundary; velocities of DOF.
       texts.driven.substr(0, texts.driven.rfind(" vlocy      6")) +
       replaced(texts.driven.substr(texts.driven.rfind(" vlocy      6")), "6  0.0000000D+00", "6  0.1000000D+01");
   check_error([&] { datbox_dynamics(read(texts)); }, {"BODIES.DAT:", "I1 to I3 of a cluster that turns"});
+  // The node of a single one moves, too: its axes, which DOF.INI turns, have no effect on its place.
+  texts = small_in_space();
+  texts.bodies = replaced(texts.bodies, " SPHER      1  color  BLEUx  byrd= 0.2500000D+00\n",
+                          " SPHEb      1  color  BLEUx  byrd= 0.2500000D+00\n" + std::string(29, ' ') +
+                              "coo1= 0.1000000D+01  coo2= 0.0000000D+00  coo3= 0.0000000D+00\n");
+  CHECK(datbox_packing(read(texts), DatboxGrains::all).centre(0) == std::array<double, 3>{2.5, 1.75, 3.125});
 }
 
 TEST_CASE("DATBOX: spheres, their masses, a plank as a plane, and spins along the axes of a body") {

@@ -63,43 +63,38 @@ DatboxContactor read_contactor(FixedColumns& lines, bool space, DatboxBody& body
   return contactor;
 }
 
-// Computes, as LMGC90 does, values that are 0 in BODIES.DAT: the centre of a body of several contactors, weighted by
-// their areas, and its radii. (Those of a plank, which is never free here, have no effect.)
+// The centre of disks or spheres, weighted by area or volume; 0 if there are none.
+Eigen::Vector3d centre_of_grains(const DatboxBody& body, Index dimension) {
+  double weights = 0;
+  Eigen::Vector3d centre(0, 0, 0);
+  for (const DatboxContactor& one : body.contactors) {
+    const double weight = one.radius * one.radius * (dimension == 3 ? one.radius : 1);
+    weights += weight;
+    centre += weight * one.shift;
+  }
+  return weights > 0 ? Eigen::Vector3d(centre / weights) : centre;
+}
+
+// Computes, as LMGC90 does, the centre of a body (in the plane only if its node is at 0), and radii and inertia that
+// are 0 in BODIES.DAT. (Those of a plank, which is never free here, have no effect.)
 void complete(DatboxBody& body, Index dimension) {
   if (body.contactors.size() == 1 && body.contactors[0].solid) return complete_solid(body, dimension);
-  if (dimension == 3 && body.contactors.size() > 1) {  // LMGC90 moves the node to the centre, weighted by volume
-    double volume = 0;
-    Eigen::Vector3d centre(0, 0, 0);
-    for (const DatboxContactor& one : body.contactors) {
-      volume += one.radius * one.radius * one.radius;
-      centre += one.radius * one.radius * one.radius * one.shift;
-    }
-    if (volume > 0) centre /= volume;
+  const bool single = body.contactors.size() == 1;
+  if (dimension == 3 || (!single && body.position.isZero(0))) {
+    if (dimension == 2 && !body.unmodelled.empty()) fail("{}", body.unmodelled);  // only disks have weights here
+    const Eigen::Vector3d centre = centre_of_grains(body, dimension);
     body.position += centre;
     for (DatboxContactor& one : body.contactors) one.shift -= centre;
-    return;
   }
+  if (!single) return;
+  const double radius = body.contactors[0].radius;
   if (dimension == 3) {
-    const double radius = body.contactors[0].radius, volume = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
     if (body.average_radius == 0) body.average_radius = radius;
-    if (body.inertia.isZero(0)) body.inertia.setConstant(0.4 * radius * radius * volume);
-    return;
-  }
-  if (body.contactors.size() > 1 && body.position.isZero(0)) {
-    if (!body.unmodelled.empty()) fail("{}", body.unmodelled);  // only disks have weights here
-    double area = 0;
-    Eigen::Vector3d centre(0, 0, 0);
-    for (const DatboxContactor& one : body.contactors) {
-      area += one.radius * one.radius;
-      centre += one.radius * one.radius * one.shift;
-    }
-    centre /= area;
-    body.position.head<2>() = centre.head<2>();
-    for (DatboxContactor& one : body.contactors) one.shift -= centre;
-  }
-  if (body.contactors.size() == 1 && (body.average_radius == 0 || body.gyration_radius == 0)) {
-    body.average_radius = body.contactors[0].radius;
-    body.gyration_radius = body.contactors[0].radius / std::numbers::sqrt2;
+    if (body.inertia.isZero(0))
+      body.inertia.setConstant(0.4 * radius * radius * (4.0 / 3 * std::numbers::pi * radius * radius * radius));
+  } else if (body.average_radius == 0 || body.gyration_radius == 0) {
+    body.average_radius = radius;
+    body.gyration_radius = radius / std::numbers::sqrt2;
   }
 }
 
