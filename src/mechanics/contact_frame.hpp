@@ -94,6 +94,43 @@ inline LocalVector<3> in_frame(const Direction<3>& n, const AxesVector& r) {
   return {r.n, in_frame(n, std::array{r.t.x, r.t.y, r.t.z}).t};
 }
 
+/// A vector of a contact by its directions, (n, t) or (n, t_1, t_2), and back.
+inline std::array<double, 2> along_directions(const LocalVector<2>& r) { return {r.n, r.t}; }
+inline std::array<double, 3> along_directions(const LocalVector<3>& r) { return {r.n, r.t.first, r.t.second}; }
+inline LocalVector<2> from_directions(const std::array<double, 2>& r) { return {r[0], r[1]}; }
+inline LocalVector<3> from_directions(const std::array<double, 3>& r) { return {r[0], {r[1], r[2]}}; }
+
+/// How a contact moves one of its bodies: the rows of H_c^T on the unknowns of the body, with its sign, so that the
+/// relative velocity of the contact is the sum over both bodies. `moves` is 1 for an unknown that impulses move, and 0
+/// for one whose velocity is prescribed.
+template <int D>
+struct Lever {
+  using Unknowns = std::array<double, D == 2 ? 3 : 6>;
+  std::array<Unknowns, D> rows{};
+  Unknowns moves{};
+
+  LocalVector<D> velocity(const Unknowns& v) const {
+    std::array<double, D> u{};
+    for (std::size_t d = 0; d < D; ++d)
+      for (std::size_t k = 0; k < v.size(); ++k) u[d] += rows[d][k] * v[k];
+    return from_directions(u);
+  }
+  /// H_c r on the body, N s.
+  Unknowns impulse(const LocalVector<D>& r) const {
+    const std::array<double, D> along = along_directions(r);
+    Unknowns p{};
+    for (std::size_t k = 0; k < p.size(); ++k)
+      for (std::size_t d = 0; d < D; ++d) p[k] += moves[k] * rows[d][k] * along[d];
+    return p;
+  }
+};
+
+/// The levers of a contact on both of its bodies.
+template <int D>
+struct Levers {
+  Lever<D> a, b;
+};
+
 struct BodyRows {
   Index first = -1;  ///< its first row: translations and, where the problem has them, rotations; -1 for a driven body
   double arm = 1;    ///< lever arm of tangential impulses, m; 1 where the speed of the rim stands for the spin
@@ -118,6 +155,14 @@ class ConnectivityBuilder {
     put(normal, ascending ? b : a, ascending ? 1 : -1, direction);
     ++columns_;
   }
+  /// The same for bodies with levers, whose prescribed unknowns have no entries.
+  void add_levers(const Levers<D>& levers, const BodyRows& a, const BodyRows& b, const LocalVector<D>& direction) {
+    h_.startVec(columns_);
+    const bool ascending = a.first < b.first;
+    put(ascending ? levers.a : levers.b, ascending ? a : b, direction);
+    put(ascending ? levers.b : levers.a, ascending ? b : a, direction);
+    ++columns_;
+  }
 
   /// The matrix with the columns added; to be called once.
   SparseMatrix matrix() {
@@ -134,6 +179,12 @@ class ConnectivityBuilder {
     if (squared(LocalVector<D>{0, direction.t}) == 0) return;
     for (Index k = D; k < count(impulse); ++k)
       h_.insertBackByOuterInner(columns_, body.first + k) = body.arm * impulse[at(k)];
+  }
+  void put(const Lever<D>& lever, const BodyRows& body, const LocalVector<D>& direction) {
+    if (body.first < 0) return;
+    const auto impulse = lever.impulse(direction);
+    for (Index k = 0; k < count(impulse); ++k)
+      if (lever.moves[at(k)] != 0) h_.insertBackByOuterInner(columns_, body.first + k) = impulse[at(k)];
   }
 
   SparseMatrix h_;

@@ -48,7 +48,8 @@ struct Interaction {
   double friction = 0.3, boundary_friction = -1;
   Choice<Signorini> signorini;
   double restitution = 0, tangential_restitution = 0;
-  double cohesion = 0;  ///< N
+  double cohesion = 0;         ///< N
+  double cohesion_range = -1;  ///< m; -1: contacts that touch, see touching_gap
   Flexibility epsilon;
 
   /// Whether contacts act once bodies touch.
@@ -77,6 +78,11 @@ struct Interaction {
                 .unit = "N",
                 .minimum = 0,
                 .maximum = 1e100});
+    visit("cohesion_range", self.cohesion_range,
+          Field{.description = "largest gap of a contact that pulls, law cohesive; -1: 1e-3 of the smaller radius",
+                .unit = "m",
+                .minimum = 0,
+                .also = -1});
     visit("epsilon", self.epsilon,
           Field{.description = "flexibility of law linear_viscous: a number, or a multiple of W",
                 .unit = "1/kg",

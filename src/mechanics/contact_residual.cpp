@@ -17,9 +17,15 @@ ContactStatus status_under(const Law&, const GrainContact<D>& c) {
 template <class Law, int D>
 void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVelocities<D> v) {
   const LocalVector<D> r = c.impulse, shifted{r.n + c.pull, r.t};
-  const LocalVector<D> next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
-  const LocalVector<D> change = c.inverse_w.apply(next - r);
-  const LocalVector<D> here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
+  LocalVector<D> next, change, here, there;
+  double inverse_n = 0;
+  with_delassus(c, [&](const auto& w) {
+    next = law_at(law, c.pull).impulse(c.impulse - w.solve(relative_velocity(c, v) + c.bias), w, c.friction);
+    change = w.apply(next - r);
+    here = w.apply(r);
+    there = w.apply(next);
+    inverse_n = w.inverse_normal();
+  });
   sum.impulses += squared(shifted);
   sum.violation += squared(change);
   sum.work += dot(0.5 * (next + r), change);
@@ -29,7 +35,7 @@ void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVe
     sum.natural_map += squared(next - r);
   } else {
     const LocalVector<D> velocity = relative_velocity(c, v) + c.bias;
-    sum.natural_map += squared(natural_map(shifted, velocity, c.friction, c.inverse_w.inverse_n));
+    sum.natural_map += squared(natural_map(shifted, velocity, c.friction, inverse_n));
   }
   if (!carries(r)) return;
   ++sum.active;
@@ -60,11 +66,12 @@ double natural_map_scale(double maps, double impulses, double alone, double mome
 
 template <int D>
 ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> free) {
-  const LocalVector<D> stop = -1.0 * contact.inverse_w.solve(relative_velocity(contact, free) + contact.bias);
-  const LocalVector<D> alone = std::visit(
-      [&](const auto& one) { return law_at(one, contact.pull).impulse(stop, contact.inverse_w, contact.friction); },
-      law);
-  const double speed = meeting_speed(contact, free), mass = contact.inverse_w.inverse_n;
+  const LocalVector<D> alone = with_delassus(contact, [&](const auto& w) {
+    const LocalVector<D> stop = -1.0 * w.solve(relative_velocity(contact, free) + contact.bias);
+    return std::visit([&](const auto& one) { return law_at(one, contact.pull).impulse(stop, w, contact.friction); },
+                      law);
+  });
+  const double speed = meeting_speed(contact, free), mass = inverse_normal_delassus(contact);
   return {.alone = squared(LocalVector<D>{alone.n + contact.pull, alone.t}),
           .momenta = speed * speed * mass * mass,
           .speeds = speed * speed,

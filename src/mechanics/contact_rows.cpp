@@ -227,7 +227,7 @@ SweepSums sweep(const Law& law, ContactRows<2>& contacts, std::span<GrainVelocit
     const double v_n = c.normal[0] * dx + c.normal[1] * dy + c.bias_n;
     double v_t = c.normal[0] * dy - c.normal[1] * dx - (a.rim + b.rim);
     if constexpr (tangential_bias) v_t += contacts.bias_t[k];
-    const DiagonalDelassus w = grain_delassus(a, b);
+    const DiagonalDelassus w = grain_delassus<2>(a.inverse_mass, b.inverse_mass);
     const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
     const LocalVector<2> stop{r.n - w.inverse_n * v_n, r.t - w.inverse_t * v_t};
     LocalVector<2> next;
@@ -257,6 +257,26 @@ SweepSums sweep(const Law& law, ContactRows<2>& contacts, std::span<GrainVelocit
   return sums;
 }
 
+// A sweep over contacts of bodies of any shape, each with its own friction.
+template <int D, class Law>
+SweepSums sweep_others(const Law& law, ContactRows<D>& contacts, std::span<GrainVelocity<D>> v, double relaxation) {
+  SweepSums sums;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const GrainContact<D> c = contacts.contact(k, v);
+    LocalVector<D> next = with_delassus(c, [&](const auto& w) {
+      const LocalVector<D> stop = c.impulse - w.solve(relative_velocity<D>(c, v) + c.bias);
+      return law_at(law, c.pull).impulse(stop, w, c.friction);
+    });
+    if (relaxation != 1) next = c.impulse + relaxation * (next - c.impulse);
+    const LocalVector<D> change = next - c.impulse;
+    contacts.set_impulse(k, next);
+    apply_impulse(c, change, v);
+    sums.change += squared(change);
+    sums.impulses += squared(next);
+  }
+  return sums;
+}
+
 }  // namespace
 
 template <int D>
@@ -267,12 +287,16 @@ GrainContact<D> ContactRows<D>::contact(std::size_t k, std::span<const GrainVelo
   return {.a = row.a,
           .b = row.b,
           .normal = row.normal,
-          .inverse_w = grain_delassus(a, b),
+          .inverse_mass_a = a.inverse_mass,
+          .inverse_mass_b = b.inverse_mass,
           .bias = bias_t.empty() ? LocalVector<D>{row.bias_n, {}}
                                  : in_frame(row.normal, SweptVector<D>{row.bias_n, bias_t[k]}),
-          .friction = a.inverse_mass == 0 || b.inverse_mass == 0 ? boundary_friction : friction,
+          .friction = !others.empty()                              ? others[k].friction
+                      : a.inverse_mass == 0 || b.inverse_mass == 0 ? boundary_friction
+                                                                   : friction,
           .pull = pull.empty() ? 0.0 : pull[k],
-          .impulse = impulse(k)};
+          .impulse = impulse(k),
+          .levers = others.empty() ? nullptr : others[k].levers};
 }
 
 template <int D>
@@ -280,6 +304,7 @@ SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows<D>& contacts,
                              std::type_identity_t<std::span<GrainVelocity<D>>> v, double relaxation) {
   return std::visit(
       [&](const auto& one) {
+        if (!contacts.others.empty()) return sweep_others(one, contacts, v, relaxation);
         const bool biased = !contacts.bias_t.empty();
         if (relaxation == 1)
           return biased ? sweep<false, true>(one, contacts, v, relaxation)

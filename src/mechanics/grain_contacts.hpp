@@ -68,26 +68,62 @@ double kinetic_energy(const GrainVelocity<D>& v) {
 
 /// W of a contact of two grains: W_nn = 1/m_a + 1/m_b, W_tt = 3 W_nn for disks and 7/2 W_nn for spheres, W_nt = 0.
 template <int D>
-DiagonalDelassus grain_delassus(const GrainVelocity<D>& a, const GrainVelocity<D>& b) {
-  const double inverse = 1 / (a.inverse_mass + b.inverse_mass);
+DiagonalDelassus grain_delassus(double inverse_mass_a, double inverse_mass_b) {
+  const double inverse = 1 / (inverse_mass_a + inverse_mass_b);
   return {inverse, inverse * (1 / (1 + rim_mass_ratio<D>))};
+}
+
+/// W of a contact with levers: sum over both bodies of H_c^T M^-1 H_c.
+template <int D>
+FullDelassus<D> lever_delassus(const Levers<D>& levers, double inverse_mass_a, double inverse_mass_b) {
+  std::array<std::array<double, D>, D> w{};
+  const auto add = [&](const Lever<D>& lever, double inverse_mass) {
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t j = 0; j < D; ++j)
+        for (std::size_t k = 0; k < lever.moves.size(); ++k)
+          w[i][j] +=
+              lever.moves[k] * inverse_mass * (k < D ? 1 : rim_mass_ratio<D>)*lever.rows[i][k] * lever.rows[j][k];
+  };
+  add(levers.a, inverse_mass_a);
+  add(levers.b, inverse_mass_b);
+  if constexpr (D == 2)
+    return {w[0][0], w[0][1], w[1][1]};
+  else
+    return {w[0][0], {w[0][1], w[0][2]}, {w[1][1], w[1][2], w[2][2]}};
 }
 
 /// One contact in its frame, n from a to b, with all data of a law. In the plane t is n turned by +90 degrees:
 ///     v_n = n (V_b - V_a),   v_t = t (V_b - V_a) - rim_a - rim_b,
 /// in space (n, t_1, t_2) are those of tangents_of:
 ///     v_n = n (V_b - V_a),   v_t = t (V_b - V_a - (rim_a + rim_b) x n)  for t_1 and t_2.
-/// Sweeps use the shorter ContactRows.
+/// A contact of bodies of another shape has `levers`. Sweeps use the shorter ContactRows.
 template <int D>
 struct GrainContact {
-  std::int32_t a = 0, b = 0;   ///< positions in the array of velocities
-  Direction<D> normal{1, 0};   ///< n
-  DiagonalDelassus inverse_w;  ///< kg
-  LocalVector<D> bias = {};    ///< m/s, added to v before the law: gap / h, restitution
+  std::int32_t a = 0, b = 0;                      ///< positions in the array of velocities
+  Direction<D> normal{1, 0};                      ///< n
+  double inverse_mass_a = 0, inverse_mass_b = 0;  ///< 1/kg
+  LocalVector<D> bias = {};                       ///< m/s, added to v before the law: gap / h, restitution
   double friction = 0;
-  double pull = 0;              ///< largest pulling impulse, N s; 0 unless the law pulls
-  LocalVector<D> impulse = {};  ///< r, N s
+  double pull = 0;                               ///< largest pulling impulse, N s; 0 unless the law pulls
+  LocalVector<D> impulse = {};                   ///< r, N s
+  std::shared_ptr<const Levers<D>> levers = {};  ///< null for two grains
+
+  /// W_c of two grains.
+  DiagonalDelassus inverse_w() const { return grain_delassus<D>(inverse_mass_a, inverse_mass_b); }
 };
+
+/// use(W_c), whose type depends on the bodies: see DiagonalDelassus and FullDelassus.
+template <int D, class Use>
+decltype(auto) with_delassus(const GrainContact<D>& c, const Use& use) {
+  if (c.levers == nullptr) return use(c.inverse_w());
+  return use(lever_delassus(*c.levers, c.inverse_mass_a, c.inverse_mass_b));
+}
+
+/// 1/W_nn of a contact, kg.
+template <int D>
+double inverse_normal_delassus(const GrainContact<D>& c) {
+  return with_delassus(c, [](const auto& w) { return w.inverse_normal(); });
+}
 
 /// Sums over the contacts of one sweep, (N s)^2: |r - r_before|^2 and |r|^2.
 struct SweepSums {
@@ -110,8 +146,13 @@ inline LocalVector<3> relative_velocity(const Direction<3>& n, const GrainVeloci
            t2[0] * dx + t2[1] * dy + t2[2] * dz + (t1[0] * sx + t1[1] * sy + t1[2] * sz)}};
 }
 template <int D>
+LocalVector<D> relative_velocity(const Levers<D>& levers, const GrainVelocity<D>& a, const GrainVelocity<D>& b) {
+  return levers.a.velocity(unknowns(a)) + levers.b.velocity(unknowns(b));
+}
+template <int D>
 LocalVector<D> relative_velocity(const GrainContact<D>& c, GrainVelocities<D> v) {
-  return relative_velocity(c.normal, v[static_cast<std::size_t>(c.a)], v[static_cast<std::size_t>(c.b)]);
+  const GrainVelocity<D>&a = v[static_cast<std::size_t>(c.a)], &b = v[static_cast<std::size_t>(c.b)];
+  return c.levers == nullptr ? relative_velocity(c.normal, a, b) : relative_velocity(*c.levers, a, b);
 }
 
 /// V += M^-1 p of one grain, for an impulse p on its unknowns, N s.
@@ -125,14 +166,16 @@ void push(GrainVelocity<D>& grain, const std::type_identity_t<GrainUnknowns<D>>&
 /// V += M^-1 H_c r: the velocities of both grains of a contact after an impulse r on b and -r on a.
 template <int D>
 void apply_impulse(const GrainContact<D>& c, LocalVector<D> r, std::type_identity_t<std::span<GrainVelocity<D>>> v) {
-  push(v[static_cast<std::size_t>(c.a)], impulse_on_grain(c.normal, -1, r));
-  push(v[static_cast<std::size_t>(c.b)], impulse_on_grain(c.normal, 1, r));
+  push(v[static_cast<std::size_t>(c.a)],
+       c.levers == nullptr ? impulse_on_grain(c.normal, -1, r) : c.levers->a.impulse(r));
+  push(v[static_cast<std::size_t>(c.b)],
+       c.levers == nullptr ? impulse_on_grain(c.normal, 1, r) : c.levers->b.impulse(r));
 }
 
 /// The impulse that would bring the contact to rest, bias included: r - W^-1 (v + bias).
 template <int D>
 LocalVector<D> stopping_impulse(const GrainContact<D>& c, GrainVelocities<D> v) {
-  return c.impulse - c.inverse_w.solve(relative_velocity(c, v) + c.bias);
+  return with_delassus(c, [&](const auto& w) { return c.impulse - w.solve(relative_velocity(c, v) + c.bias); });
 }
 
 /// A contact as a sweep reads it, 32 bytes in the plane and 40 in space.
@@ -152,11 +195,31 @@ struct ContactRows {
   std::vector<double> pull;                         ///< N s; empty unless the law pulls
   double friction = 0;                              ///< between free grains
   double boundary_friction = 0;                     ///< if one of both bodies is driven
+  /// Levers of every contact, null for two grains, and friction; empty if no contact has levers or a friction of its
+  /// own. The fast path of two grains does not read it.
+  struct Other {
+    std::shared_ptr<const Levers<D>> levers = {};
+    double friction = 0;
+  };
+  std::vector<Other> others = {};
 
   std::size_t size() const { return rows.size(); }
   LocalVector<D> impulse(std::size_t k) const { return in_frame(rows[k].normal, impulses[k]); }
   void set_impulse(std::size_t k, const LocalVector<D>& r) { impulses[k] = swept(rows[k].normal, r); }
   GrainContact<D> contact(std::size_t k, std::span<const GrainVelocity<D>> v) const;
+  /// Relative velocity of contact k, m/s, without bias; and V += M^-1 H_k r.
+  LocalVector<D> relative_velocity_at(std::size_t k, std::span<const GrainVelocity<D>> v) const {
+    const ContactRow<D>& row = rows[k];
+    const GrainVelocity<D>&a = v[static_cast<std::size_t>(row.a)], &b = v[static_cast<std::size_t>(row.b)];
+    if (!others.empty() && others[k].levers) return relative_velocity(*others[k].levers, a, b);
+    return relative_velocity(row.normal, a, b);
+  }
+  void push_bodies(std::size_t k, const LocalVector<D>& r, std::span<GrainVelocity<D>> v) const {
+    const ContactRow<D>& row = rows[k];
+    const Levers<D>* const levers = others.empty() ? nullptr : others[k].levers.get();
+    push(v[static_cast<std::size_t>(row.a)], levers ? levers->a.impulse(r) : impulse_on_grain(row.normal, -1, r));
+    push(v[static_cast<std::size_t>(row.b)], levers ? levers->b.impulse(r) : impulse_on_grain(row.normal, 1, r));
+  }
 };
 
 /// One nonlinear Gauss-Seidel sweep over the contacts in their order in memory, see take_impulse. Grains are updated at

@@ -1,104 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mechanics/grain_contacts.hpp"
+#include "mechanics/rigid_body.hpp"
 
-#include <Eigen/Geometry>
+#include <map>
 
 namespace nscdd {
 
-using Place = Direction<3>;  ///< a place, m, or another vector; in the plane its third number is 0
-
-inline double dot(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-/// a + factor b
-inline Place moved_along(Place a, double factor, const Place& b) {
-  for (std::size_t k = 0; k < 3; ++k) a[k] += factor * b[k];
-  return a;
-}
-inline Place difference(const Place& to, const Place& from) { return moved_along(to, -1, from); }
-
-/// Velocity of a grain, (x, y, z, rim_x, rim_y, rim_z), in the plane (x, y, 0, 0, 0, rim), m/s.
-using GrainMotion = GrainUnknowns<3>;
-inline Place velocity_of(const GrainMotion& v) { return {v[0], v[1], v[2]}; }
-inline GrainMotion motion_of(const GrainVelocity<2>& v) { return {v.x, v.y, 0, 0, 0, v.rim}; }
-inline GrainMotion motion_of(const GrainVelocity<3>& v) { return unknowns(v); }
-template <int D>
-GrainVelocity<D> with_motion(const GrainMotion& v, double inverse_mass) {
-  if constexpr (D == 2)
-    return {v[0], v[1], v[5], inverse_mass};
-  else
-    return with_unknowns(v, inverse_mass);
-}
-
-/// Velocity of the reference point of a rigid body, m/s, and its spin, rad/s; the last three are 0 in the plane.
-struct RigidVelocity {
-  double x = 0, y = 0, spin = 0;
-  double z = 0, spin_x = 0, spin_y = 0;
-};
-/// a + factor b
-RigidVelocity sum(const RigidVelocity& a, double factor, const RigidVelocity& b);
-
-/// An oscillation of a rigid body: amplitude cos(omega t + phase) min(1, ramp + growth t).
-struct Oscillation {
-  RigidVelocity amplitude;
-  double omega = 0, phase = 0;  ///< rad/s and rad
-  double ramp = 1, growth = 0;  ///< part of the amplitude at time 0, and its growth, 1/s
+/// What holds for contacts of two colours in place of the parameters of an Interaction.
+struct PairRule {
+  bool touch = true;  ///< false: their bodies go through each other
+  std::optional<double> friction = {}, restitution = {}, tangential_restitution = {};
 };
 
-/// Prescribed motion of a rigid body: velocities at given times, linear in between, constant before the first and after
-/// the last, none without entries; plus oscillations. The body turns about its reference point.
-struct Motion {
-  std::array<double, 3> centre{0, 0, 0};  ///< reference point at time 0, m; in the plane z = 0
-  std::vector<double> time;               ///< s, ascending
-  std::vector<RigidVelocity> velocity;
-  std::vector<Oscillation> oscillations = {};
-  std::optional<RigidVelocity> initial = {};  ///< before time 0, see first_motions; by default that at time 0
+/// Colours of grains and walls, and rules for pairs of colours.
+struct ContactPairs {
+  std::vector<Index> colour = {};                       ///< of every grain and then of every wall; empty: no rules
+  std::map<std::array<Index, 2>, PairRule> rules = {};  ///< by two colours, the smaller first
 
-  RigidVelocity at(double t) const;
+  /// The rule of two bodies; null if there is none.
+  const PairRule* of(Index a, Index b) const {
+    if (colour.empty()) return nullptr;
+    const auto [low, high] = std::minmax(colour[at(a)], colour[at(b)]);
+    const auto found = rules.find({low, high});
+    return found == rules.end() ? nullptr : &found->second;
+  }
 };
-
-/// How grains of a boundary follow its turn.
-enum class Orientation {
-  turning,  ///< they turn with it, as parts of one rigid body
-  fixed,    ///< their centres go round, without spin
-};
-constexpr auto names_of(Orientation) { return std::to_array<std::string_view>({"turning", "fixed"}); }
-
-/// A rigid body driven by a motion: grains (GranularSystem::driven_by) or a wall.
-struct Boundary {
-  std::string name;
-  Motion motion;
-  Orientation orientation = Orientation::turning;  ///< of its grains
-};
-
-/// Place of the reference point of a boundary, and its turn: in the plane an angle, in space a rotation.
-struct Pose {
-  double x = 0, y = 0, angle = 0;  ///< m, rad
-  double z = 0;
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
-};
-
-/// A wall at time 0, which moves with its boundary: in the plane a straight line, in space a plane, with grains on the
-/// side that `normal` points to. With a radius it is a circular cylinder in space, unbounded along its axis.
-struct Wall {
-  std::array<double, 3> point{0, 0, 0};   ///< m; of a cylinder on its axis
-  std::array<double, 3> normal{0, 1, 0};  ///< unit; of a cylinder along its axis
-  Index boundary = 0;
-  double radius = 0;  ///< of a cylinder, m: > 0 with grains inside, < 0 with grains outside; 0 of a plane
-};
-
-/// The place of a point of a body that goes from one pose to another: on the exact circle, not on its tangent.
-Place carried(const Place& p, const Pose& before, const Pose& after);
-
-/// The wall when its boundary has moved from the centre of its motion to `pose`.
-Wall moved(const Wall& wall, const Motion& motion, const Pose& pose);
-
-Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h, Index dimension);
-
-Place velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Place& p);
-
-/// Throws Error naming the boundary if times do not ascend, counts differ or a number is not finite.
-void check(const Boundary& boundary);
 
 /// Disks in the plane or spheres in space, walls, and boundaries that drive them. Grains of a packing come first.
 struct GranularSystem {
@@ -108,12 +35,54 @@ struct GranularSystem {
   std::vector<Index> driven_by;  ///< boundary that moves a grain, -1 for a free one
   std::vector<Wall> walls;
   std::vector<Boundary> boundaries;
+  ContactPairs pairs = {};
+  std::vector<Index> free_bodies = {};  ///< boundaries with free directions, by number_bodies
 
   Index grains() const { return count(radius); }
+  /// Grains, then bodies with free directions: the bodies of a step but for walls.
+  Index bodies() const { return grains() + count(free_bodies); }
+  const Boundary& body(Index number) const { return boundaries[at(free_bodies[at(number - grains())])]; }
+  /// The boundary of a grain, or of wall grains() + w; -1 for a free grain.
+  Index boundary_of(Index body) const {
+    return body < grains() ? driven_by[at(body)] : walls[at(body - grains())].boundary;
+  }
+  /// The body of a step that a grain or wall belongs to: itself or one with free directions; -1 for any other wall.
+  Index node_of(Index body) const {
+    const Index k = boundary_of(body), node = k < 0 ? -1 : boundaries[at(k)].node;
+    return node >= 0 || body >= grains() ? node : body;
+  }
+  /// Whether a number of node_of is that of a body that impulses move.
+  bool is_free_node(Index node) const { return node >= grains() || (node >= 0 && free(node)); }
+  /// Whether impulses can move what a grain or wall belongs to.
+  bool moves(Index body) const {
+    const Index k = boundary_of(body);
+    return k < 0 || boundaries[at(k)].node >= 0;
+  }
+  /// Whether a grain or wall has the friction of boundaries: those of bodies that are free in all directions have not.
+  bool is_boundary(Index body) const {
+    const Index k = boundary_of(body);
+    return k >= 0 && !(boundaries[at(k)].body && boundaries[at(k)].body->wholly_free(dimension));
+  }
+  /// Whether grain a and grain or wall b are of different bodies, at least one of which impulses can move, and of
+  /// colours that touch.
+  bool may_touch(Index a, Index b) const {
+    const Index k = boundary_of(a);
+    if (!(moves(a) || moves(b)) || (k >= 0 && k == boundary_of(b))) return false;
+    const PairRule* const rule = pairs.of(a, b);
+    return rule == nullptr || rule->touch;
+  }
   Index free_grains() const { return std::count(driven_by.begin(), driven_by.end(), Index{-1}); }
   bool free(Index grain) const { return driven_by[at(grain)] < 0; }
-  /// 1/kg; 0 for a driven grain.
-  double inverse_mass(Index grain) const { return free(grain) ? 1 / mass[at(grain)] : 0; }
+  /// Of a body of a step, 1/kg; 0 for a driven grain.
+  double inverse_mass(Index number) const {
+    if (number >= grains()) return 1 / body(number).body->mass;
+    return free(number) ? 1 / mass[at(number)] : 0;
+  }
+  /// Of a body of a step: its radius three times, or FreeBody::rims.
+  std::array<double, 3> rims(Index number) const {
+    if (number >= grains()) return body(number).body->rims(dimension);
+    return {radius[at(number)], radius[at(number)], radius[at(number)]};
+  }
   /// The smaller radius of grain a and body b, m: that of the grain where b is a wall.
   double smaller_radius(Index a, Index b) const {
     return b < grains() ? std::min(radius[at(a)], radius[at(b)]) : radius[at(a)];
@@ -179,6 +148,7 @@ struct GranularState {
   /// In space, in place of `angle`: the rotation of every sphere since time 0, unit quaternions w + x i + y j + z k.
   std::vector<double> turn_w, turn_x, turn_y, turn_z;
   std::vector<Pose> poses;                      ///< of every boundary
+  std::vector<RigidVelocity> body_velocities;   ///< of every boundary, along its free directions; 0 along the others
   std::vector<RememberedImpulse> impulses;      ///< of the last step, ascending by (a, b)
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
   std::vector<RememberedSubdomain> subdomains;  ///< of the contacts of the last step, ascending by (a, b)
@@ -190,7 +160,11 @@ struct GranularState {
 
 constexpr std::string_view shape_of_grains(Index dimension) { return dimension == 2 ? "disk" : "sphere"; }
 
-std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, double time);
+/// Numbers the bodies with free directions, behind the grains.
+void number_bodies(GranularSystem& system);
+
+/// Velocities of boundaries at a time: along free directions those of the state, along the others those of motions.
+std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, const GranularState& state, double time);
 
 /// The state at time 0: grains at rest at their places, boundaries at their centres. z is empty in the plane.
 GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y,

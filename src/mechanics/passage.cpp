@@ -34,6 +34,21 @@ class Pair {
     const Configuration& where = path_.places[place];
     return nearest_point(wall(where), where.centre(a_)).height - radius_;
   }
+  // The overlap of a grain whose centre goes through the middle of a plank on its way, m; else -infinity. `from`, `to`:
+  // of place_at_wall.
+  double overlap_inside(const Place& from, const Place& to) const {
+    const Configuration& where = path_.places.back();
+    Wall plank = wall(where);
+    if (!plank.plank()) return -infinity;
+    const Pose& pose = where.poses[at(boundary_)];
+    plank.point = difference(plank.point, {pose.x, pose.y, pose.z});
+    const double before = dot(difference(from, plank.point), plank.normal),
+                 after = dot(difference(to, plank.point), plank.normal);
+    if (before * after >= 0) return -infinity;
+    const Place crossing = moved_along(from, before / (before - after), difference(to, from));
+    const Place beside = difference(crossing, nearest_in_plank(plank, crossing));
+    return radius_ + plank.radius - path_.system.length(beside);
+  }
   Place place_at_wall(std::size_t place) const {
     const Configuration& where = path_.places[place];
     const Pose& pose = where.poses[at(boundary_)];
@@ -111,7 +126,7 @@ Followed follow_gap(const Path& path, const Pair& pair, double limit) {
     if (before < limit && overlap >= limit && std::isinf(result.reached))
       result.reached = path.times[k - 1] + (limit - before) / (overlap - before) * (path.times[k] - path.times[k - 1]) -
                        path.times.front();
-    result.deepest = std::max(result.deepest, overlap);
+    result.deepest = std::max({result.deepest, overlap, pair.overlap_inside(from, to)});
     if (k == path.bend) result.at_bend = overlap;
     before = overlap;
     from = to;
@@ -167,14 +182,14 @@ std::vector<DeepOverlap> Passage::too_deep(const Path& path) {
   };
   const GrainGrid grid({where.x, where.y, where.z}, system.radius, 1, path.reach);
   grid.for_each_pair([&](Index a, Index b) {
-    if (!system.free(a) && !system.free(b)) return;
+    if (!system.may_touch(a, b)) return;
     const double distance = path.system.length(difference(where.centre(at(b)), where.centre(at(a))));
     const double gap = distance - system.radius[at(a)] - system.radius[at(b)];
     if (gap <= path.reach) check(a, b, gap);
   });
   for (Index w = 0; w < count(where.walls); ++w)
     for (Index i = 0; i < system.grains(); ++i)
-      if (system.free(i))
+      if (system.may_touch(i, system.grains() + w))
         check(i, system.grains() + w,
               nearest_point(where.walls[at(w)], where.centre(at(i))).height - system.radius[at(i)]);
   return deep;

@@ -3,11 +3,28 @@
 
 namespace nscdd {
 
+Place nearest_in_plank(const Wall& plank, const Place& p) {
+  const Place from_middle = difference(p, plank.point), across = cross(plank.normal, plank.axis);
+  const double s = std::clamp(dot(from_middle, plank.axis), -plank.half_length, plank.half_length);
+  const double t = std::clamp(dot(from_middle, across), -plank.half_width, plank.half_width);
+  return moved_along(moved_along(plank.point, s, plank.axis), t, across);
+}
+
 WallPoint nearest_point(const Wall& wall, const Place& centre) {
   const Place &point = wall.point, &normal = wall.normal;
   const double along = dot(difference(centre, point), normal);
   const Place below = moved_along(centre, -along, normal);
   if (wall.radius == 0) return {below, normal, along};
+  if (wall.plank()) {
+    const Place nearest = nearest_in_plank(wall, centre);
+    Place outwards = difference(centre, nearest);
+    const double distance = std::sqrt(dot(outwards, outwards));
+    if (distance > 0)
+      for (double& one : outwards) one /= distance;
+    else
+      outwards = normal;
+    return {moved_along(nearest, wall.radius, outwards), outwards, distance - wall.radius};
+  }
   // A cylinder: from here `normal` is its axis and `outwards` the direction away from it.
   const Place axis_point = moved_along(point, along, normal);
   Place outwards = difference(centre, axis_point);
@@ -53,8 +70,12 @@ namespace {
 constexpr double chord_error = 0.01;
 constexpr double most_chords = 32;  // even if a boundary turns by far too much
 
-// Largest distance of a corner of the box of all grains from a point.
-double farthest(const GranularState& state, const Pose& pose) {
+// Largest distance of what a boundary may touch from its reference point: that of its own grains, or of a corner of
+// the box of all grains.
+double farthest(const StepStart& start, std::size_t boundary) {
+  const GranularState& state = start.state;
+  const Pose& pose = state.poses[boundary];
+  if (const auto& body = start.system.boundaries[boundary].body; body && body->reach > 0) return body->reach;
   const auto along = [](const std::vector<double>& x, double from) {
     const auto [low, high] = std::ranges::minmax(x);
     return std::max(std::abs(high - from), std::abs(low - from));
@@ -78,7 +99,7 @@ double fastest_of(const StepStart& start, const std::vector<RigidVelocity>& moti
   }
   double boundaries = 0;
   for (std::size_t k = 0; k < motions.size(); ++k) {
-    const double arm = spin_of(motions[k]) > 0 ? farthest(state, state.poses[k]) : 0;
+    const double arm = spin_of(motions[k]) > 0 ? farthest(start, k) : 0;
     boundaries = std::max(boundaries, std::hypot(motions[k].x, motions[k].y, motions[k].z) + spin_of(motions[k]) * arm);
   }
   return system.length(difference(high, low)) + boundaries;
@@ -91,7 +112,7 @@ double chords(const StepStart& start, const std::vector<RigidVelocity>& motions,
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const double angle = time * spin_of(motions[k]);
     if (angle == 0) continue;
-    const double sagitta = farthest(start.state, start.state.poses[k]) * angle * angle / 8;
+    const double sagitta = farthest(start, k) * angle * angle / 8;
     most = std::max(most, std::ceil(std::sqrt(sagitta / (chord_error * smallest))));
   }
   return std::min(most, most_chords);
@@ -133,7 +154,7 @@ Leg leg_before(const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   const bool at_end = scheme.boundary_instant == BoundaryInstant::end;
   return {-scheme.theta * scheme.step, 0,
-          boundary_velocities(system, at_end ? state.time : state.time - scheme.step / 2)};
+          boundary_velocities(system, state, at_end ? state.time : state.time - scheme.step / 2)};
 }
 
 std::vector<Leg> legs_to_contacts(const StepStart& start) {

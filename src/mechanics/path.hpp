@@ -29,6 +29,8 @@ struct WallPoint {
   double height;       ///< m
 };
 WallPoint nearest_point(const Wall& wall, const Place& centre);
+/// The nearest point of the segment or rectangle of a plank.
+Place nearest_in_plank(const Wall& plank, const Place& p);
 
 /// Largest turn of the line of centres of two grains from their meeting until contacts are found, rad: the error of
 /// their normal. A pair that touches and leaves in between approaches at most at 5 % of its relative speed.

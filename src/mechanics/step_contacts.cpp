@@ -45,13 +45,14 @@ class ContactSearch {
       check_move(start, i, v);
       const double speed = system_.length(velocity_of(v));
       fastest = std::max(fastest, speed);
-      if (!system_.free(i)) considered_.boundary_speed = std::max(considered_.boundary_speed, speed);
+      if (!system_.moves(i)) considered_.boundary_speed = std::max(considered_.boundary_speed, speed);
     }
     pulls_ =
         std::visit([](const auto& law) { return law.pulls; }, contact_law(start.interaction, start.scheme.step, 1));
     // Bodies that hold each other are found even if the alert distance is shorter.
-    const double hold = pulls_ ? touching_gap * std::ranges::max(radius) : 0;
-    alert_ = std::max(start.scheme.alert * std::ranges::min(radius), hold);
+    const double range = start.interaction.cohesion_range;
+    const double held = !pulls_ ? 0 : range >= 0 ? range : touching_gap * std::ranges::max(radius);
+    alert_ = std::max(start.scheme.alert * std::ranges::min(radius), held);
     foreseen_ = std::max(alert_, 2 * fastest * start.scheme.step);  // largest approach of two grains
   }
 
@@ -76,7 +77,7 @@ class ContactSearch {
       const double touch = system_.radius[at(a)] + system_.radius[at(b)];
       const double near = touch + range, in_reach = touch + foreseen_;
       const double square = dot(apart, apart);
-      if (square > near * near || (!system_.free(a) && !system_.free(b))) return;
+      if (square > near * near || !system_.may_touch(a, b)) return;
       const double distance = std::sqrt(square);
       if (!(distance > 0)) return visit_concentric(a, b, touch);
       Place half;
@@ -98,7 +99,7 @@ class ContactSearch {
   void visit_walls() {
     for (Index w = 0; w < count(where_.walls); ++w)
       for (Index i = 0; i < system_.grains(); ++i) {
-        if (!system_.free(i)) continue;
+        if (!system_.may_touch(i, system_.grains() + w)) continue;
         const auto [foot, normal, height] = nearest_point(where_.walls[at(w)], where_.centre(at(i)));
         StepContact contact{i, system_.grains() + w, {}, foot, height - system_.radius[at(i)]};
         for (std::size_t k = 0; k < at(system_.dimension); ++k) contact.normal[k] = -normal[k];
@@ -135,9 +136,9 @@ class ContactSearch {
 
   void visit(const StepContact& c) {
     // Under a condition on the velocity a contact acts once it touches: the predicted gap would swallow the impact.
-    if (start_.interaction.on_velocity() && c.gap > 0 && !(pulls_ && touches(system_, c))) return;
+    if (start_.interaction.on_velocity() && c.gap > 0 && !(pulls_ && hold(system_, start_.interaction, c))) return;
     ++considered_.number;
-    if (c.b >= system_.grains())
+    if (c.b >= system_.grains() && !system_.moves(c.b))
       considered_.boundary_speed = std::max(considered_.boundary_speed, system_.length(velocity(c.b, c.point)));
     visit_(c);
   }
@@ -159,7 +160,8 @@ ConsideredContacts for_each_step_contact(const StepStart& start, const std::func
   return ContactSearch(start, visit).run();
 }
 
-bool touches(const GranularSystem& system, const StepContact& contact) {
+bool hold(const GranularSystem& system, const Interaction& interaction, const StepContact& contact) {
+  if (interaction.cohesion_range >= 0) return contact.gap <= interaction.cohesion_range;
   return contact.gap <= touching_gap * system.smaller_radius(contact.a, contact.b);
 }
 

@@ -28,8 +28,9 @@ struct ConsideredContacts {
 /// the same centre. Bodies may overlap, see check_overlaps.
 ConsideredContacts for_each_step_contact(const StepStart& start, const std::function<void(const StepContact&)>& visit);
 
-/// Whether the bodies of a contact touch, see touching_gap.
-bool touches(const GranularSystem& system, const StepContact& contact);
+/// Whether the bodies of a contact hold each other under a law that pulls: they touch, see touching_gap, or are within
+/// Interaction::cohesion_range.
+bool hold(const GranularSystem& system, const Interaction& interaction, const StepContact& contact);
 
 /// Overlaps of the contacts of a step at q_m, before it is solved.
 struct Interpenetration {

@@ -17,7 +17,11 @@ bool is_of_step(const DeepOverlap& one, const StepStart& start) {
 // Largest ratio of speeds after and before an impact, for a light body that a heavy one throws.
 double thrown(const DeepOverlap& one, const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
-  const double a = system.inverse_mass(one.a), b = one.b < system.grains() ? system.inverse_mass(one.b) : 0;
+  const auto inverse_mass = [&](Index body) {
+    const Index node = system.node_of(body);
+    return node < 0 ? 0 : system.inverse_mass(node);
+  };
+  const double a = inverse_mass(one.a), b = inverse_mass(one.b);
   return std::max(1.0, (1 + interaction.restitution) * std::max(a, b) / (a + b));
 }
 
@@ -118,6 +122,7 @@ void check_end_of_step(const StepStart& start, const std::vector<GrainMotion>& v
   GranularState at_end;
   for (const auto values : numbers_of_grains(system.dimension)) at_end.*values = state.*values;
   at_end.poses = state.poses;
+  at_end.body_velocities = state.body_velocities;
   at_end.step = state.step;
   finish_step(system, at_end, scheme, velocities, {});
   const StepStart after{system, at_end, interaction, scheme};

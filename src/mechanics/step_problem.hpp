@@ -9,29 +9,33 @@ namespace nscdd {
 
 struct GlobalFrictionProblem;
 
-/// The contact problem of one step. Bodies are grains, then one per wall contact, which moves as the wall there. If
-/// ranks share a step, the part of each has only the grains of its own contacts.
+/// The contact problem of one step. Bodies are grains, then bodies with free directions, then one per contact of
+/// another wall, which moves as the wall there. If ranks share a step, the part of each has only the bodies of its own
+/// contacts.
 template <int D>
 struct StepProblem {
   ContactLaw law;                              ///< of all contacts
   double scale = 0;                            ///< W, the mean of the W_nn of the contacts, 1/kg; 0 without contacts
   double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one
   bool tangential_bias = false;                ///< contacts have a bias_t (tangential restitution)
+  bool rubs = true;                            ///< contacts have a tangential impulse
+  bool own_frictions = false;                  ///< contacts have frictions of their own, by colours
   bool pulls = false;                          ///< the law pulls: contacts that touch have a pull
   double h = 0;                                ///< s
   std::vector<StepContact> geometry;           ///< ascending by (a, b)
   std::vector<GrainContact<D>> contacts;       ///< the same contacts for the solver, impulses to start from
   std::vector<GrainVelocity<D>> start;         ///< V^- of the bodies (of driven ones: in this step)
   std::vector<GrainVelocity<D>> free;          ///< V^- + h M^-1 F
-  /// Number of each body: of a grain, ascending, or grains + k for the k-th wall body. 0, 1, 2, ... in a whole step.
+  /// Number of each body, ascending: of a grain or free body, see GranularSystem::bodies, or bodies + k for the k-th
+  /// wall body. 0, 1, 2, ... in a whole step.
   std::vector<std::int32_t> numbers;
 };
 
-/// The body of a grain in a step, -1 if no contact of this part of a step touches it.
+/// The place of a body in a step, -1 if no contact of this part of a step touches it.
 template <int D>
-Index body_of(const StepProblem<D>& problem, Index grain) {
-  const auto number = static_cast<std::int32_t>(grain);
-  if (grain < count(problem.numbers) && problem.numbers[at(grain)] == number) return grain;
+Index body_of(const StepProblem<D>& problem, Index body) {
+  const auto number = static_cast<std::int32_t>(body);
+  if (body < count(problem.numbers) && problem.numbers[at(body)] == number) return body;
   const auto found = std::lower_bound(problem.numbers.begin(), problem.numbers.end(), number);
   return found != problem.numbers.end() && *found == number ? found - problem.numbers.begin() : -1;
 }
@@ -41,11 +45,11 @@ Index body_of(const StepProblem<D>& problem, Index grain) {
 template <int D>
 StepProblem<D> prepare_step(const StepStart& start, bool warm_start, bool shallow = false);
 
-/// Sets up the problem of the contacts in `geometry`, ascending by (a, b), with `grains`, ascending, among them all
-/// grains of these contacts. Impulses start from those in `last`, ascending by (a, b).
+/// Sets up the problem of the contacts in `geometry`, ascending by (a, b), with `bodies`, ascending, among them all
+/// grains and free bodies of these contacts. Impulses start from those in `last`, ascending by (a, b).
 template <int D>
 StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact> geometry, double boundary_speed,
-                                std::vector<std::int32_t> grains, const std::vector<RememberedImpulse>& last);
+                                std::vector<std::int32_t> bodies, const std::vector<RememberedImpulse>& last);
 
 /// Sets the scale W, 1/kg, and the law that depends on it; by default W is that of the contacts of the problem.
 template <int D>
@@ -83,16 +87,23 @@ ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& c,
   ContactWork work;
   if (!carries(c.impulse)) return work;
   work.dissipation = -dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
-  // Work of the impulses -r on a and r on b at the mean velocities of driven ones.
-  for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
+  // Work of the impulses -r on a and r on b at the mean velocities of driven ones, and of driven unknowns.
+  const auto add = [&](std::int32_t body, double sign, const Lever<D>* lever) {
     const GrainVelocity<D>& v = velocities[static_cast<std::size_t>(body)];
-    if (v.inverse_mass > 0) continue;
-    const GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse), now = unknowns(v),
-                           before = unknowns(problem.start[static_cast<std::size_t>(body)]);
+    if (v.inverse_mass > 0 && lever == nullptr) return;
+    const GrainUnknowns<D> now = unknowns(v), before = unknowns(problem.start[static_cast<std::size_t>(body)]);
+    GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse);
+    if (lever != nullptr) {
+      Lever<D> driven = *lever;
+      for (double& moves : driven.moves) moves = v.inverse_mass > 0 ? 1 - moves : 1;
+      impulse = driven.impulse(c.impulse);
+    }
     double twice = 0;
     for (std::size_t k = 0; k < now.size(); ++k) twice += impulse[k] * (before[k] + now[k]);
     work.boundary -= twice / 2;
-  }
+  };
+  add(c.a, -1, c.levers ? &c.levers->a : nullptr);
+  add(c.b, 1, c.levers ? &c.levers->b : nullptr);
   return work;
 }
 
@@ -110,14 +121,16 @@ std::vector<RememberedImpulse> impulses_to_remember(const StepProblem<D>& proble
 }
 
 /// The contact problem of a step in the unknowns of other programs: (v_x, v_y, spin) of the free bodies, three rows
-/// each in their order, in space (v, spin), six rows each:
+/// each in their order, in space (v, spin), six rows each; of a body with free directions the spins are about its
+/// principal axes, and rows of driven directions have no entries in H:
 ///     M = diag(m, m, m R^2 / 2), in space diag(m, m, m, 2/5 m R^2 I_3),   f = M V_free,
 ///     M v = H r + f,   u = H^T v + w.
 /// The law acts on u: w holds its biases (gap / h, restitution) and the velocities of driven bodies, which have no
-/// rows. In the rows of spin a tangential column has the lever arm, -R. `bodies`: V_free and inverse masses. `radius`:
-/// of each body but the walls at the end, m.
+/// rows. In the rows of spin a tangential column has the lever arm, -R. `bodies`: V_free and inverse masses. `rims`: of
+/// each body but the walls at the end, see GranularSystem::rims.
 template <int D>
 GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodies,
-                                       const std::vector<GrainContact<D>>& contacts, std::span<const double> radius);
+                                       const std::vector<GrainContact<D>>& contacts,
+                                       const std::function<std::array<double, 3>(Index)>& rims);
 
 }  // namespace nscdd

@@ -9,23 +9,98 @@ Place gravity_of(const TimeStepping& scheme, Index dimension) {
   return {g[0], g[1], g[2]};
 }
 
+namespace {
+
+// (1 - theta) F(t) + theta F(t + h), weight included, N and N m.
+RigidVelocity mean_load(const FreeBody& body, double time, const TimeStepping& scheme, Index dimension) {
+  const RigidVelocity begin = body.load.at(time), end = body.load.at(time + scheme.step);
+  const Place g = gravity_of(scheme, dimension);
+  const RigidVelocity weight{body.mass * g[0], body.mass * g[1], 0, body.mass * g[2]};
+  return sum(sum(weight, 1 - scheme.theta, begin), scheme.theta, end);
+}
+
+// The spin that keeps the angular momentum, plus a given one, N m s, when the turn of a body changes.
+Eigen::Vector3d spin_after(const FreeBody& body, const RigidVelocity& v, const Pose& before, const Pose& after,
+                           const Eigen::Vector3d& added) {
+  const Eigen::Vector3d inertia(body.inertia.data());
+  const Eigen::Matrix3d from = principal_axes(body, before), to = principal_axes(body, after);
+  const Eigen::Vector3d own = from.transpose() * Eigen::Vector3d(v.spin_x, v.spin_y, v.spin);
+  const Eigen::Vector3d momentum = from * inertia.cwiseProduct(own) + added;
+  return to * (to.transpose() * momentum).cwiseQuotient(inertia);
+}
+
+// V^- + h M^-1 F of a body, along all directions.
+RigidVelocity pushed(const FreeBody& body, const RigidVelocity& v, const RigidVelocity& load, double h,
+                     const Pose& before, const Pose& after, Index dimension) {
+  RigidVelocity result = sum(v, h / body.mass, load);
+  if (dimension == 2) {
+    result.spin = v.spin + (body.free(BodyDirection::spin) ? h * load.spin / body.inertia[2] : 0);
+  } else if (body.free(BodyDirection::spin)) {
+    const Eigen::Vector3d spin =
+        spin_after(body, v, before, after, h * Eigen::Vector3d(load.spin_x, load.spin_y, load.spin));
+    result.spin_x = spin[0];
+    result.spin_y = spin[1];
+    result.spin = spin[2];
+  }
+  return result;
+}
+
+}  // namespace
+
+Pose turn_at_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, Index k) {
+  return advanced(state.poses[at(k)], state.body_velocities[at(k)], (1 - scheme.theta) * scheme.step, system.dimension);
+}
+
 std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
                                         const TimeStepping& scheme) {
   const bool at_end = scheme.boundary_instant == BoundaryInstant::end;
-  return boundary_velocities(system, state.time + (at_end ? scheme.step : scheme.step / 2));
+  const double instant = state.time + (at_end ? scheme.step : scheme.step / 2);
+  std::vector<RigidVelocity> motions = boundary_velocities(system, state, instant);
+  for (const Index k : system.free_bodies) {
+    const FreeBody& body = *system.boundaries[at(k)].body;
+    const Pose &now = state.poses[at(k)], then = turn_at_contacts(system, state, scheme, k);
+    take_free(body,
+              pushed(body, motions[at(k)], mean_load(body, state.time, scheme, system.dimension), scheme.step, now,
+                     then, system.dimension),
+              motions[at(k)]);
+  }
+  return motions;
 }
 
 std::vector<RigidVelocity> first_motions(const GranularSystem& system, const GranularState& state,
                                          const TimeStepping& scheme) {
-  if (scheme.boundary_instant == BoundaryInstant::middle) return step_motions(system, state, scheme);
-  std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
-  for (std::size_t k = 0; state.step == 0 && k < motions.size(); ++k)
-    motions[k] = system.boundaries[k].motion.initial.value_or(motions[k]);
+  if (scheme.boundary_instant == BoundaryInstant::middle)
+    return boundary_velocities(system, state, state.time + scheme.step / 2);
+  std::vector<RigidVelocity> motions = boundary_velocities(system, state, state.time);
+  for (std::size_t k = 0; state.step == 0 && k < motions.size(); ++k) {
+    const RigidVelocity now = motions[k];
+    motions[k] = system.boundaries[k].motion.initial.value_or(now);
+    if (system.boundaries[k].body) take_free(*system.boundaries[k].body, now, motions[k]);
+  }
+  return motions;
+}
+
+std::vector<RigidVelocity> with_free_bodies(const GranularSystem& system, const GranularState& state,
+                                            const TimeStepping& scheme, std::vector<RigidVelocity> motions,
+                                            const std::vector<GrainMotion>& velocities) {
+  for (Index number = system.grains(); number < system.bodies(); ++number) {
+    const Index k = system.free_bodies[at(number - system.grains())];
+    const FreeBody& body = *system.boundaries[at(k)].body;
+    take_free(
+        body,
+        rigid_velocity(body, turn_at_contacts(system, state, scheme, k), velocities[at(number)], system.dimension),
+        motions[at(k)]);
+  }
   return motions;
 }
 
 GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain) {
   const auto& [system, state, interaction, scheme] = start;
+  if (grain >= system.grains()) {
+    const Index k = system.free_bodies[at(grain - system.grains())];
+    return motion_of(*system.boundaries[at(k)].body, turn_at_contacts(system, state, scheme, k), motions[at(k)],
+                     system.dimension);
+  }
   const double radius = system.radius[at(grain)];
   if (system.free(grain)) return motion_of(state, at(grain), radius);
   const auto k = at(system.driven_by[at(grain)]);
@@ -36,7 +111,7 @@ GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity
 
 GrainMotion free_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain) {
   GrainMotion v = start_motion(start, motions, grain);
-  if (!start.system.free(grain)) return v;
+  if (grain >= start.system.grains() || !start.system.free(grain)) return v;
   const Place gravity = gravity_of(start.scheme, start.system.dimension);
   for (std::size_t k = 0; k < 3; ++k) v[k] += start.scheme.step * gravity[k];
   return v;
@@ -53,27 +128,78 @@ StepEnergy energy_of(const GranularSystem& system, const GranularState& state, c
     energy.kinetic += m / 2 * (squared_velocity(v) + squared_rim(v) / ratio);
     energy.potential += m * -dot(gravity, centre_of(state, i));
   }
+  for (const Index k : system.free_bodies) {
+    const FreeBody& body = *system.boundaries[at(k)].body;
+    const Pose& pose = state.poses[at(k)];
+    const GrainMotion v = motion_of(body, pose, state.body_velocities[at(k)], system.dimension);
+    const Place centre{pose.x, pose.y, pose.z};
+    for (std::size_t j = 0; j < 6; ++j) energy.kinetic += body.mass / 2 * v[j] * v[j] / (j < 3 ? 1 : ratio);
+    for (std::size_t j = 0; j < 3; ++j)
+      if (body.directions[j]) energy.potential -= body.mass * gravity[j] * centre[j];
+  }
   return energy;
 }
+
+namespace {
+
+// Work of the loads on bodies in a step, without their weight, J, at the mean of both velocities.
+double work_of_loads(const GranularSystem& system, const TimeStepping& scheme, double time,
+                     const std::vector<RigidVelocity>& before, const std::vector<RigidVelocity>& after) {
+  TimeStepping weightless = scheme;
+  weightless.gravity = {0, 0, 0};
+  double work = 0;
+  for (const Index k : system.free_bodies) {
+    const FreeBody& body = *system.boundaries[at(k)].body;
+    RigidVelocity load, twice;
+    take_free(body, mean_load(body, time, weightless, system.dimension), load);
+    take_free(body, sum(before[at(k)], 1, after[at(k)]), twice);
+    work += scheme.step / 2 *
+            (load.x * twice.x + load.y * twice.y + load.z * twice.z + load.spin_x * twice.spin_x +
+             load.spin_y * twice.spin_y + load.spin * twice.spin);
+  }
+  return work;
+}
+
+// The velocity of a body along its free directions when its pose has gone on from where contacts were found.
+RigidVelocity velocity_to_keep(const FreeBody& body, const RigidVelocity& v, const Pose& at_contacts, const Pose& now,
+                               Index dimension) {
+  RigidVelocity turned = v, kept;
+  if (dimension == 3 && body.free(BodyDirection::spin)) {
+    const Eigen::Vector3d spin = spin_after(body, v, at_contacts, now, Eigen::Vector3d::Zero());
+    turned.spin_x = spin[0];
+    turned.spin_y = spin[1];
+    turned.spin = spin[2];
+  }
+  take_free(body, turned, kept);
+  return kept;
+}
+
+}  // namespace
 
 StepEnergy finish_step(const GranularSystem& system, GranularState& state, const TimeStepping& scheme,
                        const std::vector<GrainMotion>& velocities, const ContactWork& work) {
   const double h = scheme.step;
   const StepEnergy before = energy_of(system, state, scheme);
-  const auto first = boundary_velocities(system, state.time), motions = step_motions(system, state, scheme);
   const bool at_end = scheme.boundary_instant == BoundaryInstant::end;
-  const double whole = at_end ? scheme.theta : 1;  // part of the step with the velocities that contacts see
+  const auto first = boundary_velocities(system, state, at_end ? state.time : state.time + h / 2);
+  const auto motions = with_free_bodies(system, state, scheme, step_motions(system, state, scheme), velocities);
+  const double loads = work_of_loads(system, scheme, state.time, first, motions);
+  // Part of the step in which a boundary has the velocity that contacts see.
+  const auto whole = [&](std::size_t k) { return at_end || system.boundaries[k].body ? scheme.theta : 1; };
   const std::vector<Pose> poses = state.poses;
   for (std::size_t k = 0; k < poses.size(); ++k) {
-    if (at_end) state.poses[k] = advanced(poses[k], first[k], (1 - whole) * h, system.dimension);
-    state.poses[k] = advanced(state.poses[k], motions[k], whole * h, system.dimension);
+    if (whole(k) < 1) state.poses[k] = advanced(poses[k], first[k], (1 - whole(k)) * h, system.dimension);
+    const Pose at_contacts = state.poses[k];
+    state.poses[k] = advanced(at_contacts, motions[k], whole(k) * h, system.dimension);
+    if (const auto& body = system.boundaries[k].body)
+      state.body_velocities[k] = velocity_to_keep(*body, motions[k], at_contacts, state.poses[k], system.dimension);
   }
   for (std::size_t i = 0; i < at(system.grains()); ++i) {
     GrainMotion old = motion_of(state, i, 1);
     const GrainMotion& v = velocities[i];
     const Index k = system.driven_by[i];
-    const double radius = system.radius[i], theta = k < 0 ? scheme.theta : whole;
-    if (at_end && k >= 0 && system.boundaries[at(k)].orientation == Orientation::turning)
+    const double radius = system.radius[i], theta = k < 0 ? scheme.theta : whole(at(k));
+    if (k >= 0 && theta < 1 && system.boundaries[at(k)].orientation == Orientation::turning)
       old = {0, 0, 0, first[at(k)].spin_x, first[at(k)].spin_y, first[at(k)].spin};
     Place centre = centre_of(state, i), angle;
     for (std::size_t j = 0; j < 3; ++j) angle[j] = h * ((1 - theta) * old[3 + j] + theta * (v[3 + j] / radius));
@@ -87,10 +213,10 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
   ++state.step;
   state.time = static_cast<double>(state.step) * h;
   StepEnergy energy = energy_of(system, state, scheme);
-  energy.boundary_work = work.boundary;
+  energy.boundary_work = work.boundary + loads;
   energy.dissipation = work.dissipation;
   energy.numerical =
-      energy.kinetic + energy.potential - before.kinetic - before.potential - work.boundary + work.dissipation;
+      energy.kinetic + energy.potential - before.kinetic - before.potential - energy.boundary_work + work.dissipation;
   return energy;
 }
 

@@ -69,22 +69,34 @@ struct StepStart {
   const TimeStepping& scheme;
 };
 
-/// Velocities of boundaries that contacts of a step see; and those that lead to q_m, where contacts are found: the
-/// same, or with BoundaryInstant::end those at the beginning of the step, in the first step Motion::initial.
+/// Velocities of boundaries that contacts of a step see, along free directions V^- + h M^-1 F with the mean force
+/// (1 - theta) F(t) + theta F(t + h); and those that lead to q_m, where contacts are found: the same, or with
+/// BoundaryInstant::end those at the beginning of the step, in the first step Motion::initial, and V^- along free
+/// directions. In space a body that turns freely keeps its angular momentum on the way to q_m.
 std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
                                         const TimeStepping& scheme);
 std::vector<RigidVelocity> first_motions(const GranularSystem& system, const GranularState& state,
                                          const TimeStepping& scheme);
 
-/// V^-, the velocity of a grain as a step begins (if driven: by `motions`); and V^- + h M^-1 F.
-GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain);
-GrainMotion free_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain);
+/// V^-, the velocity of a body of a step as it begins (if driven: by `motions`); and V^- + h M^-1 F. Velocities of
+/// bodies with free directions, which come after the grains, are those of `motions`.
+GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index number);
+GrainMotion free_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index number);
 
-/// Energy balance of the free grains in a step, J:
+/// A pose of a boundary whose turn gives the principal axes of a free body where contacts are found.
+Pose turn_at_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
+                      Index boundary);
+
+/// `motions` with the free directions of bodies as in `velocities`, of grains and then of bodies.
+std::vector<RigidVelocity> with_free_bodies(const GranularSystem& system, const GranularState& state,
+                                            const TimeStepping& scheme, std::vector<RigidVelocity> motions,
+                                            const std::vector<GrainMotion>& velocities);
+
+/// Energy balance of the free grains and bodies in a step, J:
 ///     change of kinetic + potential = boundary_work - dissipation + numerical.
 struct StepEnergy {
   double kinetic = 0, potential = 0;  ///< at the end of the step
-  double boundary_work = 0;           ///< done by driven grains and walls
+  double boundary_work = 0;           ///< done by driven grains and walls, and by loads
   double dissipation = 0;             ///< - sum r . (v + v^-)/2 over contacts
   double numerical = 0;               ///< what is left; at theta = 1/2 only rounding
 };
@@ -95,7 +107,8 @@ struct ContactWork {
   double dissipation = 0;  ///< - r . (v + v^-)/2
 };
 
-/// Ends a step: moves boundaries and all grains, whose velocities at its end are given. `work`: of all contacts.
+/// Ends a step: moves boundaries and all grains. `velocities`: at its end, of all grains and then of free bodies.
+/// `work`: of all contacts.
 StepEnergy finish_step(const GranularSystem& system, GranularState& state, const TimeStepping& scheme,
                        const std::vector<GrainMotion>& velocities, const ContactWork& work);
 

@@ -102,12 +102,12 @@ ContactColours contact_colours(const Simulation& simulation, const std::vector<S
   const auto ends_of = [](const StepContact& contact) { return std::pair(contact.a, contact.b); };
   ContactColours colours{std::vector<Index>(contacts.size()), 0};
   const GranularSystem& system = simulation.system;
-  GreedyColours taken(system.grains());
+  GreedyColours taken(system.bodies());
   std::vector<Index> ends;
   for_each_step_contact(start_of(simulation), [&](const StepContact& contact) {
     ends.clear();
-    for (const Index end : {contact.a, contact.b})
-      if (end < system.grains() && system.free(end)) ends.push_back(end);
+    for (const Index end : {system.node_of(contact.a), system.node_of(contact.b)})
+      if (system.is_free_node(end)) ends.push_back(end);
     const Index colour = taken.take_least(ends, ends);
     colours.number = std::max(colours.number, colour + 1);
     const auto found = std::ranges::lower_bound(contacts, ends_of(contact), {}, ends_of);

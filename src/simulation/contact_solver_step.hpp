@@ -9,7 +9,8 @@ namespace nscdd {
 /// The contact problem of a prepared step, u = W r + q. Its impulses are r + pull. The contacts of the law must open.
 template <int D>
 LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularSystem& system) {
-  LocalFrictionProblem problem = reduce(friction_problem(step.free, step.contacts, system.radius));
+  LocalFrictionProblem problem = reduce(
+      friction_problem(step.free, step.contacts, [&](Index body) { return system.rims(step.numbers[at(body)]); }));
   Vector pull = Vector::Zero(D * problem.contacts());
   for (Index c = 0; c < problem.contacts(); ++c) pull[D * c] = step.contacts[at(c)].pull;
   problem.q -= problem.w * pull;

@@ -170,6 +170,7 @@ double mean_speed(const GranularSystem& system, double kinetic_energy) {
   double mass = 0;
   for (Index i = 0; i < system.grains(); ++i)
     if (system.free(i)) mass += system.mass[at(i)];
+  for (const Index k : system.free_bodies) mass += system.boundaries[at(k)].body->mass;
   return mass == 0 ? 0.0 : std::sqrt(2 * kinetic_energy / mass);
 }
 

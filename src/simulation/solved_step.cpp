@@ -27,10 +27,11 @@ struct StepRoom {
 template <int D>
 StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double pushes, double closing) {
   const TimeStepping& scheme = before.dynamics.time;
-  const auto motions = step_motions(before.system, before.state, scheme);
+  const auto motions = step_motions(before.system, before.state, scheme),
+             first = first_motions(before.system, before.state, scheme);
   double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;
   double speed_squared = 0;  // of the fastest driven body or push
-  for (Index i = 0; i < before.system.grains(); ++i) {
+  for (Index i = 0; i < before.system.bodies(); ++i) {
     const GrainMotion motion = free_motion(start_of(before), motions, i);
     const GrainVelocity<D> free = with_motion<D>(motion, before.system.inverse_mass(i));
     if (free.inverse_mass == 0) {
@@ -39,7 +40,7 @@ StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double p
     }
     const auto kinetic = [&](const GrainMotion& v) { return kinetic_energy(with_motion<D>(v, free.inverse_mass)); };
     mass += 1 / free.inverse_mass;
-    at_first += kinetic(motion_of(before.state, at(i), before.system.radius[at(i)]));
+    at_first += kinetic(start_motion(start_of(before), first, i));
     free_flight += kinetic(motion);
     in_the_end += kinetic(step.all_grains[at(i)]);
   }
@@ -77,12 +78,15 @@ bool no_room(const StepRoom& room, const ContactResidual& residual) {
 // The contacts of a step to be remembered, ascending by (a, b). Each rank keeps those of its own subdomains and all
 // contacts of shared grains, so that it knows every contact of its own grains.
 template <int D>
-std::vector<RememberedSubdomain> subdomains_to_remember(const GranularStep<D>& step, const Processes& processes) {
+std::vector<RememberedSubdomain> subdomains_to_remember(const GranularStep<D>& step, const GranularSystem& system,
+                                                        const Processes& processes) {
   std::vector<RememberedSubdomain> known = subdomains_to_remember(step.problem.geometry, step.partition);
   if (processes.alone()) return known;
   std::set<Index> own;
   std::vector<RememberedSubdomain> given;
-  const auto is_shared = [&](Index grain) { return std::ranges::binary_search(step.shared_grains, grain); };
+  const auto is_shared = [&](Index body) {
+    return std::ranges::binary_search(step.shared_grains, system.node_of(body));
+  };
   for (const RememberedSubdomain& one : known) {
     own.insert(one.subdomain);
     if (is_shared(one.a) || is_shared(one.b)) given.push_back(one);
@@ -94,14 +98,14 @@ std::vector<RememberedSubdomain> subdomains_to_remember(const GranularStep<D>& s
   return known;
 }
 
-// The velocities of all grains at the end of a step; each rank computes those of its own contacts.
+// The velocities of all grains and free bodies at the end of a step; each rank computes those of its own contacts.
 template <int D>
 std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const GranularStep<D>& step) {
   const GranularSystem& system = before.system;
   const auto motions = step_motions(system, before.state, before.dynamics.time);
   std::vector<GrainMotion> result;
-  result.reserve(at(system.grains()));
-  for (Index i = 0; i < system.grains(); ++i) result.push_back(free_motion(start_of(before), motions, i));
+  result.reserve(at(system.bodies()));
+  for (Index i = 0; i < system.bodies(); ++i) result.push_back(free_motion(start_of(before), motions, i));
   struct Moved {
     Index grain;
     GrainMotion velocity;
@@ -113,6 +117,10 @@ std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const Gr
   before.processes.exchange(own, [&](std::span<const Moved> given) {
     for (const Moved& one : given) result[at(one.grain)] = one.velocity;
   });
+  if (system.free_bodies.empty()) return result;
+  const auto solved = with_free_bodies(system, before.state, before.dynamics.time, motions, result);
+  for (Index i = 0; i < system.grains(); ++i)
+    if (!system.free(i)) result[at(i)] = start_motion(start_of(before), solved, i);
   return result;
 }
 
@@ -186,10 +194,12 @@ std::string describe_breakdown(const Simulation& before, const GranularStep<D>& 
       step.contacts, [](double size) { return std::isfinite(size); }, impulse);
   if (const auto words = said(wrong, 1, ": the impulse is not finite")) return *words;
   for (std::size_t i = 0; i < step.all_grains.size(); ++i) {
+    if (finite(step.all_grains[i])) continue;
+    if (static_cast<Index>(i) >= before.system.grains())
+      return fmt::format("boundary '{}': the velocity is not finite", before.system.body(static_cast<Index>(i)).name);
     const Place centre = centre_of(before.state, i);
-    if (!finite(step.all_grains[i]))
-      return fmt::format("{} at {}: the velocity is not finite", body_name(before.system, static_cast<Index>(i)),
-                         place(std::span(centre).first(D)));
+    return fmt::format("{} at {}: the velocity is not finite", body_name(before.system, static_cast<Index>(i)),
+                       place(std::span(centre).first(D)));
   }
   const auto largest = std::ranges::max_element(step.contacts, {}, impulse);
   const double size = largest == step.contacts.end() ? -infinity : impulse(*largest);
@@ -210,7 +220,7 @@ StepReport take_step(Simulation& simulation, const GranularStep<D>& step) {
   state.gluing = step.gluing;
   state.models = step.models;
   state.process_of_subdomain = step.process_of_subdomain;
-  state.subdomains = subdomains_to_remember(step, simulation.processes);
+  state.subdomains = subdomains_to_remember(step, simulation.system, simulation.processes);
   report.time = state.time;
   return report;
 }

@@ -10,7 +10,7 @@ namespace nscdd {
 template <int D>
 Decomposition linear_decomposition(const Simulation& simulation, const GranularStep<D>& step) {
   const std::vector<std::int32_t>& numbers = step.problem.numbers;
-  const auto walls = std::ranges::lower_bound(numbers, static_cast<std::int32_t>(simulation.system.grains()));
+  const auto walls = std::ranges::lower_bound(numbers, static_cast<std::int32_t>(simulation.system.bodies()));
   const std::vector<Index> grains(numbers.begin(), walls);
   return decompose(reference_problem(step.problem, count(grains)), partition_of_columns(step.partition, D),
                    GluingShape::chain, {grains, step.process_of_subdomain, simulation.processes});

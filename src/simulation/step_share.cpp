@@ -16,8 +16,8 @@ using SubdomainOfContact = std::function<Index(const StepContact&)>;
 
 // The step problem with normal directions alone: a graph needs only to know which contacts share a grain.
 template <int D>
-ReferenceProblem normal_problem(const StepProblem<D>& problem, Index grains) {
-  ReferenceProblem result = reference_problem(problem, grains);
+ReferenceProblem normal_problem(const StepProblem<D>& problem, Index bodies) {
+  ReferenceProblem result = reference_problem(problem, bodies);
   std::vector<Index> normals;
   for (Index c = 0; c < count(problem.contacts); ++c) normals.push_back(D * c);
   result.h = selected_columns(result.h, normals);
@@ -47,7 +47,7 @@ SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
     else
       return in_dimension(simulation.system, [&](auto dimension) -> SubdomainOfContact {
         const auto problem = prepare_step<dimension()>(start_of(simulation), false);
-        const Partition of_contacts = partition(partitioner, normal_problem(problem, simulation.system.grains()));
+        const Partition of_contacts = partition(partitioner, normal_problem(problem, simulation.system.bodies()));
         return [known = subdomains_to_remember(problem.geometry, of_contacts)](const StepContact& c) {
           return known_subdomain(known, c);
         };
@@ -60,18 +60,18 @@ SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
 SubdomainOfContact kept_subdomains(const Simulation& simulation) {
   const GranularSystem& system = simulation.system;
   const std::vector<RememberedSubdomain>& known = simulation.state.subdomains;
-  std::vector<double> of_grain(at(system.grains()), -1);
+  std::vector<double> of_grain(at(system.bodies()), -1);
   for (const RememberedSubdomain& one : known)
-    for (const Index i : {one.a, one.b})
-      if (i < system.grains() && system.free(i) && of_grain[at(i)] < 0)
-        of_grain[at(i)] = static_cast<double>(one.subdomain);
+    for (const Index i : {system.node_of(one.a), system.node_of(one.b)})
+      if (system.is_free_node(i) && of_grain[at(i)] < 0) of_grain[at(i)] = static_cast<double>(one.subdomain);
   // A rank knows all contacts of the grains of its own subdomains, and none of other grains.
   simulation.processes.largest(of_grain);
   return [&system, &known,
           of_grain = std::vector<std::int32_t>(of_grain.begin(), of_grain.end())](const StepContact& c) -> Index {
     if (const Index subdomain = known_subdomain(known, c); subdomain >= 0) return subdomain;
-    if (of_grain[at(c.a)] >= 0) return of_grain[at(c.a)];
-    return c.b < system.grains() ? std::max(of_grain[at(c.b)], 0) : 0;
+    const Index a = system.node_of(c.a), b = system.node_of(c.b);
+    if (of_grain[at(a)] >= 0) return of_grain[at(a)];
+    return b >= 0 ? std::max(of_grain[at(b)], 0) : 0;
   };
 }
 
@@ -125,9 +125,10 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
   const GranularSystem& system = simulation.system;
   std::vector<std::vector<Index>> shared(at(subdomains(simulation.partitioner)));
   std::vector<Index> weight(shared.size(), 1);
-  std::vector<std::int32_t> first(at(system.grains()), -1);  // subdomain that first met a grain
-  const auto meet = [&](Index grain, Index e) {
-    if (grain >= system.grains() || !system.free(grain)) return;
+  std::vector<std::int32_t> first(at(system.bodies()), -1);  // subdomain that first met a body
+  const auto meet = [&](Index body, Index e) {
+    const Index grain = system.node_of(body);
+    if (!system.is_free_node(grain)) return;
     std::int32_t& known = first[at(grain)];
     if (known < 0) known = static_cast<std::int32_t>(e);
     if (known == e) return;
@@ -145,20 +146,20 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
     sort_unique(grains);
     held.emplace_back(grains);
   }
-  return deal_out(Interface(unknowns_of_grain<D>, system.grains(), held), weight, simulation.processes.size);
+  return deal_out(Interface(unknowns_of_grain<D>, system.bodies(), held), weight, simulation.processes.size);
 }
 
-// The grains of the problem of some contacts, ascending: those that they touch, or all.
-std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, Index grains, bool all) {
+// The grains and free bodies of the problem of some contacts, ascending: those that they touch, or all.
+std::vector<std::int32_t> bodies_of(const std::vector<StepContact>& contacts, const GranularSystem& system, bool all) {
   std::vector<std::int32_t> numbers;
   if (all) {
-    numbers.resize(at(grains));
+    numbers.resize(at(system.bodies()));
     std::iota(numbers.begin(), numbers.end(), 0);
     return numbers;
   }
   for (const StepContact& c : contacts)
-    for (const Index i : {c.a, c.b})
-      if (i < grains) numbers.push_back(static_cast<std::int32_t>(i));
+    for (const Index i : {system.node_of(c.a), system.node_of(c.b)})
+      if (i >= 0) numbers.push_back(static_cast<std::int32_t>(i));
   sort_unique(numbers);
   return numbers;
 }
@@ -167,7 +168,7 @@ std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, In
 template <int D>
 void set_scale(GranularStep<D>& step, const Simulation& simulation, Index contacts) {
   const Vector sum = sums_over_contacts(step.partition, 1, simulation.processes, [&](Index k, auto&& own) {
-    own[0] += 1 / step.problem.contacts[at(k)].inverse_w.inverse_n;
+    own[0] += 1 / inverse_normal_delassus(step.problem.contacts[at(k)]);
   });
   const double mean = sum[0] / std::max(1.0, static_cast<double>(contacts));
   set_scale(step.problem, simulation.dynamics.interaction, mean);
@@ -224,9 +225,9 @@ GranularStep<D> share_step(const Simulation& simulation) {
     step.impulses = !afresh ? state.impulses : impulses_of_all(simulation, [&](const RememberedImpulse& one) {
       return std::ranges::binary_search(own, ends_of(one), {}, ends_of);
     });
-  std::vector<std::int32_t> grains = grains_of(own, system.grains(), all.alone());
+  std::vector<std::int32_t> bodies = bodies_of(own, system, all.alone());
   const std::vector<RememberedImpulse> none, &last = all.alone() ? state.impulses : step.impulses;
-  step.problem = step_of_contacts<D>(start, std::move(own), considered.boundary_speed, std::move(grains),
+  step.problem = step_of_contacts<D>(start, std::move(own), considered.boundary_speed, std::move(bodies),
                                      dynamics.solver.warm_start ? last : none);
   set_scale(step, simulation, considered.number);
   return step;

@@ -20,7 +20,7 @@ struct GranularStep {
   // Of a solved step:
   std::vector<GrainContact<D>> contacts;     ///< with their impulses
   std::vector<GrainVelocity<D>> velocities;  ///< of the bodies of the problem
-  std::vector<GrainMotion> all_grains;       ///< velocities of all grains
+  std::vector<GrainMotion> all_grains;       ///< velocities of all grains, then of free bodies
   ContactWork work;                          ///< of all contacts
   std::vector<RememberedGluing> gluing;
   std::vector<RememberedModel> models;

@@ -23,6 +23,7 @@ void append(const ContactRows<D>& from, std::size_t k, ContactRows<D>& to) {
   to.impulses.push_back(from.impulses[k]);
   if (!from.bias_t.empty()) to.bias_t.push_back(from.bias_t[k]);
   if (!from.pull.empty()) to.pull.push_back(from.pull[k]);
+  if (!from.others.empty()) to.others.push_back(from.others[k]);
 }
 
 }  // namespace
@@ -76,14 +77,16 @@ void DividedContacts<D>::set_data(const Partition& partition) {
     const GrainContact<D>& contact = contacts[at(c)];
     set_component(data.q, c, component<D>(data.q, c) + contact.bias);
     data.friction[c] = contact.friction;
-    data.normal.template segment<D>(D * c).setConstant(1 / contact.inverse_w.inverse_n);
+    data.normal.template segment<D>(D * c).setConstant(1 / inverse_normal_delassus(contact));
     speeds[c] = meeting_speed<D>(contact, problem_.free);
   }
   // Per contact H has 2 x 5 entries in the plane, 2 x 15 in space; H^T and H each take two operations per entry.
   data.product_operations = 2.0 * 2 * (D == 2 ? 10 : 30) * processes_.sum(static_cast<double>(number));
   data.sums = ContactSums(partition.subdomain_of_contact, partition.subdomains, processes_);
   const auto diagonal = [&](Index c) -> FullDelassus<D> {
-    const DiagonalDelassus& w = contacts[at(c)].inverse_w;
+    const GrainContact<D>& contact = contacts[at(c)];
+    if (contact.levers) return lever_delassus(*contact.levers, contact.inverse_mass_a, contact.inverse_mass_b);
+    const DiagonalDelassus w = contact.inverse_w();
     if constexpr (D == 2)
       return {.nn = 1 / w.inverse_n, .tt = 1 / w.inverse_t};
     else
@@ -106,10 +109,7 @@ CopiesOfGrains<D> DividedContacts<D>::caused(const Vector& r) const {
     for (const Index body : bodies_[at(e)])
       own.push_back(with_unknowns(GrainUnknowns<D>{}, problem_.free[at(body)].inverse_mass));
     for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
-      const ContactRow<D>& row = colour.contacts.rows[k];
-      const LocalVector<D> impulse = component<D>(r, colour.numbers[k]);
-      push(own[at(row.a)], impulse_on_grain(row.normal, -1, impulse));
-      push(own[at(row.b)], impulse_on_grain(row.normal, 1, impulse));
+      colour.contacts.push_bodies(k, component<D>(r, colour.numbers[k]), own);
     });
   });
   shared_.add_up(velocities);
@@ -134,8 +134,7 @@ Vector DividedContacts<D>::relative_velocities(const CopiesOfGrains<D>& velociti
   for_each_subdomain([&](Index e) {
     const std::vector<GrainVelocity<D>>& own = velocities[at(e)];
     for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
-      const ContactRow<D>& row = colour.contacts.rows[k];
-      set_component(u, colour.numbers[k], relative_velocity(row.normal, own[at(row.a)], own[at(row.b)]));
+      set_component(u, colour.numbers[k], colour.contacts.relative_velocity_at(k, own));
     });
   });
   return u;

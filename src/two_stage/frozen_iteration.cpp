@@ -51,8 +51,12 @@ void sweep(const GranularSubdomain<D>& subdomain, const std::vector<FrozenContac
     const FrozenContact<D>& now = frozen[at(subdomain.numbers[k])];
     if (now.status == ContactStatus::open) continue;
     const GrainContact<D> c = subdomain.contacts.contact(k, v);
-    LocalVector<D> change = -1.0 * c.inverse_w.solve(relative_velocity<D>(c, v));
-    if (now.status != ContactStatus::stick) {
+    LocalVector<D> change = with_delassus(c, [&](const auto& w) { return -1.0 * w.solve(relative_velocity<D>(c, v)); });
+    if (now.status != ContactStatus::stick && c.levers) {  // v_n + W_nn r_n + W_nt r_t = 0, r_t = slope r_n
+      const FullDelassus<D> w = lever_delassus(*c.levers, c.inverse_mass_a, c.inverse_mass_b);
+      change.n = -relative_velocity<D>(c, v).n / (w.nn + dot(w.nt, now.slope));
+      change.t = change.n * now.slope;
+    } else if (now.status != ContactStatus::stick) {
       const Tangent<D> stopping = change.t;
       change.t = change.n * now.slope;
       if constexpr (D == 3)
@@ -101,7 +105,7 @@ FrozenIteration<D>::FrozenIteration(GranularDecomposition<D> parts, std::vector<
   for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
     for_each_turning(subdomain, frozen_, [&](std::size_t k) {
       const GrainContact<D> c = subdomain.contact(k);
-      root.push_back(1 / std::sqrt(c.inverse_w.inverse_t));
+      root.push_back(1 / std::sqrt(c.inverse_w().inverse_t));
       const FrozenContact<D>& now = frozen_[at(subdomain.numbers[k])];
       impulses.add(row, turning[at(row - size)], std::sqrt(now.turning) * root.back());
       ++row;

@@ -26,6 +26,8 @@ void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice
   rows.boundary_friction = problem.boundary_friction;
   rows.rows.reserve(natural.size());
   rows.impulses.reserve(natural.size());
+  const bool others =
+      problem.own_frictions || std::ranges::any_of(natural, [](const auto& c) { return c.levers != nullptr; });
   const auto number = [&](std::int32_t body) {
     std::int32_t& known = local[at(body)];
     if (known < 0) {
@@ -41,6 +43,7 @@ void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice
     rows.impulses.push_back(swept(c.normal, c.impulse));
     if (problem.tangential_bias) rows.bias_t.push_back(swept(c.normal, c.bias).t);
     if (problem.pulls) rows.pull.push_back(c.pull);
+    if (others) rows.others.push_back({c.levers, c.friction});
     subdomain.numbers.push_back(numbers[at(k)]);
   }
   for (const Index i : subdomain.bodies) {
@@ -195,7 +198,9 @@ ReferenceProblem reference_problem(const StepProblem<D>& problem, Index grains) 
     return problem.free[at(body)].inverse_mass == 0 ? BodyRows{} : BodyRows{rows_of_grain * body};
   };
   for (const GrainContact<D>& c : problem.contacts)
-    for (const LocalVector<D>& direction : contact_directions<D>()) h.add(c.normal, rows(c.a), rows(c.b), direction);
+    for (const LocalVector<D>& direction : contact_directions<D>())
+      c.levers ? h.add_levers(*c.levers, rows(c.a), rows(c.b), direction)
+               : h.add(c.normal, rows(c.a), rows(c.b), direction);
   result.h = h.matrix();
   return result;
 }

@@ -74,9 +74,10 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
 
 /// M and H of a step for the linear analysis. A grain has the rows of its unknowns (a disk x, y, rim with inertia m, m,
 /// m/2), empty ones in H if it is driven. Columns D c, ... are the normal and the tangential directions of contact c.
-/// The arriving velocity is V_free. The bodies of walls, which come after the grains, are left out.
+/// The arriving velocity is V_free. `bodies`: grains and bodies with free directions; those of walls, which come after
+/// them, are left out.
 template <int D>
-ReferenceProblem reference_problem(const StepProblem<D>& problem, Index disks);
+ReferenceProblem reference_problem(const StepProblem<D>& problem, Index bodies);
 
 /// The partition of the columns of reference_problem, `dimension` for each contact.
 Partition partition_of_columns(const Partition& of_contacts, Index dimension);

@@ -142,6 +142,8 @@ void GranularTwoStage<D>::switch_models(const GranularSystem& system, const Gran
     throw Error("models: expected one per subdomain of this step, met another number");
   if (D == 3 && solver_.model == SwitchedModel::homogenised)
     throw Error("solver.switch: expected none or linear with spheres in space, met homogenised");
+  if (!system.free_bodies.empty() && solver_.model == SwitchedModel::homogenised)
+    throw Error("solver.switch: expected none or linear with bodies that move along free directions, met homogenised");
   for (Index e = 0; e < count(parts_.subdomains); ++e) {
     SwitchRules rules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale), solver_.switch_cells};
     if (solver_.model == SwitchedModel::homogenised)

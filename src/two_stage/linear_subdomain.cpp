@@ -75,8 +75,12 @@ FrozenNetwork frozen_network(const GranularSubdomain<D>& subdomain, const std::v
     if (now.status == ContactStatus::open) continue;
     const GrainContact<D> c = subdomain.contact(k);
     const auto put = [&](LocalVector<D> impulse, LocalVector<D> rest, double flexible = 0) {
-      impulses.add(c.normal, network.rows[at(c.a)], network.rows[at(c.b)], impulse);
-      resting.add(c.normal, network.rows[at(c.a)], network.rows[at(c.b)], rest);
+      const auto add = [&](ConnectivityBuilder<D>& columns, const LocalVector<D>& direction) {
+        const BodyRows &a = network.rows[at(c.a)], &b = network.rows[at(c.b)];
+        c.levers ? columns.add_levers(*c.levers, a, b, direction) : columns.add(c.normal, a, b, direction);
+      };
+      add(impulses, impulse);
+      add(resting, rest);
       flexibility.push_back(flexible);
     };
     if (now.status == ContactStatus::stick) {
@@ -88,7 +92,8 @@ FrozenNetwork frozen_network(const GranularSubdomain<D>& subdomain, const std::v
       if (now.turning > 0) {  // the same factor on both keeps fast sliding contacts of size 1
         network.turning.push_back(count(flexibility));
         const LocalVector<3> side{0, std::sqrt(now.turning) * side_of(now)};
-        put(side, side, (1 - now.turning) / c.inverse_w.inverse_t);
+        if (c.levers) throw Error("frozen contacts: expected grains, met a body of another shape that slides in space");
+        put(side, side, (1 - now.turning) / c.inverse_w().inverse_t);
       }
   }
   network.impulses = over_rows(impulses.matrix(), network.root);
@@ -201,8 +206,9 @@ template <int D>
 bool LinearSubdomain<D>::admits(const LinearAnswer<D>& answer) const {
   const auto impulse = [&](const GrainContact<D>& c) {
     const LocalVector<D> stop = stopping_impulse<D>(c, answer.velocities);
-    return std::visit([&](const auto& law) { return law_at(law, c.pull).impulse(stop, c.inverse_w, c.friction); },
-                      law_);
+    return with_delassus(c, [&](const auto& w) {
+      return std::visit([&](const auto& law) { return law_at(law, c.pull).impulse(stop, w, c.friction); }, law_);
+    });
   };
   for (std::size_t k = 0; k < frozen_.size(); ++k) {
     GrainContact<D> c = contacts_.contact(k, answer.velocities);

@@ -74,7 +74,8 @@ StepProblem<3> with_spheres(const StepProblem<2>& disks) {
     result.contacts.push_back({.a = c.a,
                                .b = c.b,
                                .normal = {c.normal[0], c.normal[1], 0},
-                               .inverse_w = c.inverse_w,
+                               .inverse_mass_a = c.inverse_mass_a,
+                               .inverse_mass_b = c.inverse_mass_b,
                                .friction = c.friction});
   for (const GrainVelocity<2>& v : disks.free) result.free.push_back({.inverse_mass = v.inverse_mass});
   return result;

@@ -250,7 +250,12 @@ TEST_CASE("next to the solution of a step the rate of Algorithm 1 is the radius 
 
 TEST_CASE("margin of a status: what an impulse or a velocity lacks to the next corner of the law") {
   std::vector<GrainVelocity<2>> v{{.inverse_mass = 0}, {.inverse_mass = 2}};
-  GrainContact<2> c{.a = 0, .b = 1, .normal = {0, 1}, .inverse_w = grain_delassus(v[0], v[1]), .friction = 0.5};
+  GrainContact<2> c{.a = 0,
+                    .b = 1,
+                    .normal = {0, 1},
+                    .inverse_mass_a = v[0].inverse_mass,
+                    .inverse_mass_b = v[1].inverse_mass,
+                    .friction = 0.5};
   const auto margin = [&](const ContactLaw& law) { return status_margin<2>(law, c, v); };
   v[1].y = 3;  // parts at 3 m/s; W_nn is 2/kg, W_tt 6/kg
   CHECK(margin(Coulomb{}) == doctest::Approx(1.5));

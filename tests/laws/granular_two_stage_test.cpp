@@ -103,9 +103,9 @@ void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<GrainCo
     const double dx = b.x - a.x, dy = b.y - a.y;
     const double v_n = c.normal[0] * dx + c.normal[1] * dy + c.bias.n;
     const double v_t = c.normal[0] * dy - c.normal[1] * dx - (a.rim + b.rim) + c.bias.t;
-    const LocalVector<2> stop{c.impulse.n - c.inverse_w.inverse_n * v_n, c.impulse.t - c.inverse_w.inverse_t * v_t};
+    const LocalVector<2> stop{c.impulse.n - c.inverse_w().inverse_n * v_n, c.impulse.t - c.inverse_w().inverse_t * v_t};
     LocalVector<2> r =
-        std::visit([&](const auto& one) { return law_at(one, c.pull).impulse(stop, c.inverse_w, c.friction); }, law);
+        std::visit([&](const auto& one) { return law_at(one, c.pull).impulse(stop, c.inverse_w(), c.friction); }, law);
     if (relaxation != 1)
       r = {c.impulse.n + relaxation * (r.n - c.impulse.n), c.impulse.t + relaxation * (r.t - c.impulse.t)};
     apply_impulse(c, {r.n - c.impulse.n, r.t - c.impulse.t}, v);

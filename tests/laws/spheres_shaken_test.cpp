@@ -198,7 +198,7 @@ TEST_CASE("interleaved sweeps in space follow a curve from neighbour to neighbou
     for (int j = 0; j < 8; ++j)
       for (int k = 0; k < 8; ++k) {
         const auto body = static_cast<std::int32_t>(contacts.size());
-        contacts.push_back({.a = 2 * body, .b = 2 * body + 1, .inverse_w = {}});  // none shares a body: one colour
+        contacts.push_back({.a = 2 * body, .b = 2 * body + 1});  // none shares a body: one colour
         points.push_back({0.1 * i, 0.1 * j, 0.1 * k});
       }
   const std::vector<GrainVelocity<3>> bodies(2 * contacts.size(), GrainVelocity<3>{.inverse_mass = 1});

@@ -120,12 +120,12 @@ TEST_CASE("steps cut into subdomains have the same bits for any number of thread
 TEST_CASE("the two-stage Newton method solves steps of one contact and of none") {
   Dynamics dynamics = newton("coulomb");
   dynamics.boundaries = {floor_wall()};
-  const Simulation falling = simulation_of({{.x = 0, .y = 5}}, dynamics, {2, 1});
+  const Simulation falling = simulation_of(std::vector<Grain>{{.x = 0, .y = 5}}, dynamics, {2, 1});
   const GranularStep<2> free = solve_step(falling);
   CHECK(free.report.status == SolverStatus::converged);
   CHECK(free.contacts.empty());
   CHECK(free.velocities[0].y == doctest::Approx(-g * dynamics.time.step));
-  const Simulation resting = simulation_of({{.x = 0, .y = 0.5}}, dynamics, {2, 1});
+  const Simulation resting = simulation_of(std::vector<Grain>{{.x = 0, .y = 0.5}}, dynamics, {2, 1});
   const GranularStep<2> held = solve_step(resting);
   CHECK(held.report.status == SolverStatus::converged);
   REQUIRE(held.contacts.size() == 1);

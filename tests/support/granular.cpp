@@ -144,7 +144,7 @@ double relative_natural_map(const std::vector<GrainContact<2>>& contacts, const 
   double map = 0, impulses = 0;
   for (const GrainContact<2>& c : contacts) {
     const LocalVector<2> w = relative_velocity(c, v), r{c.impulse.n, c.impulse.t};
-    const LocalVector<2> one = natural_map(r, {w.n + c.bias.n, w.t + c.bias.t}, c.friction, c.inverse_w.inverse_n);
+    const LocalVector<2> one = natural_map(r, {w.n + c.bias.n, w.t + c.bias.t}, c.friction, c.inverse_w().inverse_n);
     map += one.n * one.n + one.t * one.t;
     impulses += r.n * r.n + r.t * r.t;
   }

@@ -50,7 +50,7 @@ SweepSums plain_sweep(const ContactLaw& law, Heap& heap, double relaxation) {
     const GrainContact<3> c = heap.contacts.contact(k, heap.velocities);
     const LocalVector<3> stop = stopping_impulse(c, heap.velocities);
     const LocalVector<3> wanted =
-        std::visit([&](const auto& one) { return law_at(one, c.pull).impulse(stop, c.inverse_w, c.friction); }, law);
+        std::visit([&](const auto& one) { return law_at(one, c.pull).impulse(stop, c.inverse_w(), c.friction); }, law);
     const LocalVector<3> next = c.impulse + relaxation * (wanted - c.impulse);
     apply_impulse(c, next - c.impulse, heap.velocities);
     heap.contacts.set_impulse(k, next);

@@ -67,6 +67,7 @@ struct DiagonalDelassus {
   static constexpr bool coupled = false;
   double inverse_n = 0, inverse_t = 0;  ///< 1/W_nn, 1/W_tt, kg
 
+  double inverse_normal() const { return inverse_n; }
   template <int D>
   LocalVector<D> apply(LocalVector<D> r) const {
     return {r.n / inverse_n, r.t / inverse_t};
@@ -98,6 +99,7 @@ struct FullDelassus {
   Tangent<D> nt{};
   std::conditional_t<D == 2, double, TangentMatrix> tt{};
 
+  double inverse_normal() const { return 1 / nn; }
   LocalVector<D> apply(LocalVector<D> r) const { return {nn * r.n + dot(nt, r.t), r.n * nt + tt * r.t}; }
   LocalVector<D> solve(LocalVector<D> v) const {
     if constexpr (D == 2) {

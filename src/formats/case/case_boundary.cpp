@@ -17,11 +17,11 @@ class BoundaryNumbers {
     take(section_.node(key), key, static_cast<Index>(numbers.size()));
     value = {numbers[0], numbers[1], numbers[2]};
   }
-  /// The keys velocity and spin, if before them is "", or initial_velocity and initial_spin.
-  RigidVelocity read_velocity(const std::string& before = "") {
+  /// The keys of a value, with "" or "initial_" before them.
+  RigidVelocity read_value(const FunctionKeys& keys, const std::string& before = "") {
     std::array<double, 3> velocity{}, spin{};
-    read((before + "velocity").c_str(), velocity);
-    const std::string key = before + "spin";
+    read((before + keys.linear).c_str(), velocity);
+    const std::string key = before + keys.angular;
     if (const Index dimension = read_spin(section_, key, spin); dimension > 0)
       take(section_.node(key), key.c_str(), dimension);
     return {velocity[0], velocity[1], spin[2], velocity[2], spin[0], spin[1]};
@@ -45,34 +45,37 @@ class BoundaryNumbers {
   std::string first_;
 };
 
-std::vector<double> motion_entry(const StrictTable& section, const toml::node& node) {
-  const char* expected =
-      "entries of four finite numbers [t, vx, vy, spin], or in space seven [t, vx, vy, vz, spin_x, spin_y, spin_z]";
+std::vector<double> table_entry(const StrictTable& section, const toml::node& node, const char* key) {
+  const std::string expected =
+      key == std::string_view(keys_of_motion.table)
+          ? "entries of four finite numbers [t, vx, vy, spin], or in space seven [t, vx, vy, vz, spin_x, spin_y, "
+            "spin_z]"
+          : "entries of four finite numbers [t, fx, fy, torque], or in space seven [t, fx, fy, fz, torque_x, torque_y, "
+            "torque_z]";
   const toml::array* entry = node.as_array();
-  if (entry == nullptr) section.fail(&node, "motion", expected, StrictTable::describe(node));
+  if (entry == nullptr) section.fail(&node, key, expected, StrictTable::describe(node));
   if (entry->size() != 4 && entry->size() != 7)
-    section.fail(&node, "motion", expected, fmt::format("an array of {}", entry->size()));
+    section.fail(&node, key, expected, fmt::format("an array of {}", entry->size()));
   std::vector<double> values;
   for (std::size_t i = 0; i < entry->size(); ++i) {
     const std::optional<double> value = (*entry)[i].value<double>();
-    if (!value || !std::isfinite(*value))
-      section.fail(&(*entry)[i], "motion", expected, StrictTable::describe((*entry)[i]));
+    if (!value || !std::isfinite(*value)) section.fail(&(*entry)[i], key, expected, StrictTable::describe((*entry)[i]));
     values.push_back(*value);
   }
   return values;
 }
 
-void read_motion_table(StrictTable& section, BoundaryNumbers& numbers, Motion& motion) {
-  const toml::node* found = section.node("motion");
+void read_table(StrictTable& section, BoundaryNumbers& numbers, const char* key, Motion& motion) {
+  const toml::node* found = section.node(key);
   const toml::array* entries = found->as_array();
   if (entries == nullptr || entries->empty())
-    section.fail(found, "motion", "entries [[t, vx, vy, spin], ...]",
+    section.fail(found, key, "entries [[t, ...], ...]",
                  entries == nullptr ? StrictTable::describe(*found) : "an empty array");
   for (const toml::node& node : *entries) {
-    const std::vector<double> entry = motion_entry(section, node);
-    numbers.take(&node, "motion", entry.size() == 4 ? 2 : 3);
+    const std::vector<double> entry = table_entry(section, node, key);
+    numbers.take(&node, key, entry.size() == 4 ? 2 : 3);
     if (const double t = entry[0]; !motion.time.empty() && !(t > motion.time.back()))
-      section.fail(&node, "motion", "ascending times", fmt::format("{} s after {} s", t, motion.time.back()));
+      section.fail(&node, key, "ascending times", fmt::format("{} s after {} s", t, motion.time.back()));
     motion.time.push_back(entry[0]);
     if (entry.size() == 4)
       motion.velocity.push_back({entry[1], entry[2], entry[3]});
@@ -81,42 +84,84 @@ void read_motion_table(StrictTable& section, BoundaryNumbers& numbers, Motion& m
   }
 }
 
+void read_oscillation(StrictTable one, const FunctionKeys& keys, BoundaryNumbers& numbers, const toml::node* node,
+                      Oscillation& oscillation) {
+  BoundaryNumbers own(one);
+  oscillation.amplitude = own.read_value(keys);
+  if (own.dimension() == 0)
+    one.fail(keys.linear, fmt::format("{} or {}, the amplitudes", keys.linear, keys.angular), "neither");
+  numbers.take(node, keys.oscillation, own.dimension());
+  one.require_keys({"omega"});
+  one.read("omega", oscillation.omega, Field{.unit = "rad/s"});
+  one.read("phase", oscillation.phase, Field{.unit = "rad"});
+  one.read("ramp", oscillation.ramp, Field{.minimum = 0, .maximum = 1});
+  one.read("growth", oscillation.growth, Field{.unit = "1/s", .minimum = 0});
+  one.finish();
+}
+
+void read_function(StrictTable& section, BoundaryNumbers& numbers, const FunctionKeys& keys, Motion& motion) {
+  const bool uniform = section.has(keys.linear) || section.has(keys.angular);
+  const RigidVelocity value = numbers.read_value(keys);
+  if (section.node(keys.table) != nullptr) {
+    if (uniform)
+      section.fail(keys.table, fmt::format("either {} = ... or {} and {}", keys.table, keys.linear, keys.angular),
+                   "both");
+    read_table(section, numbers, keys.table, motion);
+  } else if (uniform) {
+    motion.time = {0};
+    motion.velocity = {value};
+  }
+  for (const StrictTable& one : section.tables(keys.oscillation))
+    read_oscillation(one, keys, numbers, section.node(keys.oscillation), motion.oscillations.emplace_back());
+}
+
 Motion read_motion(StrictTable& section, BoundaryNumbers& numbers) {
   Motion motion;
   numbers.read("centre", motion.centre);
-  const bool uniform = section.has("velocity") || section.has("spin");
-  const RigidVelocity velocity = numbers.read_velocity();
-  if (section.node("motion") != nullptr) {
-    if (uniform) section.fail("motion", "either motion = ... or velocity and spin", "both");
-    read_motion_table(section, numbers, motion);
-  } else if (uniform) {
-    motion.time = {0};
-    motion.velocity = {velocity};
-  }
+  read_function(section, numbers, keys_of_motion, motion);
   if (section.has("initial_velocity") || section.has("initial_spin"))
-    motion.initial = numbers.read_velocity("initial_");
-  for (StrictTable one : section.tables("oscillation")) {
-    Oscillation& oscillation = motion.oscillations.emplace_back();
-    BoundaryNumbers own(one);
-    oscillation.amplitude = own.read_velocity();
-    if (own.dimension() == 0) one.fail("velocity", "velocity or spin, the amplitudes", "neither");
-    numbers.take(section.node("oscillation"), "oscillation", own.dimension());
-    one.require_keys({"omega"});
-    one.read("omega", oscillation.omega, Field{.unit = "rad/s"});
-    one.read("phase", oscillation.phase, Field{.unit = "rad"});
-    one.read("ramp", oscillation.ramp, Field{.minimum = 0, .maximum = 1});
-    one.read("growth", oscillation.growth, Field{.unit = "1/s", .minimum = 0});
-    one.finish();
-  }
+    motion.initial = numbers.read_value(keys_of_motion, "initial_");
   return motion;
+}
+
+// The directions along which a boundary moves freely, and what moves it; empty without the key `free`.
+std::optional<FreeBody> read_body(StrictTable& section, BoundaryNumbers& numbers) {
+  if (!section.has("free")) return std::nullopt;
+  FreeBody body;
+  const toml::node* found = section.node("free");
+  const toml::array* names = found->as_array();
+  const std::string expected = fmt::format("an array of {}", names_where<BodyDirection>());
+  if (names == nullptr || names->empty())
+    section.fail(found, "free", expected, names == nullptr ? StrictTable::describe(*found) : "an empty array");
+  for (const toml::node& node : *names) {
+    const auto name = node.value<std::string>();
+    if (!name) section.fail(&node, "free", expected, StrictTable::describe(node));
+    section.located("free", [&] { body.directions[position_of(*name, names_of(BodyDirection{}), "free")] = true; });
+  }
+  section.require_keys({"mass", "centre"});
+  section.read("mass", body.mass, Field{.unit = "kg", .above = 0});
+  if (const Index dimension = read_spin(section, "inertia", body.inertia); dimension > 0)
+    numbers.take(section.node("inertia"), "inertia", dimension);
+  if (section.has("axes")) {
+    const toml::array* entries = section.node("axes")->as_array();
+    std::vector<double> q;
+    for (std::size_t k = 0; entries != nullptr && k < entries->size(); ++k)
+      q.push_back((*entries)[k].value<double>().value_or(not_a_number));
+    const double size = q.size() == 4 ? std::hypot(std::hypot(q[0], q[1], q[2]), q[3]) : 0;
+    if (!(std::abs(size - 1) < 1e-6))
+      section.fail("axes", "a unit quaternion [w, x, y, z] of the principal axes", "another value");
+    body.axes = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+  }
+  read_function(section, numbers, keys_of_load, body.load);
+  return body;
 }
 
 void read_ends(StrictTable& section, BoundaryNumbers& numbers, BoundarySpec& spec) {
   section.require_keys({"from", "to"});
   numbers.read("from", spec.from);
   numbers.read("to", spec.to);
-  if (spec.shape == BoundaryShape::wall && numbers.dimension() == 3)
-    section.fail("from", "point and normal of a wall in space", "from and to");
+  if ((spec.shape == BoundaryShape::wall || spec.shape == BoundaryShape::plank) && numbers.dimension() == 3)
+    section.fail("from", fmt::format("point and normal of a {} in space", to_string(spec.shape)), "from and to");
   if (spec.from == spec.to) section.fail("to", "another point than from", "the same");
 }
 
@@ -154,15 +199,24 @@ BoundarySpec read_boundary(StrictTable section) {
     section.require_keys({"first", "last"});
     section.read("first", spec.first);
     section.read("last", spec.last);
-  } else if (spec.shape == BoundaryShape::wall && (section.has("point") || section.has("normal"))) {
+  } else if ((spec.shape == BoundaryShape::wall || spec.shape == BoundaryShape::plank) &&
+             (section.has("point") || section.has("normal"))) {
     section.require_keys({"point", "normal"});
     numbers.read("point", spec.point);
     numbers.read("normal", spec.normal);
-    if (numbers.dimension() == 2) section.fail("point", "from and to of a wall in the plane", "point and normal");
+    if (numbers.dimension() == 2)
+      section.fail("point", fmt::format("from and to of a {} in the plane", to_string(spec.shape)), "point and normal");
+    if (spec.shape == BoundaryShape::plank) {
+      section.require_keys({"axis", "length"});
+      numbers.read("axis", spec.axis);
+      section.read("length", spec.length, Field{.unit = "m", .above = 0});
+      section.read("width", spec.width, Field{.unit = "m", .minimum = 0});
+    }
   } else {
     read_ends(section, numbers, spec);
   }
-  if (spec.shape == BoundaryShape::disks || spec.shape == BoundaryShape::cylinder) {
+  if (spec.shape == BoundaryShape::disks || spec.shape == BoundaryShape::cylinder ||
+      spec.shape == BoundaryShape::plank) {
     section.require_keys({"radius"});
     section.read("radius", spec.radius, Field{.above = 0});
   }
@@ -170,7 +224,9 @@ BoundarySpec read_boundary(StrictTable section) {
   if (spec.shape == BoundaryShape::cylinder) section.read("side", spec.side);
   if (spec.shape == BoundaryShape::disks || spec.shape == BoundaryShape::grains)
     section.read("orientation", spec.orientation);
+  section.read("colour", spec.colour);
   spec.motion = read_motion(section, numbers);
+  spec.body = read_body(section, numbers);
   spec.dimension = numbers.dimension();
   section.finish();
   section.located("", [&] { check(spec); });

@@ -96,11 +96,44 @@ void require_effects(const StrictTable& section, const Dynamics& dynamics, const
       require_effect(dynamics, section.key_path(now[k].key), section.where(now[k].key), stated);
 }
 
+ColourSpec read_colour(StrictTable section) {
+  ColourSpec spec;
+  section.require_keys({"name", "first", "last"});
+  section.read("name", spec.name);
+  section.read("first", spec.first);
+  section.read("last", spec.last);
+  section.finish();
+  return spec;
+}
+
+PairSpec read_pair(StrictTable section, const Interaction& interaction) {
+  PairSpec spec;
+  section.require_keys({"colours"});
+  const toml::node* found = section.node("colours");
+  const toml::array* names = found->as_array();
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto name = names != nullptr && names->size() == 2 ? (*names)[k].value<std::string>() : std::nullopt;
+    if (!name) section.fail(found, "colours", "an array of two texts", StrictTable::describe(*found));
+    spec.colours[k] = *name;
+  }
+  section.read("touch", spec.rule.touch);
+  const auto read = [&](const char* key, std::optional<double>& value, double most) {
+    if (section.has(key)) section.read(key, value.emplace(), Field{.minimum = 0, .maximum = most});
+  };
+  read("friction", spec.rule.friction, 100);
+  read("restitution", spec.rule.restitution, 1);
+  read("tangential_restitution", spec.rule.tangential_restitution, 1);
+  if (spec.rule.restitution && !interaction.on_velocity())
+    section.fail("restitution", "interaction.signorini = \"velocity\" with it", "\"gap\"");
+  section.finish();
+  return spec;
+}
+
 // The sections [dynamics] and, only with it, [interaction], [solver] and [[boundary]].
 std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
   const bool moves = root.has("dynamics");
-  for (const char* key : {"dynamics", "interaction", "solver", "boundary"}) root.node(key);
-  for (const char* key : {"interaction", "solver", "boundary"})
+  for (const char* key : {"dynamics", "interaction", "solver", "boundary", "colour", "pair"}) root.node(key);
+  for (const char* key : {"interaction", "solver", "boundary", "colour", "pair"})
     if (!moves && root.has(key)) {
       root.finish();  // names a misspelt [dynamics]
       root.fail(key, "a section [dynamics] with it", "none");
@@ -119,10 +152,13 @@ std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
     const BoundarySpec spec = read_boundary(boundary);
     if (std::ranges::count(dynamics.boundaries, spec.name, &BoundarySpec::name) > 0)
       boundary.fail("name", "each name once", fmt::format("{} again", field_text(spec.name)));
-    if (effects_wanted && spec.motion.initial && dynamics.time.boundary_instant == BoundaryInstant::middle)
+    if (effects_wanted && spec.motion.initial && !spec.body &&
+        dynamics.time.boundary_instant == BoundaryInstant::middle)
       boundary.fail("initial_velocity", "dynamics.boundary_instant = \"end\" with it", "\"middle\", the default");
     dynamics.boundaries.push_back(spec);
   }
+  for (const StrictTable& colour : root.tables("colour")) dynamics.colours.push_back(read_colour(colour));
+  for (const StrictTable& pair : root.tables("pair")) dynamics.pairs.push_back(read_pair(pair, dynamics.interaction));
   return dynamics;
 }
 

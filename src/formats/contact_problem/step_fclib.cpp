@@ -90,8 +90,8 @@ GranularSubdomain<D> with_ascending_bodies(const GranularSubdomain<D>& part) {
 // - A_E^T F, rim impulses as moments: the rim moves by R times the spin.
 template <int D>
 void add_interface_impulses(GlobalFrictionProblem& problem, const GranularSubdomain<D>& part,
-                            const std::vector<double>& radius, const std::vector<RememberedGluing>& gluing,
-                            Index subdomain) {
+                            const std::function<std::array<double, 3>(Index)>& rims,
+                            const std::vector<RememberedGluing>& gluing, Index subdomain) {
   Index row = 0;
   for (std::size_t i = 0; i < part.bodies.size(); ++i) {
     if (part.velocities[i].inverse_mass == 0) continue;
@@ -100,7 +100,7 @@ void add_interface_impulses(GlobalFrictionProblem& problem, const GranularSubdom
     const auto one = std::ranges::lower_bound(gluing, std::pair(grain, subdomain), {}, own);
     if (one != gluing.end() && own(*one) == std::pair(grain, subdomain))
       for (Index k = 0; k < unknowns_of_grain<D>; ++k)
-        problem.f[row + k] -= (k < D ? 1 : radius[at(grain)]) * one->impulse[at(k)];
+        problem.f[row + k] -= (k < D ? 1 : rims(static_cast<Index>(i))[at(D == 2 ? k : k - D)]) * one->impulse[at(k)];
     row += unknowns_of_grain<D>;
   }
 }
@@ -111,14 +111,18 @@ FclibFile fclib_of_step(const Simulation& before, const TrajectoryStep* after) {
   return in_dimension(before.system, [&](auto dimension) {
     constexpr int D = dimension();
     const StepProblem<D> step = next_problem<D>(before);
-    GlobalFrictionProblem problem = friction_problem(step.free, step.contacts, before.system.radius);
+    GlobalFrictionProblem problem = friction_problem(
+        step.free, step.contacts, [&](Index body) { return before.system.rims(step.numbers[at(body)]); });
     FclibFile file;
     if (after != nullptr) {
       require_same_contacts(step, *after);
       std::vector<Index> all(step.contacts.size());
       std::iota(all.begin(), all.end(), Index{0});
-      file.solution =
-          solution_of(problem, velocities_of_free<D>(before.system, after->state), impulses_of<D>(*after, all));
+      const Vector r = impulses_of<D>(*after, all);
+      // A state has the velocities of bodies after their turn.
+      const bool grains = before.system.free_bodies.empty();
+      file.solution = solution_of(
+          problem, grains ? velocities_of_free<D>(before.system, after->state) : body_velocities(problem, r), r);
     }
     file.problem = std::move(problem);
     return file;
@@ -140,11 +144,9 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
     std::vector<GrainContact<D>> contacts;
     for (std::size_t k = 0; k < part.contacts.size(); ++k)
       contacts.push_back(part.contacts.contact(k, part.velocities));
-    const std::vector<double>& of_grain = before.system.radius;
-    std::vector<double> radius;
-    for (const Index body : part.bodies) radius.push_back(body < before.system.grains() ? of_grain[at(body)] : 0);
-    GlobalFrictionProblem problem = friction_problem(part.velocities, contacts, radius);
-    add_interface_impulses(problem, part, of_grain, after.state.gluing, subdomain);
+    const auto rims = [&](Index body) { return before.system.rims(step.numbers[at(part.bodies[at(body)])]); };
+    GlobalFrictionProblem problem = friction_problem(part.velocities, contacts, rims);
+    add_interface_impulses(problem, part, rims, after.state.gluing, subdomain);
     const Vector r = impulses_of<D>(after, part.numbers);
     FclibSolution solution = solution_of(problem, body_velocities(problem, r), r);
     return FclibFile{.problem = std::move(problem), .info = {}, .solution = std::move(solution), .guesses = {}};

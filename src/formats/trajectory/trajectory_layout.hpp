@@ -56,6 +56,18 @@ inline auto pose_columns(Index dimension) {
   };
 }
 
+inline auto velocity_columns(Index dimension) {
+  return [space = dimension == 3](auto&& visit) {
+    visit("velocity_x", "m/s", [](auto& v) { return &v.x; });
+    visit("velocity_y", "m/s", [](auto& v) { return &v.y; });
+    visit(space ? "spin_z" : "spin", "rad/s", [](auto& v) { return &v.spin; });
+    if (!space) return;
+    visit("velocity_z", "m/s", [](auto& v) { return &v.z; });
+    visit("spin_x", "rad/s", [](auto& v) { return &v.spin_x; });
+    visit("spin_y", "rad/s", [](auto& v) { return &v.spin_y; });
+  };
+}
+
 inline auto contact_columns(Index dimension) {
   return [space = dimension == 3](auto&& visit) {
     visit("a", "1", [](auto& c) { return &c.geometry.a; });
@@ -98,8 +110,9 @@ inline constexpr auto model_columns = [](auto&& visit) {
   visit("impulse_distance", "1", [](auto& model) { return &model.impulse_distance; });
 };
 
-inline auto wall_columns(Index dimension) {
-  return [space = dimension == 3](auto&& visit) {
+/// `planks`: whether a system has planks, which have columns of their own.
+inline auto wall_columns(Index dimension, bool planks) {
+  return [space = dimension == 3, planks](auto&& visit) {
     visit("point_x", "m", [](auto& wall) { return &wall.point[0]; });
     visit("point_y", "m", [](auto& wall) { return &wall.point[1]; });
     if (space) visit("point_z", "m", [](auto& wall) { return &wall.point[2]; });
@@ -107,6 +120,13 @@ inline auto wall_columns(Index dimension) {
     visit("normal_y", "1", [](auto& wall) { return &wall.normal[1]; });
     if (space) visit("normal_z", "1", [](auto& wall) { return &wall.normal[2]; });
     if (space) visit("radius", "m", [](auto& wall) { return &wall.radius; });
+    if (!planks) return visit("boundary", "1", [](auto& wall) { return &wall.boundary; });
+    if (!space) visit("radius", "m", [](auto& wall) { return &wall.radius; });
+    visit("axis_x", "1", [](auto& wall) { return &wall.axis[0]; });
+    visit("axis_y", "1", [](auto& wall) { return &wall.axis[1]; });
+    if (space) visit("axis_z", "1", [](auto& wall) { return &wall.axis[2]; });
+    visit("half_length", "m", [](auto& wall) { return &wall.half_length; });
+    if (space) visit("half_width", "m", [](auto& wall) { return &wall.half_width; });
     visit("boundary", "1", [](auto& wall) { return &wall.boundary; });
   };
 }

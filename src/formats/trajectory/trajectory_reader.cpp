@@ -63,7 +63,7 @@ void check_numbers(const TrajectoryStep& step, Index walls, const Group& group) 
   }
   for (const RememberedModel& model : step.state.models) require_within(model.switched, 0, 2, "models/switched", group);
   for (const RememberedGluing& gluing : step.state.gluing) {
-    require_within(gluing.grain, 0, disks, "interface/grain", group);
+    require_within(gluing.grain, 0, disks + count(step.state.body_velocities), "interface/grain", group);
     require_within(gluing.subdomain, 0, most_subdomains, "interface/subdomain", group);
   }
 }
@@ -82,6 +82,9 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
   for (const auto& array : layout::state_arrays(dimension))
     state.*(array.values) = group.numbers<double>(array.name, here);
   state.poses = get_structs<Pose>(group.group("poses"), layout::pose_columns(dimension), here);
+  if (group.has("bodies"))
+    state.body_velocities =
+        get_structs<RigidVelocity>(group.group("bodies"), layout::velocity_columns(dimension), here);
   step.contacts = get_list<TrajectoryContact>(group.group("contacts"), layout::contact_columns(dimension), here);
   state.gluing = get_list<RememberedGluing>(group.group("interface"), layout::gluing_columns(dimension), here);
   if (group.has("models")) state.models = get_list<RememberedModel>(group.group("models"), layout::model_columns, here);
@@ -104,7 +107,8 @@ GranularSystem get_system(const Group& root) {
   system.radius = group.numbers<double>("radius");
   system.mass = group.numbers<double>("mass");
   for (const std::int32_t boundary : group.numbers<std::int32_t>("driven_by")) system.driven_by.push_back(boundary);
-  system.walls = get_structs<Wall>(group.group("walls"), layout::wall_columns(system.dimension));
+  system.walls = get_structs<Wall>(group.group("walls"),
+                                   layout::wall_columns(system.dimension, group.group("walls").has("half_length")));
   std::istringstream names(group.text("boundaries"));
   for (std::string name; std::getline(names, name);) system.boundaries.push_back({name, {}});
   return system;
@@ -204,7 +208,10 @@ Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& h
       fail("{}: expected the boundary '{}' of its case, met '{}'", path, specs[k].name, system.boundaries[k].name);
     system.boundaries[k].motion = specs[k].motion;
     system.boundaries[k].orientation = specs[k].orientation;
+    system.boundaries[k].body = specs[k].body;
   }
+  const auto of_packing = [&](Index k) { return k < 0 || specs[at(k)].shape != BoundaryShape::disks; };
+  complete(system, state, *spec.dynamics, std::ranges::count_if(system.driven_by, of_packing));
   Simulation simulation{std::move(system), std::move(state), *spec.dynamics, spec.partition};
   require_fit(path, simulation);
   return simulation;

@@ -60,6 +60,9 @@ void put_steps(const Group& group, Steps steps, bool append) {
     put_lists(group.make_group("models"), steps, models, layout::model_columns, form);
   form.rows = steps.size();
   put_structs(group.make_group("poses"), steps, poses, layout::pose_columns(dimension), form);
+  const auto bodies = [](const TrajectoryStep& step) -> auto& { return step.state.body_velocities; };
+  if (!steps[0].state.body_velocities.empty())
+    put_structs(group.make_group("bodies"), steps, bodies, layout::velocity_columns(dimension), form);
   for (const auto& array : layout::state_arrays(dimension)) {
     std::vector<double> values;
     for (const TrajectoryStep& step : steps) {
@@ -77,8 +80,10 @@ void put_system(const Group& root, const GranularSystem& system) {
   group.put<double>("mass", system.mass, {.attributes = {{"unit", "kg"}}});
   const std::vector<std::int32_t> driven(system.driven_by.begin(), system.driven_by.end());
   group.put<std::int32_t>("driven_by", driven, {.attributes = {{"unit", "1"}}});
+  const bool planks = std::ranges::any_of(system.walls, [](const Wall& wall) { return wall.plank(); });
   const auto walls = [](const GranularSystem& one) -> auto& { return one.walls; };
-  put_structs(group.make_group("walls"), std::span(&system, 1), walls, layout::wall_columns(system.dimension), {});
+  put_structs(group.make_group("walls"), std::span(&system, 1), walls, layout::wall_columns(system.dimension, planks),
+              {});
   std::string names;
   for (const Boundary& boundary : system.boundaries) names += boundary.name + "\n";
   group.put_text("boundaries", names);

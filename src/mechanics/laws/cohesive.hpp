@@ -7,7 +7,7 @@ namespace nscdd {
 
 /// Coulomb's law of grains that stick together: a contact that touches pulls with up to `cohesion` before it opens,
 ///     0 <= v_n,  0 <= r_n + cohesion,  v_n (r_n + cohesion) = 0,  |r_t| <= friction (r_n + cohesion);
-/// one that does not touch has cohesion 0 (see `touching_gap`). It shows how a law is added: this one is
+/// one that does not has cohesion 0 (see `hold`). It shows how a law is added: this one is
 /// Coulomb's at a shifted impulse.
 struct Cohesive {
   static constexpr std::string_view name = "cohesive";

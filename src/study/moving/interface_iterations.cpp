@@ -58,7 +58,7 @@ FrozenSystem<D> frozen_system(const GranularStep<D>& step) {
   for (const GrainContact<D>& contact : step.contacts) apply_impulse(contact, LocalVector<D>{-contact.pull, {}}, free);
   for (Index c = 0; c < count(step.contacts); ++c) {
     const GrainContact<D>& contact = step.contacts[at(c)];
-    const double rho = 1 / (1 / contact.inverse_w.inverse_n + alpha);
+    const double rho = 1 / (1 / inverse_normal_delassus(contact) + alpha);
     const LocalVector<D> now = relative_velocity(contact, step.velocities) + contact.bias;
     const LocalVector<D> impulse = contact.impulse + LocalVector<D>{contact.pull, {}};
     const FrozenContact<D> frozen = frozen_contact(impulse - rho * now, contact.friction);
@@ -104,7 +104,7 @@ InterfaceIterations by_newton(const Simulation& simulation) {
     result.slide += status != ContactStatus::stick && status != ContactStatus::open;
   }
   const Decomposition parts =
-      decompose(reference_problem(step.problem, simulation.system.grains()), partition_of_columns(step.partition, D));
+      decompose(reference_problem(step.problem, simulation.system.bodies()), partition_of_columns(step.partition, D));
   const FrozenSystem<D> system = frozen_system(step);
   result.none = frozen_interface(parts, system, InterfaceNetwork::none, flexibility);
   result.all = frozen_interface(parts, system, InterfaceNetwork::all, flexibility);

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/boundary.hpp"
+
+#include "core/fail.hpp"
+
+#include <fmt/ranges.h>
+
+namespace nscdd {
+namespace {
+
+Place along(const BoundarySpec& spec) {
+  return {spec.to[0] - spec.from[0], spec.to[1] - spec.from[1], spec.to[2] - spec.from[2]};
+}
+
+double length_of(const Place& vector) { return std::hypot(vector[0], vector[1], vector[2]); }
+
+Place unit(const Place& vector) {
+  const double length = length_of(vector);
+  return {vector[0] / length, vector[1] / length, vector[2] / length};
+}
+
+bool is_plane_in_space(const BoundarySpec& spec) { return spec.shape == BoundaryShape::wall && spec.dimension == 3; }
+bool is_plank_in_space(const BoundarySpec& spec) { return spec.shape == BoundaryShape::plank && spec.dimension == 3; }
+
+Wall wall_of(const BoundarySpec& spec, Index boundary) {
+  if (is_plane_in_space(spec)) return {.point = spec.point, .normal = unit(spec.normal), .boundary = boundary};
+  if (spec.shape == BoundaryShape::cylinder)
+    return {.point = spec.from,
+            .normal = unit(along(spec)),
+            .boundary = boundary,
+            .radius = spec.side == CylinderSide::inside ? spec.radius : -spec.radius};
+  if (is_plank_in_space(spec))
+    return {.point = spec.point,
+            .normal = unit(spec.normal),
+            .boundary = boundary,
+            .radius = spec.radius,
+            .axis = unit(spec.axis),
+            .half_length = spec.length / 2,
+            .half_width = spec.width / 2};
+  const double length = length_of(along(spec));
+  const Place normal{(spec.from[1] - spec.to[1]) / length, (spec.to[0] - spec.from[0]) / length, 0};
+  if (spec.shape != BoundaryShape::plank) return {.point = spec.from, .normal = normal, .boundary = boundary};
+  return {.point = {(spec.from[0] + spec.to[0]) / 2, (spec.from[1] + spec.to[1]) / 2, 0},
+          .normal = normal,
+          .boundary = boundary,
+          .radius = spec.radius,
+          .axis = unit(along(spec)),
+          .half_length = length / 2};
+}
+
+void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
+               Index boundary) {
+  const double length = length_of(along(spec));
+  // The fewest gaps that are no wider than asked for; rounding must not add one.
+  const Index gaps = std::max<Index>(1, static_cast<Index>(std::ceil(length / spec.distance() * (1 - 1e-12))));
+  for (Index k = 0; k <= gaps; ++k) {
+    const double s = static_cast<double>(k) / static_cast<double>(gaps);
+    x.push_back(spec.from[0] + s * (spec.to[0] - spec.from[0]));
+    y.push_back(spec.from[1] + s * (spec.to[1] - spec.from[1]));
+    system.radius.push_back(spec.radius);
+    system.mass.push_back(1);
+    system.driven_by.push_back(boundary);
+  }
+}
+
+void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index boundary, Index grains) {
+  const std::string key = fmt::format("boundary[{}].first", boundary);
+  const Index first = spec.first < 0 ? spec.first + grains : spec.first;
+  const Index last = spec.last < 0 ? spec.last + grains : spec.last;
+  if (first < 0 || last >= grains || first > last)
+    throw Error(key, fmt::format("expected grains first <= last in 0..{} (or negative, from the end), "
+                                 "met {} and {} of boundary '{}'",
+                                 grains - 1, spec.first, spec.last, spec.name));
+  for (Index i = first; i <= last; ++i) {
+    if (system.driven_by[at(i)] >= 0)
+      throw Error(key, fmt::format("expected grains driven once, met grain {} of boundaries '{}' and '{}'", i,
+                                   system.boundaries[at(system.driven_by[at(i)])].name, spec.name));
+    system.driven_by[at(i)] = boundary;
+  }
+}
+
+std::string components_text(const Place& values, bool space) {
+  return space ? field_text(Components<double>(values)) : field_text(Components<double>(values[0], values[1]));
+}
+
+std::string velocity_lines(const RigidVelocity& v, bool space, const FunctionKeys& keys, const char* before = "") {
+  return fmt::format("{0}{1} = {2}\n{0}{3} = {4}\n", before, keys.linear, components_text({v.x, v.y, v.z}, space),
+                     keys.angular, space ? components_text({v.spin_x, v.spin_y, v.spin}, true) : field_text(v.spin));
+}
+
+std::string motion_entry(double time, const RigidVelocity& v, bool space) {
+  std::vector<double> entry{time, v.x, v.y, v.spin};
+  if (space) entry = {time, v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
+  std::vector<std::string> numbers;
+  for (const double number : entry) numbers.push_back(field_text(number));
+  return fmt::format("[{}]", fmt::join(numbers, ", "));
+}
+
+std::string function_lines(const Motion& motion, const FunctionKeys& keys, bool space) {
+  std::string text;
+  std::vector<std::string> entries;
+  for (std::size_t k = 0; k < motion.velocity.size(); ++k)
+    entries.push_back(motion_entry(motion.time[k], motion.velocity[k], space));
+  if (entries.size() == 1 && motion.time.front() == 0)
+    text += velocity_lines(motion.velocity.front(), space, keys);
+  else if (!entries.empty())
+    text += fmt::format("{} = [{}]\n", keys.table, fmt::join(entries, ", "));
+  if (motion.initial) text += velocity_lines(*motion.initial, space, keys, "initial_");
+  return text;
+}
+
+std::string oscillation_lines(const Motion& motion, const FunctionKeys& keys, bool space) {
+  std::string text;
+  for (const Oscillation& one : motion.oscillations)
+    text += fmt::format("[[boundary.{}]]\nomega = {}\nphase = {}\nramp = {}\ngrowth = {}\n{}", keys.oscillation,
+                        field_text(one.omega), field_text(one.phase), field_text(one.ramp), field_text(one.growth),
+                        velocity_lines(one.amplitude, space, keys));
+  return text;
+}
+
+std::string body_lines(const FreeBody& body, bool space) {
+  std::vector<std::string> free;
+  for (std::size_t k = 0; k < body.directions.size(); ++k)
+    if (body.directions[k]) free.push_back(fmt::format("\"{}\"", to_string(static_cast<BodyDirection>(k))));
+  std::string text = fmt::format("free = [{}]\nmass = {}\n", fmt::join(free, ", "), field_text(body.mass));
+  text += fmt::format("inertia = {}\n", space ? components_text(body.inertia, true) : field_text(body.inertia[2]));
+  if (const Eigen::Quaterniond& q = body.axes; space && q.w() != 1)
+    text += fmt::format("axes = [{}, {}, {}, {}]\n", field_text(q.w()), field_text(q.x()), field_text(q.y()),
+                        field_text(q.z()));
+  return text + function_lines(body.load, keys_of_load, space);
+}
+
+}  // namespace
+
+void require_dimension(const BoundarySpec& spec, Index dimension) {
+  const auto refuse = [&](std::string_view expected, std::string_view met) {
+    fail("boundary '{}': expected {} for a packing in {}, met {}", spec.name, expected,
+         dimension == 2 ? "the plane" : "space", met);
+  };
+  if (dimension == 2 && spec.shape == BoundaryShape::cylinder)
+    refuse("shape wall, disks, plank or grains", to_string(spec.shape));
+  if (dimension == 3 && spec.shape == BoundaryShape::disks)
+    refuse("shape wall, cylinder, plank or grains", to_string(spec.shape));
+  if (spec.dimension == 0 || spec.dimension == dimension) return;
+  if (spec.shape == BoundaryShape::wall || spec.shape == BoundaryShape::plank)
+    refuse(dimension == 2 ? "a wall or plank by from and to"
+                          : "a wall or plank by point and normal, and a motion with three components",
+           dimension == 2 ? "one in space" : "one in the plane");
+  refuse(dimension == 2 ? "two components" : "three components", dimension == 2 ? "three" : "two");
+}
+
+void add_boundary(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
+                  Index grains) {
+  check(spec);
+  require_dimension(spec, system.dimension);
+  const Index boundary = count(system.boundaries);
+  system.boundaries.push_back({spec.name, spec.motion, spec.orientation, spec.body});
+  if (spec.shape == BoundaryShape::disks)
+    add_disks(system, x, y, spec, boundary);
+  else if (spec.shape == BoundaryShape::grains)
+    drive_grains(system, spec, boundary, grains);
+  else
+    system.walls.push_back(wall_of(spec, boundary));
+}
+
+std::string to_toml(const BoundarySpec& spec) {
+  std::string text = fmt::format("name = {}\nshape = \"{}\"\n", field_text(spec.name), to_string(spec.shape));
+  if (spec.shape == BoundaryShape::grains) {
+    text += fmt::format("first = {}\nlast = {}\n", spec.first, spec.last);
+  } else if (is_plane_in_space(spec) || is_plank_in_space(spec)) {
+    text += fmt::format("point = {}\n", components_text(spec.point, true));
+    text += fmt::format("normal = {}\n", components_text(spec.normal, true));
+    if (is_plank_in_space(spec))
+      text += fmt::format("axis = {}\nlength = {}\nwidth = {}\nradius = {}\n", components_text(spec.axis, true),
+                          field_text(spec.length), field_text(spec.width), field_text(spec.radius));
+  } else {
+    const bool space = spec.dimension == 3;
+    text += fmt::format("from = {}\nto = {}\n", components_text(spec.from, space), components_text(spec.to, space));
+    if (spec.shape == BoundaryShape::disks)
+      text += fmt::format("radius = {}\nspacing = {}\n", field_text(spec.radius), field_text(spec.spacing));
+    if (spec.shape == BoundaryShape::plank) text += fmt::format("radius = {}\n", field_text(spec.radius));
+    if (spec.shape == BoundaryShape::cylinder)
+      text += fmt::format("radius = {}\nside = \"{}\"\n", field_text(spec.radius), to_string(spec.side));
+  }
+  if (spec.orientation != Orientation::turning)
+    text += fmt::format("orientation = \"{}\"\n", to_string(spec.orientation));
+  if (!spec.colour.empty()) text += fmt::format("colour = {}\n", field_text(spec.colour));
+  const Motion& motion = spec.motion;
+  const bool space = spec.dimension == 3;
+  if (motion.centre != Place{0, 0, 0}) text += fmt::format("centre = {}\n", components_text(motion.centre, space));
+  text += function_lines(motion, keys_of_motion, space);
+  if (spec.body) text += body_lines(*spec.body, space);
+  text += oscillation_lines(motion, keys_of_motion, space);
+  if (spec.body) text += oscillation_lines(spec.body->load, keys_of_load, space);
+  return text;
+}
+
+void check(const BoundarySpec& spec) {
+  if (spec.shape == BoundaryShape::grains) return;
+  if (is_plane_in_space(spec) || is_plank_in_space(spec)) {
+    const double length = length_of(spec.normal);
+    if (!(length > 0) || !std::isfinite(length))
+      fail("boundary '{}': normal: expected a direction, met ({})", spec.name, fmt::join(spec.normal, ", "));
+    if (!is_plank_in_space(spec)) return;
+    const double along = length_of(spec.axis);
+    if (!(std::abs(dot(spec.axis, spec.normal)) < 1e-6 * along * length))
+      fail("boundary '{}': axis: expected a direction across the normal, met ({})", spec.name,
+           fmt::join(spec.axis, ", "));
+    for (const double number : {spec.length, spec.radius})
+      if (!(number > 0) || !(spec.width >= 0))
+        fail("boundary '{}': length, width, radius: expected numbers > 0 (width 0 or more), met {}, {} and {}",
+             spec.name, spec.length, spec.width, spec.radius);
+    return;
+  }
+  const double length = length_of(along(spec));
+  if (!(length > 0) || !std::isfinite(length)) {
+    const auto place = [&](const Place& p) {
+      return fmt::format("({})", fmt::join(std::span(p).first(spec.dimension == 3 ? 3 : 2), ", "));
+    };
+    fail("boundary '{}': from, to: expected distinct ends, met {} and {}", spec.name, place(spec.from), place(spec.to));
+  }
+  if (spec.shape == BoundaryShape::wall) return;
+  if (!(spec.radius > 0))
+    fail("boundary '{}': radius: expected one > 0 of {}, met {}", spec.name,
+         spec.shape == BoundaryShape::disks ? "its disks" : fmt::format("the {}", to_string(spec.shape)), spec.radius);
+  if (spec.shape != BoundaryShape::disks) return;
+  constexpr double most = 1e7;
+  if (!(length / spec.distance() < most))
+    fail("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m", spec.name, most, length,
+         spec.distance());
+}
+
+}  // namespace nscdd
