@@ -58,8 +58,10 @@ struct DatboxBody {
   /// In space: the initial axes of the body as columns (the third normal to a plank), and its spin along them, rad/s.
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
   Eigen::Vector3d spin{0, 0, 0};
-  double written_digit = 0;                          ///< m, half of the last digit of its written place
-  std::string bulk;                                  ///< name of its bulk law
+  bool own_axes = false;     ///< of a cluster in space whose inertia is computed: places are along its principal axes
+  bool read_axes = false;    ///< DOF.INI has other axes than x, y and z
+  double written_digit = 0;  ///< m, half of the last digit of its written place
+  std::string bulk;          ///< name of its bulk law
   std::vector<DatboxContactor> contactors;           ///< at least one
   std::array<std::optional<DatboxDrive>, 6> drives;  ///< three in the plane
   std::array<std::optional<DatboxDrive>, 6> forces;  ///< N or N m
@@ -70,15 +72,23 @@ struct DatboxBody {
   bool driven() const {
     return std::ranges::any_of(drives, [](const auto& drive) { return drive.has_value(); });
   }
+  bool fully_driven(Index dimension) const {
+    return std::all_of(drives.begin(), drives.begin() + (dimension == 2 ? 3 : 6), [](auto& one) { return one; });
+  }
   bool plank() const { return contactors[0].plank; }
 };
 
-/// A contact law: IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB, RST_CLB, or another one, which contacts must not use.
+/// A contact law: IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB, RST_CLB, IQS_DS_CLB, IQS_WET_DS_CLB, or another one, which
+/// contacts must not use.
 struct DatboxLaw {
   std::string kind;
   double friction = 0, restitution = 0, tangential_restitution = 0;
+  double static_friction = 0;                    ///< of IQS_DS_CLB and IQS_WET_DS_CLB, which have a dynamic one as well
+  double cohesion = 0, tangential_cohesion = 0;  ///< N
+  double range = 0;                              ///< of cohesion, m
   DatboxPlace place;
 
+  bool wet() const { return kind == "IQS_WET_DS_CLB"; }
   bool on_velocity() const { return kind == "RST_CLB" || kind == "VEL_SGR_CLB"; }
 };
 
@@ -142,18 +152,27 @@ enum class DatboxGrains {
 };
 
 /// The disks or spheres in the order of the files, with masses and half of the last digit of their places. Throws Error
-/// for free bodies of several disks or with an inertia other than that of full disks and spheres, and without grains.
+/// without grains and, for `free`, for free bodies other than full disks and spheres.
 Packing datbox_packing(const Datbox& datbox, DatboxGrains which);
 
-/// The packing of a folder as a case with prescribed initial velocities. `moving`: also laws, gravity and boundaries
-/// (planks as straight walls, driven disks as grains of a boundary), with default time steps. Throws Error as
+/// The packing of a folder as a case with prescribed initial velocities. `moving`: also laws, gravity and boundaries,
+/// see boundaries_of_datbox, with default time steps. Throws Error as
 /// datbox_packing and, if `moving`, for all else that is not modelled (docs/formats.md). A folder with other shapes
 /// whose Vloc_Rloc.INI has contacts is a contact problem, unless `moving`.
 CaseSpec case_of_datbox(const std::string& path, bool moving);
 
-/// The motion of a driven body, `start` after the origin of the time of its drives, s. Throws Error unless it is driven
-/// in all degrees of freedom, and turns about one axis.
+/// The motion of a body along its driven degrees of freedom, `start` after the origin of the time of its drives, s; and
+/// the forces on it, N and N m. Throws Error for a driven body that turns about more than one axis.
 Motion datbox_motion(const DatboxBody& body, double start, Index dimension);
+Motion datbox_load(const DatboxBody& body, double start, Index dimension);
+
+/// Whether a body is a grain of the packing of a case that moves: free, without forces, one full disk or sphere.
+bool is_free_grain(const DatboxBody& body, bool space);
+/// Whether a body has the inertia of its first contactor, a full disk or sphere.
+bool has_full_inertia(const DatboxBody& body, bool space);
+
+/// All other bodies: planks, and driven or free clusters. `coloured`: they get the colour of their first contactor.
+std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool coloured);
 
 /// Throws Error at `place` for a law that is not described, and for other laws than those of DatboxLaw.
 const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const DatboxPlace& place);
@@ -163,12 +182,16 @@ Dynamics datbox_dynamics(const Datbox& datbox);
 
 struct DatboxContacts {
   Interaction interaction;
-  double alert = 0;               ///< largest distance at which bodies see each other, m
-  bool removes_overlaps = false;  ///< GAP_SGR_CLB, in one step
+  std::vector<PairSpec> pairs = {};      ///< colours, as in colour_of, with other laws, or that do not see each other
+  std::vector<ColourSpec> colours = {};  ///< of free grains; empty without pairs
+  double alert = 0;                      ///< largest distance at which bodies see each other, m
+  bool removes_overlaps = false;         ///< GAP_SGR_CLB, in one step
 };
 
-/// Throws Error if laws differ in more than the friction at driven bodies, if one is another than those of DatboxLaw,
-/// or if not all free grains see each other and all driven bodies.
+/// Throws Error if laws differ in their Signorini condition, or if one is another than those of DatboxLaw.
 DatboxContacts contact_law_of(const Datbox& datbox);
+
+/// Kind and colour of a contactor, such as "DISKx BLEUx"; that of disks and spheres of clusters is DISKx or SPHER.
+std::string colour_of(const Datbox& datbox, const DatboxContactor& contactor);
 
 }  // namespace nscdd

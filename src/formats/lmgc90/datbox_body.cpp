@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/lmgc90/datbox_body.hpp"
 
+#include <Eigen/Eigenvalues>
+
 #include <numbers>
 
 namespace nscdd {
@@ -75,6 +77,27 @@ Eigen::Vector3d centre_of_grains(const DatboxBody& body, Index dimension) {
   return weights > 0 ? Eigen::Vector3d(centre / weights) : centre;
 }
 
+// The mean radius and inertia of spheres about their centre, each counted whole, and the axes of a cluster along its
+// principal ones, as LMGC90 has them.
+void complete_cluster(DatboxBody& body) {
+  double volume = 0;
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  for (const DatboxContactor& one : body.contactors) {
+    const double own = 4.0 / 3 * std::numbers::pi * one.radius * one.radius * one.radius;
+    volume += own;
+    inertia += own * (0.4 * one.radius * one.radius + one.shift.squaredNorm()) * Eigen::Matrix3d::Identity() -
+               own * one.shift * one.shift.transpose();
+  }
+  if (body.average_radius == 0) body.average_radius = std::cbrt(0.75 * volume / std::numbers::pi);
+  if (!body.inertia.isZero(0)) return;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(inertia);
+  body.inertia = principal.eigenvalues();
+  body.frame = principal.eigenvectors();
+  if (body.frame.determinant() < 0) body.frame.col(2) *= -1;
+  for (DatboxContactor& one : body.contactors) one.shift = body.frame.transpose() * one.shift;
+  body.own_axes = true;
+}
+
 // Computes, as LMGC90 does, the centre of a body (in the plane only if its node is at 0), and radii and inertia that
 // are 0 in BODIES.DAT. (Those of a plank, which is never free here, have no effect.)
 void complete(DatboxBody& body, Index dimension) {
@@ -86,6 +109,7 @@ void complete(DatboxBody& body, Index dimension) {
     body.position += centre;
     for (DatboxContactor& one : body.contactors) one.shift -= centre;
   }
+  if (!single && dimension == 3 && body.unmodelled.empty()) complete_cluster(body);
   if (!single) return;
   const double radius = body.contactors[0].radius;
   if (dimension == 3) {

@@ -35,7 +35,7 @@ std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const Traject
     if (body < system.grains())
       return {state.velocity_x[at(body)], state.velocity_y[at(body)], system.radius[at(body)] * state.spin[at(body)]};
     const Index boundary = system.walls[at(body - system.grains())].boundary;
-    const RigidVelocity rigid = boundary_velocities(system, state.time)[at(boundary)];
+    const RigidVelocity rigid = boundary_velocities(system, state, state.time)[at(boundary)];
     const Vector3 v = velocity_at(datbox_vector(g.point), rigid, state.poses[at(boundary)]);
     return {v[0], v[1], 0};
   };
@@ -44,7 +44,7 @@ std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const Traject
   const double distance = wall ? g.gap : (g.gap + system.radius[at(g.b)] - system.radius[at(g.a)]) / 2;
   const double h = first_.dynamics.time.step;
   const Place &a = places_[at(g.a)], &b = places_[at(g.b)];
-  const bool of_boundary = wall || !system.free(g.a) || !system.free(g.b);
+  const bool of_boundary = system.is_boundary(g.a) || system.is_boundary(g.b);
   return fmt::format(
              "$icdan  {}  {:7}\n cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus   iadj\n"
              " RBDY2  {:5}  DISKx  {:5}  {}  RBDY2  {:5}  {}  {:5}  {}  {:5}\n",
@@ -71,7 +71,7 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
     t = (along - along.dot(n) * n).normalized();
   }
   const Vector3 s = t.cross(n);
-  const std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
+  const std::vector<RigidVelocity> motions = boundary_velocities(system, state, state.time);
   const auto velocity = [&](Index body, double lever) -> Vector3 {
     const auto i = at(body);
     const bool on_wall = body >= system.grains();
@@ -89,7 +89,7 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   const Vector3 r = -datbox_vector(along_axes(g.normal, c.local<3>())) / first_.dynamics.time.step;  // on a
   // The middle between the two surfaces, from the foot on a wall or the middle of two centres.
   const Vector3 point = datbox_vector(g.point) + n * (wall ? 0.5 * g.gap : 0.5 * (radius_b - radius_a));
-  const bool of_boundary = wall || !system.free(g.a) || !system.free(g.b);
+  const bool of_boundary = system.is_boundary(g.a) || system.is_boundary(g.b);
   const Index body_a = places_[at(g.a)].body, body_b = places_[at(g.b)].body;
   const int digits = wide ? 7 : 5;
   const std::string blanks(wide ? 4 : 2, ' ');

@@ -5,6 +5,7 @@
 namespace nscdd {
 namespace {
 
+// Whether all are equal.
 bool is_constant(const std::vector<double>& values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
 }
@@ -16,7 +17,9 @@ bool has_formula(const std::vector<double>& values, const std::vector<std::array
   return oscillations.size() == 1 && is_constant(values) && (values.front() == 0 || ramp == 1);
 }
 
-std::string table_name(Index body, std::size_t dof) { return fmt::format("velocity_{}_{}.dat", body, dof + 1); }
+std::string table_name(const char* kind, Index body, std::size_t dof) {
+  return fmt::format("{}_{}_{}.dat", std::string_view(kind) == "force" ? "force" : "velocity", body, dof + 1);
+}
 
 std::string law_text(const char* name, const Dynamics& dynamics, double friction) {
   const Interaction& interaction = dynamics.interaction;
@@ -79,9 +82,12 @@ std::string datbox_named(std::initializer_list<std::pair<std::string_view, doubl
 
 std::string DatboxWriter::without_datbox() const {
   if (const std::string reason = without_law(first_.dynamics.interaction); !reason.empty()) return reason;
+  if (space_ && !first_.system.free_bodies.empty())
+    return fmt::format("boundary '{}': expected bodies in space without free directions",
+                       first_.system.body(first_.system.grains()).name);
   for (const Driven& one : driven_bodies())
     for (std::size_t dof = 0; dof < one.velocity.size(); ++dof)
-      if (!has_formula(one.velocity[dof], one.oscillations[dof]))
+      if (!one.velocity[dof].empty() && !has_formula(one.velocity[dof], one.oscillations[dof]))
         return fmt::format(
             "boundary '{}': expected along each degree of freedom a table, or one oscillation and a constant velocity, "
             "which is 0 if the oscillation has a ramp",
@@ -89,7 +95,7 @@ std::string DatboxWriter::without_datbox() const {
   for (const Body& body : bodies_) {
     if (body.boundary < 0) continue;
     const Boundary& boundary = first_.system.boundaries[at(body.boundary)];
-    if (!turns(boundary.motion)) continue;
+    if (!turns(boundary.motion) || (body.wall >= 0 && first_.system.walls[at(body.wall)].plank())) continue;
     const char* expected = nullptr;
     if (body.wall >= 0 && !(planks_[at(body.wall)].thickness > 0))
       expected = "a wall that turns about a point on it or behind it, as a plank does";
@@ -118,7 +124,7 @@ std::vector<DatboxWriter::Driven> DatboxWriter::driven_bodies() const {
   for (Index number = 1; number <= count(bodies_); ++number) {
     const Body& body = bodies_[at(number - 1)];
     if (body.boundary < 0) continue;
-    const Motion& motion = first_.system.boundaries[at(body.boundary)].motion;
+    const Boundary& boundary = first_.system.boundaries[at(body.boundary)];
     Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
     if (body.wall >= 0) frame = node_of(body, first_.state).frame;
     const auto numbers = [&](const RigidVelocity& v) {
@@ -126,42 +132,50 @@ std::vector<DatboxWriter::Driven> DatboxWriter::driven_bodies() const {
       return space_ ? std::vector<double>{v.x, v.y, v.z, spin[0], spin[1], spin[2]}
                     : std::vector<double>{v.x, v.y, v.spin};
     };
-    Driven one{number, motion.time, std::vector<std::vector<double>>(space_ ? 6 : 3)};
-    for (const RigidVelocity& v : motion.velocity.empty() ? std::vector<RigidVelocity>{{}} : motion.velocity)
-      for (std::size_t k = 0; k < one.velocity.size(); ++k) one.velocity[k].push_back(numbers(v)[k]);
-    one.oscillations.resize(one.velocity.size());
-    for (const auto& [amplitude, omega, phase, ramp, growth] : motion.oscillations)
-      for (std::size_t k = 0; k < one.velocity.size(); ++k)
-        if (const double size = numbers(amplitude)[k]; size != 0)
-          one.oscillations[k].push_back({size, omega, phase, ramp, growth});
-    all.push_back(std::move(one));
+    const auto add = [&](const char* kind, const Motion& motion, bool free) {
+      Driven one{number, kind, motion.time, std::vector<std::vector<double>>(space_ ? 6 : 3)};
+      one.oscillations.resize(one.velocity.size());
+      for (std::size_t k = 0; k < one.velocity.size(); ++k) {
+        if (free != (boundary.body && boundary.body->directions[space_ || k < 2 ? k : 5])) continue;
+        for (const RigidVelocity& v : motion.velocity.empty() ? std::vector<RigidVelocity>{{}} : motion.velocity)
+          one.velocity[k].push_back(numbers(v)[k]);
+        for (const auto& [amplitude, omega, phase, ramp, growth] : motion.oscillations)
+          if (const double size = numbers(amplitude)[k]; size != 0)
+            one.oscillations[k].push_back({size, omega, phase, ramp, growth});
+      }
+      all.push_back(std::move(one));
+    };
+    add("vlocy", boundary.motion, false);
+    if (boundary.body) add("force", boundary.body->load, true);
   }
   return all;
 }
 
 std::string DatboxWriter::driven() const {
   std::string text = "! File DRV_DOF\n\n";
-  for (const Driven& one : driven_bodies()) {
-    text += fmt::format(
-        "$bdyty\n {}  {:7}\n$nodty\n {}      1\n"
-        "$dofty  numbr [CT......+......AMP..*..cos.(..OMEGA.*.time.+.PHI..)]...*...[RAMPI.....+.....RAMP.*.time]\n",
-        kind(), one.body, space_ ? "NO6xx" : "NO3xx");
+  Index last = 0;
+  for (const Driven& one : driven_bodies()) {  // velocities of a body come before its forces
+    if (std::exchange(last, one.body) != one.body)
+      text += fmt::format(
+          "{}$bdyty\n {}  {:7}\n$nodty\n {}      1\n"
+          "$dofty  numbr [CT......+......AMP..*..cos.(..OMEGA.*.time.+.PHI..)]...*...[RAMPI.....+.....RAMP.*.time]\n",
+          text.ends_with("\n\n") ? "" : "$$$$$$\n\n", kind(), one.body, space_ ? "NO6xx" : "NO3xx");
     for (std::size_t dof = 0; dof < one.velocity.size(); ++dof) {
       const std::vector<double>& values = one.velocity[dof];
-      text += fmt::format(" vlocy  {:5}", dof + 1);
+      if (values.empty()) continue;
+      text += fmt::format(" {}  {:5}", one.kind, dof + 1);
       if (!one.oscillations[dof].empty()) {
         text += " " + datbox_number(values.front());
         for (const double value : one.oscillations[dof].front()) text += " " + datbox_number(value);
       } else if (is_constant(values)) {
         for (const double value : {values.front(), 0.0, 0.0, 0.0, 1.0, 0.0}) text += " " + datbox_number(value);
       } else {
-        text += " evolution " + table_name(one.body, dof);
+        text += " evolution " + table_name(one.kind, one.body, dof);
       }
       text += "\n";
     }
-    text += "$$$$$$\n\n";
   }
-  return text;
+  return text + (last == 0 ? "" : "$$$$$$\n\n");
 }
 
 std::vector<std::pair<std::string, std::string>> DatboxWriter::tables() const {
@@ -169,14 +183,14 @@ std::vector<std::pair<std::string, std::string>> DatboxWriter::tables() const {
   for (const Driven& one : driven_bodies())
     for (std::size_t dof = 0; dof < one.velocity.size(); ++dof) {
       const std::vector<double>& values = one.velocity[dof];
-      if (is_constant(values)) continue;
+      if (values.empty() || is_constant(values)) continue;
       std::string text;
       const auto add = [&](double time, double value) { text += fmt::format("{:.17g} {:.17g}\n", time, value); };
       const double reach = 1 + one.time.back() - one.time.front();  // s, of the constant ends
       add(one.time.front() - reach, values.front());
       for (std::size_t k = 0; k < values.size(); ++k) add(one.time[k], values[k]);
       add(one.time.back() + reach, values.back());
-      all.emplace_back(table_name(one.body, dof), text);
+      all.emplace_back(table_name(one.kind, one.body, dof), text);
     }
   return all;
 }

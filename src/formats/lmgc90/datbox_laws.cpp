@@ -1,39 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/lmgc90/datbox.hpp"
 
-#include <set>
-
 namespace nscdd {
 namespace {
 
-using Colour = std::pair<std::string, std::string>;  // DISKx, JONCx, SPHER or PLANx, and its colour
-struct Colours {
-  std::map<Colour, Index> free;  // and their numbers of grains
-  std::set<Colour> driven;
+struct Seen {
+  bool grain = false, moves = false;  // one that is no plank; one that is not driven in all directions
+  Index free = 0;                     // contactors of free bodies
+  bool boundary = false;              // one of another body
 };
 
-Colours colours_of(const Datbox& datbox) {
-  Colours colours;
+std::map<std::string, Seen> colours_of(const Datbox& datbox) {
+  std::map<std::string, Seen> colours;
   for (const DatboxBody& body : datbox.bodies)
     for (const DatboxContactor& one : body.contactors) {
-      const Colour colour{one.plank ? datbox.plank() : datbox.grain(), one.colour};
-      if (body.driven())
-        colours.driven.insert(colour);
-      else
-        ++colours.free[colour];
+      Seen& seen = colours[colour_of(datbox, one)];
+      const bool boundary = body.driven() || body.plank();
+      seen.grain = seen.grain || !one.plank;
+      seen.moves = seen.moves || !body.fully_driven(datbox.dimension);
+      seen.free += !boundary;
+      seen.boundary = seen.boundary || boundary;
     }
   return colours;
 }
 
-const DatboxSight& sight_of(const Datbox& datbox, const Colour& a, const Colour& b) {
+// The first rule by which two colours see each other; null if there is none.
+const DatboxSight* sight_of(const Datbox& datbox, const std::string& a, const std::string& b) {
   for (const DatboxSight& sight : datbox.sights) {
-    const Colour candidate{sight.contactors[0], sight.colours[0]}, antagonist{sight.contactors[1], sight.colours[1]};
-    if ((candidate == a && antagonist == b) || (candidate == b && antagonist == a)) return sight;
+    const std::string candidate = sight.contactors[0] + " " + sight.colours[0],
+                      antagonist = sight.contactors[1] + " " + sight.colours[1];
+    if ((candidate == a && antagonist == b) || (candidate == b && antagonist == a)) return &sight;
   }
-  fail(
-      "{}/TACT_BEHAV.DAT: expected a $seety for {} {} and {} {}, met none: all free {}s touch each other and what is "
-      "driven here",
-      datbox.folder, a.first, a.second, b.first, b.second, shape_of_grains(datbox.dimension));
+  return nullptr;
 }
 
 const DatboxLaw& law_of(const Datbox& datbox, const DatboxSight& sight) {
@@ -46,46 +44,118 @@ const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const 
   const auto found = datbox.laws.find(name);
   if (found == datbox.laws.end()) refuse(place, "expected a law that is described, met '{}'", name);
   const DatboxLaw& law = found->second;
-  if (law.kind != "IQS_CLB" && law.kind != "GAP_SGR_CLB" && !law.on_velocity())
-    refuse(law.place, "expected law IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, met {}: others are not modelled",
-           law.kind);
+  const bool two_frictions = law.kind == "IQS_DS_CLB" || law.wet();
+  if (law.kind != "IQS_CLB" && law.kind != "GAP_SGR_CLB" && !law.on_velocity() && !two_frictions)
+    refuse(
+        law.place,
+        "expected law IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB, RST_CLB, IQS_DS_CLB or IQS_WET_DS_CLB, met {}: others are not "
+        "modelled",
+        law.kind);
+  if (two_frictions && law.static_friction != law.friction)
+    refuse(law.place, "expected one friction, dfrc = sfrc, met {} and {}: a change with sliding is not modelled",
+           law.friction, law.static_friction);
+  if (law.tangential_cohesion != 0)
+    refuse(law.place, "coht: expected 0, met {}: a cohesion along the surface is not modelled",
+           law.tangential_cohesion);
   return law;
 }
 
+std::string colour_of(const Datbox& datbox, const DatboxContactor& contactor) {
+  return fmt::format("{} {}", contactor.plank ? datbox.plank() : datbox.grain(), contactor.colour);
+}
+
+namespace {
+
+// Pairs of colours that may meet, and how they see each other.
+struct Meeting {
+  std::string a, b;
+  bool boundary = false;
+  const DatboxSight* sight = nullptr;
+};
+
+std::vector<Meeting> meetings_of(const Datbox& datbox) {
+  std::vector<Meeting> meetings;
+  const auto colours = colours_of(datbox);
+  for (auto a = colours.begin(); a != colours.end(); ++a)
+    for (auto b = a; b != colours.end(); ++b) {
+      const Seen &one = a->second, &other = b->second;
+      if (!(one.grain || other.grain) || !(one.moves || other.moves)) continue;
+      if (a == b && one.free + one.boundary < 2) continue;  // a body does not meet itself
+      meetings.push_back({a->first, b->first, one.free == 0 || other.free == 0, sight_of(datbox, a->first, b->first)});
+    }
+  return meetings;
+}
+
+// The colours of free grains, in runs of grains that follow each other.
+std::vector<ColourSpec> runs_of_colours(const Datbox& datbox) {
+  std::vector<ColourSpec> runs;
+  Index number = 0;
+  for (const DatboxBody& body : datbox.bodies)
+    for (const DatboxContactor& one : body.contactors) {
+      if (one.plank) continue;
+      const Index grain = number++;
+      if (!is_free_grain(body, datbox.space())) continue;
+      const std::string colour = colour_of(datbox, one);
+      if (runs.empty() || runs.back().name != colour || runs.back().last != grain - 1)
+        runs.push_back({colour, grain, grain});
+      runs.back().last = grain;
+    }
+  return runs;
+}
+
+}  // namespace
+
 DatboxContacts contact_law_of(const Datbox& datbox) {
-  const DatboxLaw *of_free = nullptr, *of_driven = nullptr, none;
-  double alert = 0;
-  const auto add = [&](const Colour& a, const Colour& b, bool driven) {
-    const DatboxSight& sight = sight_of(datbox, a, b);
-    const DatboxLaw& law = law_of(datbox, sight);
-    const DatboxLaw*& same = driven ? of_driven : of_free;
-    if (same == nullptr) same = &law;
-    if (same->friction != law.friction)
-      refuse(sight.place, "expected one friction between free {}s{}, {} as before, met {}",
-             shape_of_grains(datbox.dimension), driven ? " and driven bodies" : "", same->friction, law.friction);
-    const DatboxLaw& any = of_free != nullptr ? *of_free : *of_driven;
+  DatboxContacts result;
+  const std::vector<Meeting> meetings = meetings_of(datbox);
+  const DatboxLaw *of_grains = nullptr, *of_boundaries = nullptr, none;
+  for (const Meeting& one : meetings) {
+    if (one.sight == nullptr) continue;
+    const DatboxLaw& law = law_of(datbox, *one.sight);
+    const DatboxLaw*& first = one.boundary ? of_boundaries : of_grains;
+    if (first == nullptr) first = &law;
+    const DatboxLaw& any = of_grains != nullptr ? *of_grains : *of_boundaries;
     if (any.on_velocity() != law.on_velocity() || (any.kind == "GAP_SGR_CLB") != (law.kind == "GAP_SGR_CLB"))
-      refuse(sight.place, "expected one Signorini condition for all contacts, that of {} as before, met {}", any.kind,
-             law.kind);
-    if (any.restitution != law.restitution || any.tangential_restitution != law.tangential_restitution)
-      refuse(sight.place, "expected one restitution for all contacts, {} and {} as before, met {} and {}",
-             any.restitution, any.tangential_restitution, law.restitution, law.tangential_restitution);
-    alert = std::max(alert, sight.alert);
-  };
-  const Colours colours = colours_of(datbox);
-  for (auto a = colours.free.begin(); a != colours.free.end(); ++a) {
-    for (auto b = a; b != colours.free.end(); ++b)
-      if (a != b || a->second > 1) add(a->first, b->first, false);
-    for (const Colour& driven : colours.driven) add(a->first, driven, true);
+      refuse(one.sight->place, "expected one Signorini condition for all contacts, that of {} as before, met {}",
+             any.kind, law.kind);
+    if (any.cohesion != law.cohesion || any.range != law.range)
+      refuse(one.sight->place,
+             "expected one cohesion and range for all contacts, {} N and {} m as before, met {} and {}", any.cohesion,
+             any.range, law.cohesion, law.range);
+    result.alert = std::max(result.alert, one.sight->alert);
   }
-  const DatboxLaw& law = of_free != nullptr ? *of_free : of_driven != nullptr ? *of_driven : none;
-  Interaction interaction;
+  const DatboxLaw& law = of_grains != nullptr ? *of_grains : of_boundaries != nullptr ? *of_boundaries : none;
+  const DatboxLaw& at_boundaries = of_boundaries != nullptr ? *of_boundaries : law;
+  for (const Meeting& one : meetings) {
+    PairRule rule;
+    if (one.sight == nullptr) {
+      rule.touch = false;
+    } else {
+      const DatboxLaw& own = law_of(datbox, *one.sight);
+      const auto set = [](std::optional<double>& value, double now, double otherwise) {
+        if (now != otherwise) value = now;
+      };
+      set(rule.friction, own.friction, one.boundary ? at_boundaries.friction : law.friction);
+      set(rule.restitution, own.restitution, law.restitution);
+      set(rule.tangential_restitution, own.tangential_restitution, law.tangential_restitution);
+      if (!rule.friction && !rule.restitution && !rule.tangential_restitution) continue;
+    }
+    result.pairs.push_back({{one.a, one.b}, rule});
+  }
+  if (!result.pairs.empty()) result.colours = runs_of_colours(datbox);
+  Interaction& interaction = result.interaction;
   interaction.friction = law.friction;
-  if (of_driven != nullptr && of_driven->friction != law.friction) interaction.boundary_friction = of_driven->friction;
+  if (at_boundaries.friction != law.friction) interaction.boundary_friction = at_boundaries.friction;
   if (law.on_velocity()) interaction.signorini = Signorini::velocity;
+  if (law.wet()) {
+    interaction.law = std::string(Cohesive::name);
+    interaction.cohesion = law.cohesion;
+    interaction.cohesion_range = law.range;
+  }
   interaction.restitution = law.restitution;
   interaction.tangential_restitution = law.tangential_restitution;
-  return {interaction, alert, law.kind == "GAP_SGR_CLB"};
+  result.removes_overlaps = law.kind == "GAP_SGR_CLB";
+  return result;
 }
 
 }  // namespace nscdd

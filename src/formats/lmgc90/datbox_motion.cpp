@@ -66,32 +66,18 @@ void add_oscillation(Motion& motion, const DatboxDrive& drive, double start, con
   same->amplitude = sum(same->amplitude, 1, amplitude);
 }
 
-}  // namespace
+using Drives = std::array<std::optional<DatboxDrive>, 6>;
 
-Motion datbox_motion(const DatboxBody& body, double start, Index dimension) {
+// The function of time of some drives, 0 along the others.
+void add_functions(const DatboxBody& body, const Drives& drives, double start, Index dimension, Motion& motion) {
   const std::size_t dofs = dimension == 2 ? 3 : 6;
   std::array<Course, 6> courses;
   std::set<double> times;
-  Motion motion;
-  motion.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0};
-  const auto turns = [](const auto& drive) {
-    return drive && (drive->constant != 0 || drive->amplitude != 0 || !drive->table.empty());
-  };
-  if (dimension == 3 && body.contactors.size() > 1 && body.inertia.isZero(0) &&
-      (!body.frame.isIdentity(0) || !body.spin.isZero(0) ||
-       std::any_of(body.drives.begin() + 3, body.drives.end(), turns)))
-    refuse(body.place,
-           "expected I1 to I3 of a cluster that turns or has axes of its own, met 0: LMGC90 takes its principal axes, "
-           "which are in no file");
-  const Vector3 spin = body.frame * body.spin, &v0 = body.velocity;
-  motion.initial = dimension == 2 ? RigidVelocity{v0[0], v0[1], v0[2]}
-                                  : RigidVelocity{v0[0], v0[1], spin[2], v0[2], spin[0], spin[1]};
   Vector3 axis = Vector3::Zero();
   for (std::size_t k = 0; k < dofs; ++k) {
-    if (!body.drives[k])
-      refuse(body.place, "expected a body that is free or driven in all of vlocy 1, 2 {}, met one without {}",
-             dimension == 2 ? "and 3" : "... 6", k + 1);
-    const DatboxDrive& drive = *body.drives[k];
+    courses[k] = {{0, 0}};
+    if (!drives[k]) continue;
+    const DatboxDrive& drive = *drives[k];
     courses[k] = drive.table.empty() ? formula_of(drive, start) : table_of(drive, start);
     for (const auto& point : courses[k]) times.insert(point[0]);
     if (drive.amplitude == 0 || drive.omega == 0) continue;
@@ -105,7 +91,33 @@ Motion datbox_motion(const DatboxBody& body, double start, Index dimension) {
     for (std::size_t k = 0; k < dofs; ++k) v[k] = value_at(courses[k], t);
     motion.velocity.push_back(velocity_of(body, dimension, v, axis));
   }
+}
+
+}  // namespace
+
+Motion datbox_motion(const DatboxBody& body, double start, Index dimension) {
+  Motion motion;
+  motion.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0};
+  const auto turns = [](const auto& drive) {
+    return drive && (drive->constant != 0 || drive->amplitude != 0 || !drive->table.empty());
+  };
+  if (dimension == 3 && body.contactors.size() > 1 && body.own_axes &&
+      (body.read_axes || !body.spin.isZero(0) || std::any_of(body.drives.begin() + 3, body.drives.end(), turns)) &&
+      body.fully_driven(dimension))
+    refuse(body.place,
+           "expected I1 to I3 of a cluster that turns or has axes of its own, met 0: LMGC90 takes its principal axes, "
+           "which are in no file");
+  const Vector3 spin = body.frame * body.spin, &v0 = body.velocity;
+  motion.initial = dimension == 2 ? RigidVelocity{v0[0], v0[1], v0[2]}
+                                  : RigidVelocity{v0[0], v0[1], spin[2], v0[2], spin[0], spin[1]};
+  add_functions(body, body.drives, start, dimension, motion);
   return motion;
+}
+
+Motion datbox_load(const DatboxBody& body, double start, Index dimension) {
+  Motion load;
+  add_functions(body, body.forces, start, dimension, load);
+  return load;
 }
 
 }  // namespace nscdd

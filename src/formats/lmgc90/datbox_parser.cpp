@@ -99,11 +99,14 @@ void read_initial(FixedColumns lines, Datbox& datbox) {
     if (!datbox.space()) continue;
     lines.require_next("velocities V(4) to V(6)");
     body.spin = {lines.number(35, "V(4)"), lines.number(56, "V(5)"), lines.number(77, "V(6)")};
+    const Eigen::Matrix3d computed = body.frame;
     for (Index k = 0; k < 3; ++k) {
       lines.require_next("the axes of the body");
       body.frame.col(k) = lines.three_numbers("axis {}");
     }
     require_frame(body, lines.place());
+    body.read_axes = !body.frame.isIdentity(0);
+    if (body.own_axes && !body.read_axes) body.frame = computed;  // LMGC90 writes principal axes, others x, y and z
   }
 }
 
@@ -131,6 +134,19 @@ DatboxLaw read_law(FixedColumns& lines) {
     law.tangential_restitution = lines.number(67, "rstt");
     lines.require_next("the friction of RST_CLB");
     law.friction = lines.number(46, "fric");
+  } else if (law.kind == "IQS_DS_CLB" && lines.text(62, 65) == "sfrc") {
+    law.friction = lines.number(46, "dfrc");
+    law.static_friction = lines.number(67, "sfrc");
+  } else if (law.wet() && lines.text(62, 65) == "coht") {  // others have the three lines of another version
+    law.cohesion = lines.number(46, "cohn");
+    law.tangential_cohesion = lines.number(67, "coht");
+    lines.require_next("the range of IQS_WET_DS_CLB");
+    law.range = lines.number(46, "Weth");
+    lines.require_next("the friction of IQS_WET_DS_CLB");
+    law.friction = lines.number(46, "dfrc");
+    law.static_friction = lines.number(67, "sfrc");
+  } else if (law.wet()) {
+    law.kind += " without coht";
   }
   return law;
 }

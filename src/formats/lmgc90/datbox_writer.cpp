@@ -46,7 +46,7 @@ DatboxWriter::DatboxWriter(const Simulation& first)
   const GranularSystem& system = first_.system;
   number_bodies();
   for (const Wall& wall : system.walls)
-    if (wall.radius != 0)
+    if (wall.radius != 0 && !wall.plank())
       fail("LMGC90: boundary '{}': expected walls that are planes, met a cylinder, which is not written",
            system.boundaries[at(wall.boundary)].name);
   double mass = 0, size = 0;
@@ -103,6 +103,14 @@ void DatboxWriter::lay_plank(std::size_t wall, double beyond) {
   const Wall& one = first_.system.walls[wall];
   const Motion& motion = first_.system.boundaries[at(one.boundary)].motion;
   Plank& plank = planks_[wall];
+  if (one.plank()) {
+    plank.thickness = one.radius;
+    plank.length = one.half_length;
+    plank.width = one.half_width;
+    plank.frame << datbox_vector(one.axis), datbox_vector(one.normal).cross(datbox_vector(one.axis)),
+        datbox_vector(one.normal);
+    return;
+  }
   const Vector3 normal = datbox_vector(one.normal);
   if (space_) {
     const Vector3 along = datbox_vector(tangents_of(one.normal).first).normalized();
@@ -149,7 +157,9 @@ DatboxWriter::Node DatboxWriter::plank_node(std::size_t wall, const Pose& pose) 
     node.angle = std::atan2(-now.normal[0], now.normal[1]);
     node.frame << Vector3(std::cos(node.angle), std::sin(node.angle), 0), Vector3::UnitZ(), datbox_vector(now.normal);
   }
-  if (!turns(motion))
+  if (still.plank())
+    node.place = datbox_vector(now.point);
+  else if (!turns(motion))
     node.place = datbox_vector(now.point) - plank.thickness * node.frame.col(2) +
                  plank.shift_along * node.frame.col(0) + plank.shift_across * node.frame.col(1);
   return node;
@@ -180,6 +190,7 @@ std::string DatboxWriter::bodies() const {
     const bool grain = space_ ? body.wall < 0 : body.boundary < 0;  // radii of other bodies have no effect
     const double radius = grain ? system.radius[body.grains[0]] : margin_;
     const double size = body.boundary < 0 ? system.mass[body.grains[0]] / density_ : volume_of(radius);
+    const std::optional<FreeBody> free = body.boundary < 0 ? std::nullopt : system.boundaries[at(body.boundary)].body;
     text += fmt::format("$bdyty\n {}{:{}}\n$blmty\n PLAIN      1  behav  {}", kind(), number, space_ ? 9 : 7,
                         datbox_grains);
     if (space_) {
@@ -187,8 +198,12 @@ std::string DatboxWriter::bodies() const {
       text += datbox_named({{"avrd=", average}}) + "\n" +
               datbox_three("I{}  =", Vector3::Constant(grain ? 0.4 * radius * radius * size : 0));
     } else {
-      const double average = grain ? std::sqrt(system.mass[body.grains[0]] / (density_ * std::numbers::pi)) : margin_;
-      text += datbox_named({{"avrd=", average}, {"gyrd=", grain ? radius / std::numbers::sqrt2 : margin_}}) + "\n";
+      const double mass = free ? free->mass : grain ? system.mass[body.grains[0]] : 0;
+      const double average = mass > 0 ? std::sqrt(mass / (density_ * std::numbers::pi)) : margin_;
+      const double gyration = free && free->inertia[2] > 0 ? std::sqrt(free->inertia[2] / free->mass)
+                              : grain                      ? radius / std::numbers::sqrt2
+                                                           : margin_;
+      text += datbox_named({{"avrd=", average}, {"gyrd=", gyration}}) + "\n";
     }
     text += node_text("coo{}=", node.place, node.angle);
     text += "$tacty\n" + contactors(body, node) + "$$$$$$\n\n";
@@ -204,7 +219,10 @@ std::string DatboxWriter::node_text(const char* names, const Vector3& place, dou
 }
 
 std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
-  const char* colour = body.boundary < 0 ? datbox_grains : datbox_boundaries;
+  const GranularSystem& system = first_.system;
+  const bool boundary =
+      system.is_boundary(body.wall < 0 ? static_cast<Index>(body.grains[0]) : system.grains() + body.wall);
+  const char* colour = boundary ? datbox_boundaries : datbox_grains;
   std::string text;
   if (body.wall >= 0) {
     const Plank& plank = planks_[at(body.wall)];
@@ -242,7 +260,7 @@ std::string DatboxWriter::bulk() const {
 std::string DatboxWriter::dof(const TrajectoryStep& step) const {
   const GranularSystem& system = first_.system;
   const GranularState& state = step.state;
-  std::vector<RigidVelocity> motions = boundary_velocities(system, state.time);
+  std::vector<RigidVelocity> motions = boundary_velocities(system, state, state.time);
   for (std::size_t k = 0; state.step == 0 && k < motions.size(); ++k)
     motions[k] = system.boundaries[k].motion.initial.value_or(motions[k]);
   std::string text = datbox_head("DOF", state.step, state.time);

@@ -49,9 +49,11 @@ class DatboxWriter {
     Eigen::Matrix3d frame;
     double angle = 0;  // of the axes, rad, in the plane
   };
-  // A driven body with the times (s) and velocities of its degrees of freedom; without times at rest.
+  // A driven body with the times (s) and velocities, or forces, of its degrees of freedom, none for those without;
+  // without times at rest.
   struct Driven {
     Index body = 0;
+    const char* kind = "vlocy";
     std::vector<double> time;
     std::vector<std::vector<double>> velocity;
     std::vector<std::vector<std::array<double, 5>>> oscillations{};  // AMP, OMEGA, PHI, RAMPI and RAMP of each
