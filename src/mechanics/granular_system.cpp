@@ -114,6 +114,7 @@ void check(const GranularSystem& system, const GranularState& state) {
   }
   if (!any_free) throw Error("granular system: expected a free grain or body, met driven ones only");
   for (const Boundary& boundary : system.boundaries) check(boundary, system.dimension);
+  check(system.period, system.radius);
 }
 
 }  // namespace nscdd

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mechanics/rigid_body.hpp"
+#include <nscdd/packing/packing.hpp>
 
 #include <map>
 
@@ -36,6 +37,7 @@ struct GranularSystem {
   std::vector<Wall> walls;
   std::vector<Boundary> boundaries;
   ContactPairs pairs = {};
+  Period period = {};
   std::vector<Index> free_bodies = {};  ///< boundaries with free directions, by number_bodies
 
   Index grains() const { return count(radius); }
@@ -86,6 +88,11 @@ struct GranularSystem {
   /// The smaller radius of grain a and body b, m: that of the grain where b is a wall.
   double smaller_radius(Index a, Index b) const {
     return b < grains() ? std::min(radius[at(a)], radius[at(b)]) : radius[at(a)];
+  }
+  /// From one place to another, in a periodic cell to its nearest image, m.
+  Place apart(const Place& from, const Place& to) const {
+    const Place d = difference(to, from);
+    return period.any() ? period.shortest(d) : d;
   }
   double length(const Place& a) const { return dimension == 2 ? std::hypot(a[0], a[1]) : std::hypot(a[0], a[1], a[2]); }
 };

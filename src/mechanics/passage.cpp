@@ -25,7 +25,7 @@ class Pair {
   // From a to b, or to the axis of b, seen from the boundary.
   Place line(std::size_t place) const {
     const Configuration& where = path_.places[place];
-    if (wall_ < 0) return seen(place, difference(where.centre(b_), where.centre(a_)));
+    if (wall_ < 0) return seen(place, path_.system.apart(where.centre(a_), where.centre(b_)));
     const auto [foot, normal, height] = nearest_point(wall(where), where.centre(a_));
     return seen(place, moved_along({}, wall(where).radius - height, normal));
   }
@@ -180,10 +180,10 @@ std::vector<DeepOverlap> Passage::too_deep(const Path& path) {
   const auto check = [&](Index a, Index b, double gap) {
     if (const auto found = of(path, a, b, gap).deep) deep.push_back(*found);
   };
-  const GrainGrid grid({where.x, where.y, where.z}, system.radius, 1, path.reach);
-  grid.for_each_pair([&](Index a, Index b) {
+  const Places places{where.x, where.y, where.z};
+  for_each_near_pair(places, system.radius, system.period, 1, path.reach, [&](Index a, Index b) {
     if (!system.may_touch(a, b)) return;
-    const double distance = path.system.length(difference(where.centre(at(b)), where.centre(at(a))));
+    const double distance = path.system.length(system.apart(where.centre(at(a)), where.centre(at(b))));
     const double gap = distance - system.radius[at(a)] - system.radius[at(b)];
     if (gap <= path.reach) check(a, b, gap);
   });

@@ -70,10 +70,10 @@ class ContactSearch {
 
   void visit_pairs() {
     const double range = path_.followed() ? std::max(foreseen_, path_.reach) : foreseen_;  // bodies may have parted
-    const GrainGrid grid({where_.x, where_.y, where_.z}, system_.radius, 1, range);
-    grid.for_each_pair([&](Index a, Index b) {
-      const Place from = where_.centre(at(a)), to = where_.centre(at(b));
-      Place apart = difference(to, from);
+    for_each_near_pair({where_.x, where_.y, where_.z}, system_.radius, system_.period, 1, range, [&](Index a, Index b) {
+      const Place from = where_.centre(at(a));
+      Place to = where_.centre(at(b)), apart = system_.apart(from, to);
+      if (system_.period.any()) to = moved_along(from, 1, apart);
       const double touch = system_.radius[at(a)] + system_.radius[at(b)];
       const double near = touch + range, in_reach = touch + foreseen_;
       const double square = dot(apart, apart);
@@ -82,8 +82,8 @@ class ContactSearch {
       if (!(distance > 0)) return visit_concentric(a, b, touch);
       Place half;
       for (std::size_t k = 0; k < 3; ++k) {
-        apart[k] /= distance;
         half[k] = (from[k] + to[k]) / 2;
+        apart[k] /= distance;
       }
       visit_if_near({a, b, apart, half, distance - touch}, square <= in_reach * in_reach);
     });
@@ -119,7 +119,7 @@ class ContactSearch {
       if (!start_.interaction.on_velocity() && c.b < system_.grains() &&
           step * system_.length(move) > far_in_a_step * system_.smaller_radius(c.a, c.b)) {
         // The line of centres turns until they meet. Grains that miss each other are no contact.
-        const Place line = difference(where_.centre(at(c.b)), where_.centre(at(c.a)));
+        const Place line = system_.apart(where_.centre(at(c.a)), where_.centre(at(c.b)));
         const double touch = system_.length(line) - gap;
         const auto meeting = part_until(line, move, touch, step);
         if (!meeting) return;

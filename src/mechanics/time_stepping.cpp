@@ -174,6 +174,23 @@ RigidVelocity velocity_to_keep(const FreeBody& body, const RigidVelocity& v, con
   return kept;
 }
 
+// Moves bodies with free directions, and their grains, to their images in a periodic cell.
+void keep_bodies_in_cell(const GranularSystem& system, GranularState& state) {
+  if (!system.period.any()) return;
+  std::vector<Place> steps(state.poses.size(), Place{0, 0, 0});
+  for (const Index k : system.free_bodies) {
+    Pose& pose = state.poses[at(k)];
+    const Place step = steps[at(k)] = system.period.into_cell({pose.x, pose.y, pose.z});
+    pose.x += step[0];
+    pose.y += step[1];
+  }
+  for (std::size_t i = 0; i < at(system.grains()); ++i)
+    if (const Index k = system.driven_by[i]; k >= 0) {
+      state.x[i] += steps[at(k)][0];
+      state.y[i] += steps[at(k)][1];
+    }
+}
+
 }  // namespace
 
 StepEnergy finish_step(const GranularSystem& system, GranularState& state, const TimeStepping& scheme,
@@ -207,9 +224,11 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
       centre = carried(centre, poses[at(k)], state.poses[at(k)]);
     else
       for (std::size_t j = 0; j < 3; ++j) centre[j] += h * ((1 - theta) * old[j] + theta * v[j]);
+    if (k < 0) centre = moved_along(centre, 1, system.period.into_cell(centre));
     move_grain(state, i, centre, angle);
     set_motion(state, i, v, radius);
   }
+  keep_bodies_in_cell(system, state);
   ++state.step;
   state.time = static_cast<double>(state.step) * h;
   StepEnergy energy = energy_of(system, state, scheme);

@@ -70,4 +70,34 @@ GrainGrid::GrainGrid(Places places, std::span<const double> radius, double stret
   }
 }
 
+PeriodicPlaces::PeriodicPlaces(const Places& places, std::span<const double> radii, const Period& period,
+                               double reach) {
+  const auto add = [&](const std::array<double, 3>& place, double r, Index number) {
+    x.push_back(place[0]);
+    y.push_back(place[1]);
+    if (!places.z.empty()) z.push_back(place[2]);
+    radius.push_back(r);
+    grain.push_back(number);
+  };
+  for (std::size_t i = 0; i < radii.size(); ++i) {
+    const std::array<double, 3> place{places.x[i], places.y[i], places.z.empty() ? 0 : places.z[i]};
+    const auto step = period.into_cell(place);
+    add({place[0] + step[0], place[1] + step[1], place[2]}, radii[i], static_cast<Index>(i));
+  }
+  const std::size_t grains = radii.size();
+  const auto near_beginning = [&](double coordinate, double length) { return length > 0 && coordinate < reach; };
+  const auto near_end = [&](double coordinate, double length) { return length > 0 && coordinate > length - reach; };
+  for (std::size_t i = 0; i < grains; ++i) {
+    const std::array<double, 3> place{x[i], y[i], z.empty() ? 0 : z[i]};
+    const bool left = near_beginning(place[0], period.x);
+    const auto image = [&](double dx, double dy) {
+      add({place[0] + dx, place[1] + dy, place[2]}, radius[i], static_cast<Index>(i));
+    };
+    if (left) image(period.x, 0);
+    if (near_beginning(place[1], period.y)) image(0, period.y);
+    if (left && near_beginning(place[1], period.y)) image(period.x, period.y);
+    if (left && near_end(place[1], period.y)) image(period.x, -period.y);
+  }
+}
+
 }  // namespace nscdd

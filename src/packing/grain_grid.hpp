@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
+#include <nscdd/packing/packing.hpp>
 
 #include <numeric>
 
@@ -135,6 +135,37 @@ class GrainGrid {
   };
   std::vector<Level> levels_;  // coarsest first
 };
+
+/// The grains of a periodic cell, each at its image in the cell, and behind them images beyond the ends of the cell of
+/// those that are within `reach` of its beginnings: every near pair has two of these places as neighbours, one of them
+/// in the cell.
+struct PeriodicPlaces {
+  PeriodicPlaces(const Places& places, std::span<const double> radius, const Period& period, double reach);
+
+  std::vector<double> x, y, z, radius;
+  std::vector<Index> grain;  ///< of each place
+};
+
+/// Calls visit(i, j), i < j, as GrainGrid::for_each_pair, in a periodic cell also for grains that are near across its
+/// ends.
+template <class Visit>
+void for_each_near_pair(const Places& places, std::span<const double> radius, const Period& period, double stretch,
+                        double range, Visit&& visit) {
+  if (!period.any() || radius.empty()) return GrainGrid(places, radius, stretch, range).for_each_pair(visit);
+  const double reach = 2 * stretch * *std::max_element(radius.begin(), radius.end()) + range;
+  const PeriodicPlaces all(places, radius, period, reach);
+  const GrainGrid grid({all.x, all.y, all.z}, all.radius, stretch, range);
+  const auto grains = static_cast<Index>(radius.size());
+  // A long range may meet a pair twice: the shortest vector is that of one meeting alone.
+  const auto shortest = [](double d, double length) { return length == 0 || (d > -length / 2 && d <= length / 2); };
+  grid.for_each_pair([&](Index p, Index q) {
+    if (p >= grains && q >= grains) return;
+    Index i = all.grain[at(p)], j = all.grain[at(q)];
+    if (i == j) return;
+    if (i > j) std::swap(i, j), std::swap(p, q);
+    if (shortest(all.x[at(q)] - all.x[at(p)], period.x) && shortest(all.y[at(q)] - all.y[at(p)], period.y)) visit(i, j);
+  });
+}
 
 /// Sorts contacts (anything with members a and b) by (a, b) in O(N): a counting sort by a, 0 <= a < bodies, then by b.
 template <class AnyContact>

@@ -19,9 +19,13 @@ std::string place(const Packing& p, Index grain) {
   return p.z.empty() ? fmt::format("({}, {})", x, y) : fmt::format("({}, {}, {})", x, y, z);
 }
 
-Contact pair_geometry(const Packing& p, Index i, Index j) {
-  const double dx = p.x[at(j)] - p.x[at(i)], dy = p.y[at(j)] - p.y[at(i)];
-  const double dz = p.z.empty() ? 0 : p.z[at(j)] - p.z[at(i)];
+// From the centre of a grain to that of another, in a periodic cell to its nearest image, m.
+std::array<double, 3> apart(const Packing& p, const Period& period, Index i, Index j) {
+  return period.shortest({p.x[at(j)] - p.x[at(i)], p.y[at(j)] - p.y[at(i)], p.z.empty() ? 0 : p.z[at(j)] - p.z[at(i)]});
+}
+
+Contact pair_geometry(const Packing& p, const Period& period, Index i, Index j) {
+  const auto [dx, dy, dz] = apart(p, period, i, j);
   const double distance = p.z.empty() ? std::hypot(dx, dy) : std::hypot(dx, dy, dz);
   Contact contact{.a = i, .b = j};
   contact.gap = distance - (p.radius[at(i)] + p.radius[at(j)]);
@@ -212,19 +216,28 @@ Packing with_masses(Packing packing, const Masses& masses) {
   return packing;
 }
 
+void check(const Period& period, const std::vector<double>& radius) {
+  if (!period.any() || radius.empty()) return;
+  const double least = 4 * std::ranges::max(radius);
+  for (const auto& [key, length] : {std::pair("contacts.period_x", period.x), std::pair("contacts.period_y", period.y)})
+    if (length != 0 && !(length >= least && std::isfinite(length)))
+      throw Error(
+          key, fmt::format("expected 0 or at least two diameters of the largest grain, {} m, met {} m", least, length));
+}
+
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection) {
   if (packing.size() == 0) return {.contacts = {}, .grains = 0, .dimension = packing.dimension()};
   NearPairs pairs(packing, detection);
   // r_i + r_j + tolerance min(r_i, r_j) is at most stretch (r_i + r_j).
   const double stretch = 1 + 0.5 * pairs.reach();
-  const GrainGrid grid({packing.x, packing.y, packing.z}, packing.radius, stretch);
-  grid.for_each_pair([&](Index i, Index j) {
+  const Period period = detection.period();
+  check(period, packing.radius);
+  for_each_near_pair({packing.x, packing.y, packing.z}, packing.radius, period, stretch, 0, [&](Index i, Index j) {
     const double distance = stretch * (packing.radius[at(i)] + packing.radius[at(j)]);
     // Most pairs end here, without a root; the margin is wide for rounding.
-    const double dx = packing.x[at(j)] - packing.x[at(i)], dy = packing.y[at(j)] - packing.y[at(i)];
-    const double dz = packing.z.empty() ? 0 : packing.z[at(j)] - packing.z[at(i)];
+    const auto [dx, dy, dz] = apart(packing, period, i, j);
     if (dx * dx + dy * dy + dz * dz > 1.000001 * distance * distance) return;
-    pairs.add(pair_geometry(packing, i, j));
+    pairs.add(pair_geometry(packing, period, i, j));
   });
   return pairs.network();
 }

@@ -95,11 +95,12 @@ std::string effective_lines(const Dynamics& dynamics, std::string_view section, 
 
 }  // namespace
 
-GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
+GranularScene scene(const Packing& packing, const Dynamics& dynamics, const Period& period) {
   if (packing.mass.empty()) throw Error("dynamics: expected grains with masses, met a packing without");
   GranularScene result;
   GranularSystem& system = result.system;
   system.dimension = packing.dimension();
+  system.period = period;
   system.radius = packing.radius;
   system.mass = packing.mass;
   system.driven_by.assign(packing.radius.size(), -1);

@@ -35,12 +35,12 @@ bool switches_models(const Dynamics& dynamics);
 
 /// The system of a packing with masses and the boundaries of a case: grains, then disks of boundaries in their order.
 /// Throws Error naming the boundary as `check`, if its range of grains is impossible or one of them is driven twice,
-/// and if it has another dimension than the packing.
+/// and if it has another dimension than the packing, and as check(Period).
 struct GranularScene {
   GranularSystem system;
   GranularState state;  ///< at time 0
 };
-GranularScene scene(const Packing& packing, const Dynamics& dynamics);
+GranularScene scene(const Packing& packing, const Dynamics& dynamics, const Period& period = {});
 
 /// Numbers the bodies with free directions, and sets their reach and the pairs of colours of a case. `first`: a state
 /// in which poses and places of grains belong together. `grains`: of the packing.

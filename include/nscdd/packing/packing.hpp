@@ -80,9 +80,29 @@ struct ContactNetwork {
   Index size() const { return count(contacts); }
 };
 
+/// A cell that repeats itself along x and y: 0 <= x < x-period, 0 <= y < y-period.
+struct Period {
+  double x = 0, y = 0;  ///< m; 0: it does not repeat
+
+  bool any() const { return x > 0 || y > 0; }
+  /// The shortest of the vectors that differ from one by periods, m.
+  std::array<double, 3> shortest(std::array<double, 3> d) const {
+    if (x > 0) d[0] -= x * std::round(d[0] / x);
+    if (y > 0) d[1] -= y * std::round(d[1] / y);
+    return d;
+  }
+  /// The steps, multiples of periods, from a place to its image in the cell, m.
+  std::array<double, 3> into_cell(const std::array<double, 3>& p) const {
+    return {x > 0 ? -x * std::floor(p[0] / x) : 0, y > 0 ? -y * std::floor(p[1] / y) : 0, 0};
+  }
+};
+
 struct ContactDetection {
-  double tolerance = 1e-7;          ///< a pair touches where gap <= tolerance x the smaller radius
-  double overlap_tolerance = 1e-7;  ///< an overlap deeper than this x the smaller radius is an error
+  double tolerance = 1e-7;            ///< a pair touches where gap <= tolerance x the smaller radius
+  double overlap_tolerance = 1e-7;    ///< an overlap deeper than this x the smaller radius is an error
+  double period_x = 0, period_y = 0;  ///< of a cell that repeats itself, m, see Period
+
+  Period period() const { return {period_x, period_y}; }
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -90,11 +110,20 @@ struct ContactDetection {
           Field{.description = "largest gap of a contact, times the smaller radius", .minimum = 0, .maximum = 1});
     visit("overlap_tolerance", self.overlap_tolerance,
           Field{.description = "largest overlap accepted, times the smaller radius", .minimum = 0, .maximum = 1});
+    visit("period_x", self.period_x,
+          Field{.description = "length along x of a cell that repeats itself, 0 for none", .unit = "m", .minimum = 0});
+    visit("period_y", self.period_y,
+          Field{.description = "length along y of a cell that repeats itself, 0 for none", .unit = "m", .minimum = 0});
   }
 };
 
-/// Detects all contacts by a cell grid, in O(N). Coordinates rounded more coarsely than the tolerances raise them, see
-/// RoundingDoubt. Throws Error naming both grains of a pair that overlaps too much or shares a centre.
+/// Throws Error with the key of a period that is shorter than two diameters of the largest grain: no grain touches
+/// another one twice.
+void check(const Period& period, const std::vector<double>& radius);
+
+/// Detects all contacts by a cell grid, in O(N), in a periodic cell also across its ends. Coordinates rounded more
+/// coarsely than the tolerances raise them, see RoundingDoubt. Throws Error naming both grains of a pair that overlaps
+/// too much or shares a centre.
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection = {});
 
 /// Number of contacts of each grain.

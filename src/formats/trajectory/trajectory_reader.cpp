@@ -210,6 +210,7 @@ Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& h
     system.boundaries[k].orientation = specs[k].orientation;
     system.boundaries[k].body = specs[k].body;
   }
+  system.period = spec.contacts.period();
   const auto of_packing = [&](Index k) { return k < 0 || specs[at(k)].shape != BoundaryShape::disks; };
   complete(system, state, *spec.dynamics, std::ranges::count_if(system.driven_by, of_packing));
   Simulation simulation{std::move(system), std::move(state), *spec.dynamics, spec.partition};

@@ -260,7 +260,7 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
     require_components(gravity, packing.dimension(), "dynamics.gravity");
   if (packing.dimension() == 3 && one.spec.dynamics->solver.model == SwitchedModel::homogenised)
     throw Error("solver.switch", "expected none or linear with spheres in space, met homogenised");
-  GranularScene start = scene(packing, *one.spec.dynamics);
+  GranularScene start = scene(packing, *one.spec.dynamics, one.spec.contacts.period());
   set_moving(one, packing, start);
   packing = {};  // frees its memory
   Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics, one.spec.partition};

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Periodic cells: near pairs against all pairs, and a cell whose beginning lies elsewhere.
+#include "../support/granular.hpp"
+#include "linalg/random.hpp"
+#include "packing/grain_grid.hpp"
+
+#include <doctest/doctest.h>
+
+#include <set>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+Simulation in_cell(const std::vector<Grain>& grains, Dynamics dynamics, double period) {
+  Packing packing;
+  for (const Grain& one : grains) {
+    packing.x.push_back(one.x);
+    packing.y.push_back(one.y);
+    packing.radius.push_back(one.radius);
+    packing.mass.push_back(one.mass);
+  }
+  GranularScene start = scene(packing, dynamics, {.x = period});
+  for (std::size_t i = 0; i < grains.size(); ++i)
+    set_motion(start.state, i, {grains[i].velocity_x, grains[i].velocity_y, 0, 0, 0, grains[i].spin}, 1);
+  return {std::move(start.system), std::move(start.state), std::move(dynamics), {}};
+}
+
+// Disks that fall on a floor, in a cell of 5 m.
+std::vector<Grain> rain(double shift) {
+  RandomStream random(11);
+  std::vector<Grain> grains;
+  for (Index k = 0; k < 20; ++k) {
+    const double x = 1.2 * static_cast<double>(k % 4) + 0.1 * random.uniform() + shift;
+    grains.push_back({.x = x - 5 * std::floor(x / 5),
+                      .y = 0.55 + 1.1 * static_cast<double>(k / 4),
+                      .velocity_x = random.uniform() - 0.5,
+                      .velocity_y = random.uniform() - 1});
+  }
+  return grains;
+}
+
+}  // namespace
+
+TEST_CASE("near pairs of a periodic cell are those of all pairs by their shortest vectors, each once") {
+  for (const bool space : {false, true})
+    for (const Period period : {Period{6, 0}, Period{0, 5}, Period{6, 5}})
+      for (const double range : {0.1, 3.5}) {
+        RandomStream random(3);
+        std::vector<double> x, y, z, radius;
+        for (Index i = 0; i < 60; ++i) {
+          x.push_back(30 * random.uniform() - 15);  // images of the cell, too
+          y.push_back(20 * random.uniform() - 10);
+          if (space) z.push_back(4 * random.uniform());
+          radius.push_back(0.2 + 0.8 * random.uniform());
+        }
+        std::set<std::array<Index, 2>> found;
+        Index visits = 0;
+        const auto distance = [&](Index i, Index j) {
+          const auto d = period.shortest({x[at(j)] - x[at(i)], y[at(j)] - y[at(i)], space ? z[at(j)] - z[at(i)] : 0});
+          return std::hypot(d[0], d[1], d[2]);
+        };
+        for_each_near_pair({x, y, z}, radius, period, 1, range, [&](Index i, Index j) {
+          REQUIRE(i < j);
+          if (distance(i, j) > radius[at(i)] + radius[at(j)] + range) return;
+          found.insert({i, j});
+          ++visits;
+        });
+        std::set<std::array<Index, 2>> expected;
+        for (Index i = 0; i < 60; ++i)
+          for (Index j = i + 1; j < 60; ++j)
+            if (distance(i, j) <= radius[at(i)] + radius[at(j)] + range) expected.insert({i, j});
+        CAPTURE(space);
+        CAPTURE(period.x);
+        CAPTURE(range);
+        CHECK(found == expected);
+        CHECK(visits == count(expected));
+      }
+}
+
+TEST_CASE("a closed row and a closed lattice of touching disks have contacts across the ends of the cell") {
+  Packing row;
+  for (Index k = 0; k < 5; ++k) row.x.push_back(0.5 + static_cast<double>(k));
+  row.y.assign(5, 0.0);
+  row.radius.assign(5, 0.5);
+  CHECK(detect_contacts(row).size() == 4);
+  const ContactNetwork closed = detect_contacts(row, {.period_x = 5});
+  REQUIRE(closed.size() == 5);
+  CHECK(closed.contacts[1].a == 0);
+  CHECK(closed.contacts[1].b == 4);
+  CHECK(closed.contacts[1].normal == std::array<double, 3>{-1, 0, 0});
+  CHECK(std::abs(closed.contacts[1].midpoint[0]) < 1e-15);
+  Packing lattice;
+  const double height = std::sqrt(3.0) / 2;
+  for (Index r = 0; r < 4; ++r)
+    for (Index c = 0; c < 6; ++c) {
+      lattice.x.push_back(static_cast<double>(c) + 0.5 * static_cast<double>(r % 2));
+      lattice.y.push_back(height * static_cast<double>(r));
+      lattice.radius.push_back(0.5);
+    }
+  CHECK(detect_contacts(lattice, {.period_x = 6, .period_y = 4 * height}).size() == 3 * 24);
+  CHECK_THROWS_WITH_AS(detect_contacts(row, {.period_x = 1.9}), doctest::Contains("two diameters"), Error);
+}
+
+TEST_CASE("disks move in the same way wherever their cell begins, and stay in it") {
+  Dynamics dynamics = tight({floor_wall()});
+  dynamics.interaction.friction = 0.2;
+  Simulation here = in_cell(rain(0), dynamics, 5), there = in_cell(rain(1.7), dynamics, 5);
+  double across = 0;
+  for (Index k = 0; k < 60; ++k) {
+    advance(here);
+    advance(there);
+    for (std::size_t i = 0; i < 20; ++i) {
+      CHECK(there.state.velocity_x[i] == doctest::Approx(here.state.velocity_x[i]).scale(1).epsilon(1e-7));
+      CHECK(there.state.velocity_y[i] == doctest::Approx(here.state.velocity_y[i]).scale(1).epsilon(1e-7));
+      const double moved = there.state.x[i] - here.state.x[i] - 1.7;
+      CHECK(std::abs(moved - 5 * std::round(moved / 5)) < 1e-7);
+      CHECK(there.state.x[i] >= 0);
+      CHECK(there.state.x[i] < 5);
+    }
+    for (const RememberedImpulse& one : here.state.impulses)
+      if (one.b < 20 && std::abs(here.state.x[at(one.a)] - here.state.x[at(one.b)]) > 2.5)
+        across = std::max(across, one.impulse[0]);
+  }
+  CHECK(across > 0.01);  // some of the impulses go across the ends
+  const Simulation open = simulation_of(rain(0), dynamics);
+  CHECK(open.system.period.any() == false);
+}
+
+TEST_CASE("a clump leaves a cell at one end and enters it at the other, with its disks") {
+  Dynamics dynamics = tight({driven_grains("clump", 0, 1)});
+  dynamics.time.gravity = {0, 0};
+  dynamics.boundaries[0].motion.centre = {4.5, 0, 0};
+  dynamics.boundaries[0].motion.initial = RigidVelocity{.x = 2};
+  FreeBody& body = dynamics.boundaries[0].body.emplace();
+  body.directions = {true, true, false, false, false, true};
+  body.mass = 1;
+  body.inertia[2] = 1;
+  Simulation simulation = in_cell({{.x = 4.2}, {.x = 4.8}}, dynamics, 5);
+  advance(simulation, 100);
+  CHECK(simulation.state.poses[0].x == doctest::Approx(4.5 + 2 * 0.5 - 5).epsilon(1e-12));
+  CHECK(simulation.state.x[1] - simulation.state.x[0] == doctest::Approx(0.6).epsilon(1e-12));
+}
