@@ -62,13 +62,14 @@ std::vector<Given> given_parameters(const Options& options) {
 // numbers of subdomains may begin with 1.
 void require_effect(const Given& given, const CaseSpec& spec) {
   const Dynamics& dynamics = *spec.dynamics;
-  if (given.key.starts_with("contacts."))
+  const bool of_cell = given.key.starts_with("contacts.period_");
+  if (given.key.starts_with("contacts.") && !of_cell)
     fail("{}: expected a parameter of the motion, met one of the linear study alone", given.option);
   const bool one_subdomain = subdomains(spec.partition) == 1;
   if (given.key.starts_with("partition.") && !decomposes(dynamics.solver.algorithm) && !one_subdomain)
     fail("{}: expected --algorithm {} with it, met {}, which does not decompose", given.option,
          algorithms_with(StepPart::subdomains), to_string(dynamics.solver.algorithm));
-  nscdd::require_effect(dynamics, given.key, given.option);
+  if (!of_cell) nscdd::require_effect(dynamics, given.key, given.option);
   Dynamics undivided = dynamics;
   undivided.solver.algorithm = StepAlgorithm::nlgs;
   if (!has_effect(undivided, given.key) && one_subdomain)

@@ -5,7 +5,8 @@
 #include "study/case/case.hpp"
 
 /// Input of LMGC90 for rigid bodies in the plane or in space, a folder DATBOX of BODIES.DAT, BULK_BEHAV.DAT,
-/// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI. Numbers have fixed columns and 7 or 8 digits. Errors name file and line.
+/// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI; of COMMAND.DAT the time step, theta and periods. Numbers have fixed columns
+/// and 7 or 8 digits. Errors name file and line.
 namespace nscdd {
 
 struct DatboxPlace {
@@ -101,6 +102,12 @@ struct DatboxSight {
   DatboxPlace place;
 };
 
+/// What COMMAND.DAT says, the command file of older versions; empty where it says nothing.
+struct DatboxCommand {
+  std::optional<double> step{}, theta{};         ///< s
+  std::optional<double> period_x{}, period_y{};  ///< m
+};
+
 struct Datbox {
   std::string folder;
   Index dimension = 2;  ///< that of the first body: 2 for RBDY2, 3 for RBDY3
@@ -109,6 +116,7 @@ struct Datbox {
   std::optional<std::array<double, 3>> gravity;  ///< m/s^2
   std::map<std::string, DatboxLaw> laws;
   std::vector<DatboxSight> sights;
+  DatboxCommand command{};
   double start = 0;  ///< s, time of DOF.INI and origin of the time of drives
 
   bool space() const { return dimension == 3; }
@@ -118,7 +126,7 @@ struct Datbox {
 
 /// The text of each file; empty if it does not exist.
 struct DatboxTexts {
-  std::string bodies, bulk, tact, driven, initial;
+  std::string bodies, bulk, tact, driven, initial, command{};
   std::function<std::string(const std::string& name)> table{};  ///< the text of a table that DRV_DOF.DAT names
 };
 
@@ -156,7 +164,7 @@ enum class DatboxGrains {
 Packing datbox_packing(const Datbox& datbox, DatboxGrains which);
 
 /// The packing of a folder as a case with prescribed initial velocities. `moving`: also laws, gravity and boundaries,
-/// see boundaries_of_datbox, with default time steps. Throws Error as
+/// see boundaries_of_datbox, and time step, theta and periods of COMMAND.DAT. Throws Error as
 /// datbox_packing and, if `moving`, for all else that is not modelled (docs/formats.md). A folder with other shapes
 /// whose Vloc_Rloc.INI has contacts is a contact problem, unless `moving`.
 CaseSpec case_of_datbox(const std::string& path, bool moving);

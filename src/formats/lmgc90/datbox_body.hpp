@@ -26,4 +26,7 @@ double half_digit(const Eigen::Vector3d& place, Index dimension);
 /// Throws Error unless the axes of a body are orthonormal to seven digits.
 void require_frame(const DatboxBody& body, const DatboxPlace& place);
 
+/// Reads the keys of a command file that a case has, too.
+DatboxCommand read_datbox_command(FixedColumns lines, Index dimension);
+
 }  // namespace nscdd

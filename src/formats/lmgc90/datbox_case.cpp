@@ -121,6 +121,8 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
   dynamics.time.gravity = datbox.space() ? Components<double>{x, y, z} : Components<double>{x, y};
   dynamics.time.alert = std::min(10.0, contacts.alert / *std::ranges::min_element(packing.radius));
   dynamics.time.boundary_instant = BoundaryInstant::end;
+  dynamics.time.step = datbox.command.step.value_or(dynamics.time.step);
+  dynamics.time.theta = datbox.command.theta.value_or(dynamics.time.theta);
   if (contacts.removes_overlaps)
     dynamics.time.maximum_push_speed = 1e100;
   else if (!interaction.on_velocity())
@@ -142,6 +144,8 @@ CaseSpec case_of_datbox(const std::string& path, bool moving) {
   }
   spec.packing = PackingFile{trimmed(path)};
   spec.prescribed = moving_grains(datbox, moving ? DatboxGrains::all : DatboxGrains::free);
+  spec.contacts.period_x = datbox.command.period_x.value_or(0);
+  spec.contacts.period_y = datbox.command.period_y.value_or(0);
   if (moving) spec.dynamics = datbox_dynamics(datbox);
   return spec;
 }

@@ -192,6 +192,7 @@ Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxS
   read_initial(lines(texts.initial, "DOF.INI"), datbox);
   read_bulk(lines(texts.bulk, "BULK_BEHAV.DAT"), datbox);
   read_tact(lines(texts.tact, "TACT_BEHAV.DAT"), datbox);
+  datbox.command = read_datbox_command(lines(texts.command, "COMMAND.DAT"), datbox.dimension);
   return datbox;
 }
 
@@ -202,7 +203,7 @@ bool holds_datbox(const std::string& path) {
 
 std::vector<std::string> datbox_files(const std::string& path) {
   std::vector<std::string> files;
-  for (const char* name : {"BODIES.DAT", "BULK_BEHAV.DAT", "TACT_BEHAV.DAT", "DRV_DOF.DAT", "DOF.INI"})
+  for (const char* name : {"BODIES.DAT", "BULK_BEHAV.DAT", "TACT_BEHAV.DAT", "DRV_DOF.DAT", "DOF.INI", "COMMAND.DAT"})
     if (const fs::path file = datbox_folder(path) / name; is_there(file)) files.push_back(file.string());
   return files;
 }
@@ -212,7 +213,7 @@ Datbox read_datbox(const std::string& path, DatboxShapes shapes, const std::stri
   const auto required = [&](const std::string& name) { return read_text((folder / name).string()); };
   const auto text = [&](const char* name) { return is_there(folder / name) ? required(name) : std::string(); };
   return parse_datbox({required("BODIES.DAT"), required("BULK_BEHAV.DAT"), text("TACT_BEHAV.DAT"), text("DRV_DOF.DAT"),
-                       initial.empty() ? text("DOF.INI") : read_text(initial), required},
+                       initial.empty() ? text("DOF.INI") : read_text(initial), text("COMMAND.DAT"), required},
                       folder.string(), shapes);
 }
 
