@@ -93,6 +93,11 @@ void remember(const fs::path& entry, const std::string& text) {
 Packing simulate_to_the_end(const Case& one) {
   const Packing packing = packing_of(one);
   Simulation simulation = simulation_of(one);
+  if (!simulation.system.free_bodies.empty())
+    fail(
+        "case '{}': expected free grains and driven boundaries of a case to settle, met bodies with free directions: "
+        "a packing has no bodies",
+        one.spec.name);
   RunTotals totals;
   RunSinks sinks;
   sinks.step = [&](const Simulation&, const AnySolvedStep&, const StepReport& report) { totals.add(report); };

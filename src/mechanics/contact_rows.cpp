@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/grain_contacts.hpp"
+#include "mechanics/general_sweep.hpp"
 
 namespace nscdd {
 
@@ -257,46 +257,20 @@ SweepSums sweep(const Law& law, ContactRows<2>& contacts, std::span<GrainVelocit
   return sums;
 }
 
-// A sweep over contacts of bodies of any shape, each with its own friction.
-template <int D, class Law>
-SweepSums sweep_others(const Law& law, ContactRows<D>& contacts, std::span<GrainVelocity<D>> v, double relaxation) {
-  SweepSums sums;
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const GrainContact<D> c = contacts.contact(k, v);
-    LocalVector<D> next = with_delassus(c, [&](const auto& w) {
-      const LocalVector<D> stop = c.impulse - w.solve(relative_velocity<D>(c, v) + c.bias);
-      return law_at(law, c.pull).impulse(stop, w, c.friction);
-    });
-    if (relaxation != 1) next = c.impulse + relaxation * (next - c.impulse);
-    const LocalVector<D> change = next - c.impulse;
-    contacts.set_impulse(k, next);
-    apply_impulse(c, change, v);
-    sums.change += squared(change);
-    sums.impulses += squared(next);
-  }
-  return sums;
-}
-
 }  // namespace
 
 template <int D>
 GrainContact<D> ContactRows<D>::contact(std::size_t k, std::span<const GrainVelocity<D>> v) const {
   const ContactRow<D>& row = rows[k];
-  const GrainVelocity<D>& a = v[static_cast<std::size_t>(row.a)];
-  const GrainVelocity<D>& b = v[static_cast<std::size_t>(row.b)];
-  return {.a = row.a,
-          .b = row.b,
-          .normal = row.normal,
-          .inverse_mass_a = a.inverse_mass,
-          .inverse_mass_b = b.inverse_mass,
-          .bias = bias_t.empty() ? LocalVector<D>{row.bias_n, {}}
-                                 : in_frame(row.normal, SweptVector<D>{row.bias_n, bias_t[k]}),
-          .friction = !others.empty()                              ? others[k].friction
-                      : a.inverse_mass == 0 || b.inverse_mass == 0 ? boundary_friction
-                                                                   : friction,
-          .pull = pull.empty() ? 0.0 : pull[k],
-          .impulse = impulse(k),
-          .levers = others.empty() ? nullptr : others[k].levers};
+  const double mass_a = v[static_cast<std::size_t>(row.a)].inverse_mass;  // inverse
+  const double mass_b = v[static_cast<std::size_t>(row.b)].inverse_mass;
+  GrainContact<D> contact{row.a, row.b, row.normal, mass_a, mass_b, {row.bias_n, {}}};
+  contact.friction = mass_a == 0 || mass_b == 0 ? boundary_friction : friction;
+  contact.pull = pull.empty() ? 0.0 : pull[k];
+  contact.impulse = impulse(k);
+  if (!bias_t.empty()) contact.bias = in_frame(row.normal, SweptVector<D>{row.bias_n, bias_t[k]});
+  if (!others.empty()) contact.friction = others[k].friction, contact.levers = others[k].levers;
+  return contact;
 }
 
 template <int D>
@@ -304,7 +278,7 @@ SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows<D>& contacts,
                              std::type_identity_t<std::span<GrainVelocity<D>>> v, double relaxation) {
   return std::visit(
       [&](const auto& one) {
-        if (!contacts.others.empty()) return sweep_others(one, contacts, v, relaxation);
+        if (!contacts.others.empty()) return general_sweep(one, contacts, v, relaxation);
         const bool biased = !contacts.bias_t.empty();
         if (relaxation == 1)
           return biased ? sweep<false, true>(one, contacts, v, relaxation)

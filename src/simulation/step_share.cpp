@@ -30,12 +30,12 @@ Index known_subdomain(const std::vector<RememberedSubdomain>& known, const StepC
   return found != known.end() && ends_of(*found) == ends_of(c) ? found->subdomain : -1;
 }
 
-// The subdomain of a midpoint, by the centres of the free grains where contacts are found.
+// The subdomain of a midpoint, by the centres of the grains that move freely, where contacts are found.
 template <class Geometric>
 auto subdomain_of_point(const Geometric& partitioner, const Simulation& simulation) {
   const TimeStepping& time = simulation.dynamics.time;
   return subdomain_of_midpoint(partitioner, free_grains(simulation.system, simulation.state, simulation.system.grains(),
-                                                        (1 - time.theta) * time.step));
+                                                        (1 - time.theta) * time.step, true));
 }
 
 SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
@@ -178,13 +178,13 @@ void set_scale(GranularStep<D>& step, const Simulation& simulation, Index contac
 
 }  // namespace
 
-Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains, double later) {
+Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains, double later, bool bodies) {
   const auto place = [&](const std::vector<double>& x, const std::vector<double>& velocity, Index i) {
     return later == 0 ? x[at(i)] : x[at(i)] + later * velocity[at(i)];
   };
   Packing packing;
   for (Index i = 0; i < grains; ++i) {
-    if (!system.free(i)) continue;
+    if (!(bodies ? system.moves(i) : system.free(i))) continue;
     packing.x.push_back(place(state.x, state.velocity_x, i));
     packing.y.push_back(place(state.y, state.velocity_y, i));
     if (system.dimension == 3) packing.z.push_back(place(state.z, state.velocity_z, i));

@@ -50,8 +50,10 @@ bool decomposes_afresh(const Simulation& simulation, Index step);
 /// The partition of contacts of the next step. All ranks call it together.
 Partition partition_step(const Simulation& simulation, const std::vector<StepContact>& contacts);
 
-/// The packing of the free ones among the first `grains`, now or, at their velocities, after the time `later`, s.
-Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains, double later = 0);
+/// The packing of the free ones among the first `grains`, now or, at their velocities, after the time `later`, s; with
+/// `bodies` also of those that belong to bodies with free directions.
+Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains, double later = 0,
+                    bool bodies = false);
 
 /// The record of contacts, ascending by (a, b), and their partition.
 std::vector<RememberedSubdomain> subdomains_to_remember(const std::vector<StepContact>& contacts,
