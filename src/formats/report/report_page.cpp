@@ -154,12 +154,20 @@ Json contacts_of(const std::vector<TrajectoryContact>& contacts, Index dimension
           {"status", packed<std::uint8_t>(contacts, &TrajectoryContact::status)}};
 }
 
-// A line or plane by a point and its normal, a cylinder by its axis; in space also the radius.
+// A line or plane by a point and its normal, a cylinder by its axis; in space also the radius. A plank also has, in the
+// plane, its radius and half its length; in space its axis, half its length and half its width.
 Json wall_of(const Wall& wall, Index dimension) {
   Json json = Json::array();
-  for (const auto& vector : {wall.point, wall.normal})
+  const auto add = [&](const std::array<double, 3>& vector) {
     for (Index k = 0; k < dimension; ++k) json.push_back(drawn(vector[at(k)]));
-  if (dimension == 3) json.push_back(drawn(wall.radius));
+  };
+  add(wall.point);
+  add(wall.normal);
+  if (dimension == 3 || wall.plank()) json.push_back(drawn(wall.radius));
+  if (!wall.plank()) return json;
+  if (dimension == 3) add(wall.axis);
+  json.push_back(drawn(wall.half_length));
+  if (dimension == 3) json.push_back(drawn(wall.half_width));
   return json;
 }
 
@@ -224,6 +232,8 @@ Json json_of(const RunReport& report) {
             {"mass", packed<float>(system.mass)},
             {"driven_by", system.driven_by}}},
           {"boundaries", list_of(system.boundaries, [](const Boundary& one) { return one.name; })},
+          {"free", list_of(system.boundaries,
+                           [](const Boundary& one) { return Json(one.body.value_or(FreeBody()).directions); })},
           {"summary", table_of(report.summary)},
           {"status", report.status},
           {"iterations", table_of(report.iterations)},

@@ -113,7 +113,10 @@ std::optional<RunReport> report_run(const std::string& path, const std::vector<I
   std::optional<Simulation> run;
   for (const Index number : steps) {
     TrajectoryStep step = read_trajectory_step(path, number);
-    if (!run) run = rebuilt_simulation(path, report.header, step.state);
+    if (!run) {
+      run = rebuilt_simulation(path, report.header, step.state);
+      report.header.system.boundaries = run->system.boundaries;  // a header has their names only
+    }
     report.solver = run->dynamics.solver;
     if (decomposes(report.solver.algorithm)) report.subdomains = subdomains(run->partitioner);
     report.steps.push_back(drawn(*run, step));

@@ -98,3 +98,42 @@ function outlinesOf([x, y, z, nx, ny, nz, radius], low, high) {
   const circles = ends.map((h) => Array.from({length: parts + 1}, (_, k) => point(k, h)));
   return [...circles, ...[0, 8, 16, 24, 32, 40].map((k) => ends.map((h) => point(k, h)))];
 }
+
+// What the picture shows of a plank in space as far as a box around the grains reaches: pieces of its middle plane, and
+// lines of the borders of both faces and of the rim. Lists of points.
+function plateOf([x, y, z, nx, ny, nz, radius, ax, ay, az, half, halfWidth], low, high) {
+  const normal = [nx, ny, nz], axis = [ax, ay, az], across = [ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax];
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2], parts = 24;
+  const margin = 0.1 * Math.hypot(...high.map((value, k) => value - low[k]));
+  const corners = edgesOf(low, high).flat().map((p) => [p[0] - x, p[1] - y, p[2] - z]);
+  const range = (direction, end) => {
+    const places = corners.map((corner) => dot(corner, direction));
+    return [Math.max(-end, least(places) - margin), Math.min(end, most(places) + margin)];
+  };
+  const [s0, s1] = range(axis, half), [t0, t1] = range(across, halfWidth), flat = t1 > t0;
+  if (s0 > s1 || t0 > t1) return {pieces: [], lines: []};
+  const point = (s, t, h) => [x, y, z].map((value, k) => value + s * axis[k] + t * across[k] + h * normal[k]);
+  const steps = (from, to) => Array.from({length: parts + 1}, (_, k) => from + ((to - from) * k) / parts);
+  const [s, t] = [steps(s0, s1), steps(t0, t1)], pieces = [], lines = [];
+  const trace = (points) => {
+    for (let k = 1; k < points.length; ++k) lines.push([points[k - 1], points[k]]);
+  };
+  for (let i = 0; flat && i < parts; ++i)
+    for (let j = 0; j < parts; ++j)
+      pieces.push([[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(([a, b]) => point(s[a], t[b], 0)));
+  for (const h of flat ? [-radius, radius] : []) {
+    for (const end of [t0, t1]) trace(s.map((value) => point(value, end, h)));
+    for (const end of [s0, s1]) trace(t.map((value) => point(end, value, h)));
+  }
+  // The rim: a quarter of a circle at each corner, and what joins them.
+  const rim = (at) => {
+    const points = [[s1, t1], [s0, t1], [s0, t0], [s1, t0]].flatMap(([a, b], quarter) => [0, 1, 2, 3, 4].map((k) => {
+      const angle = ((quarter + k / 4) * Math.PI) / 2;
+      return at(a, b, radius * Math.cos(angle), radius * Math.sin(angle));
+    }));
+    trace([...points, points[0]]);
+  };
+  rim((a, b, c, d) => point(a + c, b + d, 0));
+  if (!flat) rim((a, b, c, d) => point(a + c, b, d));
+  return {pieces, lines};
+}

@@ -20,6 +20,10 @@ function showRun() {
       data.subdomains, radius.length * shown.length,
       (k) => shown[Math.floor(k / radius.length)].holders[k % radius.length]);
   const full = fullThickness();
+  // The directions along which boundaries move freely; a body, such as a clump, has all of them.
+  const directions = ['x', 'y', 'z', 'spin_x', 'spin_y', 'spin'];
+  const free = data.free.map((along) => directions.filter((_, k) => along[k]));
+  const isBody = (boundary) => free[boundary].length === (space ? 6 : 3);
   const picture = {
     x: shown[0].x,
     y: shown[0].y,
@@ -31,7 +35,7 @@ function showRun() {
     lines: [],
     arrows: null,
     holders: (i) => shown[place].holders[i],
-    special: (i) => data.disks.driven_by[i] >= 0
+    special: (i) => data.disks.driven_by[i] >= 0 && !isBody(data.disks.driven_by[i])
   };
   let place = shown.length - 1, timer = 0;
 
@@ -88,7 +92,9 @@ function showRun() {
 
   function describe(i) {
     const held = shown[place].holders[i], driver = data.disks.driven_by[i];
-    const kind = driver >= 0 ? `${grain} of boundary ${data.boundaries[driver]}` : `mass ${told(mass[i])} kg`;
+    const kind = driver < 0 ? `mass ${told(mass[i])} kg` :
+        isBody(driver) ? `${grain} of body ${data.boundaries[driver]}` :
+                         `${grain} of boundary ${data.boundaries[driver]}`;
     const where = !solver.decomposes ? '' :
         held.length === 0            ? ', carries nothing' :
         held.length === 1            ? `, subdomain ${held[0]}` :
@@ -253,9 +259,15 @@ function showRun() {
   }
 
   function addFacts() {
-    const list = byId('facts'), driven = data.disks.driven_by.filter((boundary) => boundary >= 0).length;
-    fact(list, Grain + 's', `${radius.length - driven} free, ${driven} of boundaries`);
-    fact(list, 'Boundaries', data.boundaries.join(', ') || 'none');
+    const list = byId('facts'), drivers = data.disks.driven_by.filter((boundary) => boundary >= 0);
+    const inBodies = drivers.filter(isBody).length, bodies = free.filter((_, boundary) => isBody(boundary)).length;
+    fact(
+        list, Grain + 's',
+        `${radius.length - drivers.length} free, ${
+            bodies ? `${inBodies} of ${plural(bodies, 'body', 'bodies')}, ` :
+                     ''}${drivers.length - inBodies} of boundaries`);
+    const named = data.boundaries.map((name, k) => (free[k].length ? `${name} (free: ${free[k].join(', ')})` : name));
+    fact(list, 'Boundaries', named.filter((_, k) => !isBody(k)).join(', ') || 'none');
     fact(
         list, 'Algorithm',
         solver.algorithm + (solver.decomposes ? `, ${plural(colours.length, 'subdomain')}` : ', undivided'));

@@ -4,9 +4,10 @@
 // it costs no new shapes; turning the camera does.
 
 // What a picture has: space; x, y, z, radius; holders(i), the subdomains of a grain; colours of subdomains;
-// `special(i)` for grains of a boundary; walls as [x, y, nx, ny], in space [x, y, z, nx, ny, nz, radius]; lines: groups
-// {segments, width, dash, colour, fine, plain}, of which fine and plain ones are left out where grains are small;
-// arrows: {x, y, z, u, v, w}.
+// `special(i)` for grains of a boundary; walls as [x, y, nx, ny], in space [x, y, z, nx, ny, nz, radius], and planks
+// with more numbers: [x, y, nx, ny, radius, half length], in space [x, y, z, nx, ny, nz, radius, ax, ay, az, half
+// length, half width]; lines: groups {segments, width, dash, colour, fine, plain}, of which fine and plain ones are
+// left out where grains are small; arrows: {x, y, z, u, v, w}.
 function createScene(canvas, picture) {
   const context = canvas.getContext('2d'), camera = createCamera(picture.space);
   const view = {x: 0, y: 0, scale: 1};
@@ -20,6 +21,9 @@ function createScene(canvas, picture) {
     size: 1,  // of grains as they are drawn, times their own
     cut: 0    // part of the depth that is cut away
   };
+  const plates = new WeakMap();  // paths of planks in space
+  const plankFill = 'rgba(84,84,84,.3)', plateFill = 'rgba(0,60,120,.07)';
+  const isPlank = (wall) => wall.length > 7;  // in space
   let looks = null, seen = null, shapes = null, patterns = null, stamps = null, asked = false;
 
   function meanRadius() {
@@ -70,6 +74,18 @@ function createScene(canvas, picture) {
   scene.toView = (px, py) => [view.x + (px - width() / 2) / view.scale, view.y - (py - height() / 2) / view.scale];
   scene.placeOf = (i) => [sight().u[i], sight().v[i]];
 
+  // Points of planks, as far as they are near the grains: the picture is to show them, too.
+  function endsOfPlanks() {
+    const margin = 0.04 * Math.hypot(...high.map((value, k) => value - low[k]));
+    const near = (value, k) => Math.max(low[k] - margin, Math.min(high[k] + margin, value));
+    return (picture.walls ?? []).flatMap((wall) => {
+      if (isPlank(wall)) return plateOf(wall, low, high).lines.map(([point]) => point);
+      const [x, y, nx, ny, radius, half] = wall;
+      if (camera.space || !half) return [];
+      return [[half, radius], [half, -radius], [-half, radius], [-half, -radius]].map(
+          ([s, t]) => [near(x + s * ny + t * nx, 0), near(y - s * nx + t * ny, 1), 0]);
+    });
+  }
   // A flat packing gets a flat picture.
   scene.whole = () => {
     const {u, v, size} = sight(), far = (values, way) => {
@@ -78,7 +94,7 @@ function createScene(canvas, picture) {
       return way * end;
     };
     const box = {left: far(u, -1), right: far(u, 1), bottom: far(v, -1), top: far(v, 1)};
-    for (const corner of edges.flat()) {
+    for (const corner of [...edges.flat(), ...endsOfPlanks()]) {
       const [right, up] = camera.project(...corner);
       [box.left, box.right] = [Math.min(box.left, right), Math.max(box.right, right)];
       [box.bottom, box.top] = [Math.min(box.bottom, up), Math.max(box.top, up)];
@@ -307,7 +323,11 @@ function createScene(canvas, picture) {
     const far = (width() + height()) * pixel;
     context.lineWidth = 3 * pixel;
     context.strokeStyle = ink;
-    for (const [x, y, nx, ny] of picture.walls ?? []) {
+    for (const [x, y, nx, ny, radius, half] of picture.walls ?? []) {
+      if (half > 0) {
+        paintPlank(x, y, nx, ny, radius, half, pixel);
+        continue;
+      }
       // The part of the line that is in sight.
       const along = (view.x - x) * -ny + (view.y - y) * nx;
       const [cx, cy] = [x - ny * along, y + nx * along];
@@ -316,6 +336,51 @@ function createScene(canvas, picture) {
       context.lineTo(cx - ny * far, cy + nx * far);
       context.stroke();
     }
+  }
+
+  // All points within `radius` of a segment along (ny, -nx).
+  function paintPlank(x, y, nx, ny, radius, half, pixel) {
+    const angle = Math.atan2(ny, nx);
+    context.beginPath();
+    context.arc(x + half * ny, y - half * nx, radius, angle - Math.PI, angle);
+    context.arc(x - half * ny, y + half * nx, radius, angle, angle + Math.PI);
+    context.closePath();
+    context.fillStyle = plankFill;
+    context.fill();
+    context.lineWidth = 1.5 * pixel;
+    context.stroke();
+    context.lineWidth = 3 * pixel;
+  }
+
+  // Planks in space, in the layers of their parts: grains may be all around.
+  function paintPlates(layer, pixel) {
+    const level = levelOf(layer);
+    context.lineWidth = 1.2 * pixel;
+    for (const wall of picture.walls ?? []) {
+      if (!isPlank(wall)) continue;
+      const {faces, lines} = pathsOfPlate(wall);
+      context.fillStyle = plateFill;
+      if (faces[layer]) context.fill(faces[layer]);
+      context.strokeStyle = hazed('#606060', level);
+      if (lines[layer]) context.stroke(lines[layer]);
+    }
+  }
+
+  function pathsOfPlate(wall) {
+    const known = plates.get(wall);
+    if (known?.seen === seen) return known;
+    const [faces, lines] = [0, 1].map(() => Array.from({length: camera.layers}, () => null));
+    const plate = plateOf(wall, low, high);
+    const add = (paths, points) => {
+      const places = points.map((point) => camera.project(...point));
+      const path = (paths[seen.layerAt(least(places.map((place) => place[2])))] ??= new Path2D());
+      places.forEach(([u, v], k) => (k === 0 ? path.moveTo(u, v) : path.lineTo(u, v)));
+    };
+    for (const points of plate.pieces) add(faces, points);
+    for (const points of plate.lines) add(lines, points);
+    const paths = {seen, faces, lines};
+    plates.set(wall, paths);
+    return paths;
   }
 
   // Walls in space, as far as a box around the grains reaches: those behind as faces, those in front as edges. Without
@@ -336,6 +401,7 @@ function createScene(canvas, picture) {
         context.stroke();
       }
     for (const wall of picture.walls ?? []) {
+      if (isPlank(wall)) continue;
       const flat = wall[6] === 0;
       if ((flat ? camera.faces(wall) : true) === inFront) continue;
       for (const points of outlinesOf(wall, from, to)) {
@@ -460,6 +526,7 @@ function createScene(canvas, picture) {
     const arrows = scene.layers.mode && picture.arrows && !hasty ? arrowsInSight(scene, seen.layerAt) : null;
     if (camera.space) paintBox(pixel, false);
     for (let layer = 0; layer < shownLayers(); ++layer) {
+      if (camera.space) paintPlates(layer, pixel);
       if (camera.space && scene.layers.contacts && !hasty) paintLines(layer, pixel);
       paintGrains(layer, pixel);
       if (!camera.space) paintWalls(pixel);
