@@ -134,7 +134,7 @@ DatboxLaw read_law(FixedColumns& lines) {
     law.tangential_restitution = lines.number(67, "rstt");
     lines.require_next("the friction of RST_CLB");
     law.friction = lines.number(46, "fric");
-  } else if (law.kind == "IQS_DS_CLB" && lines.text(62, 65) == "sfrc") {
+  } else if (law.kind == "IQS_DS_CLB") {  // older files call its numbers dyfr and stfr
     law.friction = lines.number(46, "dfrc");
     law.static_friction = lines.number(67, "sfrc");
   } else if (law.wet() && lines.text(62, 65) == "coht") {  // others have the three lines of another version
