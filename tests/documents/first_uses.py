@@ -17,8 +17,10 @@ import os
 import re
 import shutil
 import sys
+import tempfile
 from pathlib import Path
 
+import lmgc90_tree
 import sessions
 import snippets
 
@@ -27,7 +29,7 @@ INSTALL = "Or install packages"  # the heading in docs/start.md
 # Use: what it leads from and to, its tutorial, and the text on a line of output that has its key number.
 USES = {
     "grains": ("a CSV of grains to a curve and its best η", "radius.md", "best_eta"),
-    "datbox": ("an LMGC90 DATBOX to a run, its convergence and the reason of its rate", "lmgc90.md", "10,20,"),
+    "datbox": ("folders of LMGC90 to runs, their convergence and a network", "lmgc90.md", "step 10: velocities"),
     "arrays": ("NumPy arrays to a radius, a mode and a plot", "python.md", "SpectralRadius(value="),
 }
 COLUMNS = ("first_use", "commands_to_figure", "minutes_to_figure", "minutes_to_install", "commands", "minutes",
@@ -61,6 +63,14 @@ def write_script(use, root):
     folder = os.path.join(root, "root", "session")
     os.makedirs(folder)
     text = "mkdir /root/work\ncd /packages\ndate +%s.%N >/root/session/began\n"
+    if lmgc90_tree.needed(text_of(f"tutorials/{USES[use][1]}")):
+        with tempfile.TemporaryDirectory() as unpacked:
+            tree = lmgc90_tree.find_tree(SOURCE, unpacked)
+            if tree is None:
+                sys.exit(f"first use '{use}': expected folders of LMGC90 in $LMGC90 or $NSCDD_LMGC90, met none")
+            for place in lmgc90_tree.FOLDERS:
+                shutil.copytree(os.path.join(tree, place), os.path.join(root, "root", "lmgc90", place))
+        text += "export LMGC90=/root/lmgc90\n"
     for k, step in enumerate(steps):
         if k == len(install):
             text += "cd /root/work\n"

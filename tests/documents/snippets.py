@@ -15,6 +15,7 @@ results/figure-5/ (nscdd run figure-5), sweep.csv and sweep.h5 (nscdd sweep disk
 run.h5 (three steps of nscdd simulate settle-1k), run.vtkhdf (its export), operators/ (nscdd export disks8), report.html
 (nscdd report disks4), and the folder cases/ of the source tree. `import nscdd` finds the package that was built, by
 $PYTHONPATH.
+A document that starts from $LMGC90 is skipped, with exit code 77, where there are no folders of LMGC90.
 A block that raises is a failure, and so is a call that finds no block in any file. The program is $NSCDD_PROGRAM, the
 source tree $NSCDD_SOURCE.
 """
@@ -26,6 +27,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import lmgc90_tree
 import sessions
 
 PREPARATION = [
@@ -128,7 +130,13 @@ def run_python(found):
 
 
 def run_session(document, text, figures):
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as lmgc90:
+        if lmgc90_tree.needed(text):
+            tree = lmgc90_tree.find_tree(os.environ["NSCDD_SOURCE"], lmgc90)
+            if tree is None:
+                print(f"{document}: skipped: it needs folders of LMGC90 ($LMGC90 or $NSCDD_LMGC90)")
+                sys.exit(77)
+            os.environ["LMGC90"] = tree
         return sessions.run(document, text, all_blocks(text, document), folder, figures)
 
 
