@@ -547,6 +547,59 @@ def check_criterion(browser, folder):
         page.quiet(f"criterion {name}")
 
 
+BODIES = """[packing]
+file = "bodies.csv"
+[partition]
+grid = [{cells}]
+[dynamics]
+step = 0.01
+steps = 20
+gravity = [{gravity}]
+[[boundary]]
+name = "shelf"
+shape = "plank"
+{plank}
+radius = 0.1
+[[boundary]]
+name = "clump"
+shape = "grains"
+first = 0
+last = 1
+centre = [{centre}]
+free = [{free}]
+mass = 1
+inertia = {inertia}
+"""
+IN_PLANE = {"cells": "1, 1", "gravity": "0, -9.81", "plank": "from = [-1, 0]\nto = [1, 0]", "centre": "0, 0.3",
+            "free": '"x", "y", "spin"', "inertia": "0.1"}
+IN_SPACE_TOO = {"cells": "1, 1, 1", "gravity": "0, 0, -9.81", "centre": "0, 0, 0.3", "inertia": "[0.1, 0.1, 0.1]",
+                "plank": "point = [0, 0, 0]\nnormal = [0, 0, 1]\naxis = [1, 0, 0]\nlength = 2\nwidth = 1",
+                "free": '"x", "y", "z", "spin_x", "spin_y", "spin"'}
+
+
+def check_bodies(browser, folder):
+    """A clump on a plank: its disks look like free ones, and the plank has ends."""
+    for name, values, grains in (("plane", IN_PLANE, "x,y,radius\n-0.1,0.3,0.1\n0.1,0.3,0.1\n"),
+                                 ("space", IN_SPACE_TOO, "x,y,z,radius\n-0.1,0,0.3,0.1\n0.1,0,0.3,0.1\n")):
+        Path(folder, "bodies.csv").write_text(grains, encoding="utf-8")
+        Path(folder, "bodies.toml").write_text(BODIES.format(**values), encoding="utf-8")
+        nscdd(folder, "simulate", "bodies.toml", "-o", "bodies.h5", "--force")
+        page = reported(browser, folder, f"bodies-{name}.html", "bodies.h5")
+        facts = page.text("facts")
+        check("0 free, 2 of 1 body, 0 of boundaries" in facts, f"bodies in {name}: they are counted {facts[:60]}")
+        walls = page.js("return JSON.parse(document.getElementById('data').textContent).steps.at(-1).walls")
+        check([len(wall) for wall in walls] == [6 if name == "plane" else 12], f"bodies in {name}: the plank has ends")
+        page.js("document.getElementById('scene').focus()")
+        page.keys("n")
+        check("of body clump" in page.text("grain"), f"bodies in {name}: a grain names its body {page.text('grain')}")
+        if name == "plane":
+            seen = page.pixels()[2]
+            check((0x56, 0xb4, 0xe9) in {one[:3] for one in seen}, "bodies in plane: disks look like free ones")
+            grey = [one for one in seen if abs(one[0] - 84) < 3 and one[0] == one[1] == one[2] and one[3] < 90]
+            check(grey, f"bodies in plane: the plank is filled {list(seen)[:6]}")
+        page.quiet(f"bodies in {name}")
+
+
 def main():
     browser = open_browser()
     try:
@@ -556,6 +609,7 @@ def main():
             check_run_pages(browser, folder)
             check_criterion(browser, folder)
             check_pages_in_space(browser, folder)
+            check_bodies(browser, folder)
     finally:
         browser.quit()
     if FAILED:
