@@ -79,10 +79,11 @@ std::string lack_of_room(const RunTotals& totals) {
 std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome) {
   const GranularSystem& system = simulation.system;
   const Index free = system.free_grains();
-  Index in_bodies = 0;
+  Index in_bodies = 0, bodies = 0;
   for (Index i = 0; i < system.grains(); ++i) in_bodies += !system.free(i) && system.moves(i);
-  const std::string bodies =
-      system.free_bodies.empty() ? "" : fmt::format(", {} in {} bodies", in_bodies, system.free_bodies.size());
+  for (const Index k : system.free_bodies) bodies += system.boundaries[at(k)].body->reach > 0;  // that have grains
+  const std::string of_bodies =
+      in_bodies == 0 ? "" : fmt::format(", {} in {} {}", in_bodies, bodies, bodies == 1 ? "body" : "bodies");
   std::vector<std::string> statuses;
   for (const auto& [status, number] : totals.statuses) statuses.push_back(fmt::format("{} {}", number, status));
   std::string text =
@@ -90,8 +91,8 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
                   simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
   const StepAlgorithm algorithm = simulation.dynamics.solver.algorithm;
   const bool undivided = is_contact_solver(algorithm) && !decomposes(algorithm);  // the partition is unused
-  text += fmt::format("{}s: {} free{}, {} driven; {} contacts, {}\n", shape_of_grains(system.dimension), free, bodies,
-                      system.grains() - free - in_bodies, totals.last.contacts,
+  text += fmt::format("{}s: {} free{}, {} driven; {} contacts, {}\n", shape_of_grains(system.dimension), free,
+                      of_bodies, system.grains() - free - in_bodies, totals.last.contacts,
                       undivided ? fmt::format("solved undivided by {}", to_string(algorithm))
                                 : fmt::format("interface of {} unknowns", totals.last.interface_size));
   if (totals.steps == 0) return text;

@@ -192,7 +192,11 @@ void check(const std::string& name, const Motion& motion, const FreeBody& body, 
 
 void check(const Boundary& boundary, Index dimension) {
   check(boundary.name, boundary.motion, "motion");
-  if (boundary.body) check(boundary.name, boundary.motion, *boundary.body, dimension);
+  if (!boundary.body) return;
+  check(boundary.name, boundary.motion, *boundary.body, dimension);
+  if (boundary.orientation == Orientation::fixed)
+    fail("boundary '{}': expected grains that turn with a body that moves freely, met orientation fixed",
+         boundary.name);
 }
 
 }  // namespace nscdd
