@@ -352,7 +352,7 @@ TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
     texts.datbox.*text = replaced(texts.datbox.*text, from, to);
     check_error([&] { problem_of(texts); }, names);
   };
-  spoil_input(&DatboxTexts::tact, "IQS_CLB", "MAC_CZM", {"TACT_BEHAV.DAT:2:", "VEL_SGR_CLB or RST_CLB", "MAC_CZM"});
+  spoil_input(&DatboxTexts::tact, "IQS_CLB", "MAC_CZM", {"TACT_BEHAV.DAT:2:", "VEL_SGR_CLB, RST_CLB", "MAC_CZM"});
   spoil_input(&DatboxTexts::bulk, "STONE", "STEEL", {"BODIES.DAT:2:", "STONE", "RIGID"});
   spoil_input(
       &DatboxTexts::driven,
