@@ -187,7 +187,8 @@ std::string to_toml(const BoundarySpec& spec) {
   if (!spec.colour.empty()) text += fmt::format("colour = {}\n", field_text(spec.colour));
   const Motion& motion = spec.motion;
   const bool space = spec.dimension == 3;
-  if (motion.centre != Place{0, 0, 0}) text += fmt::format("centre = {}\n", components_text(motion.centre, space));
+  if (spec.body || motion.centre != Place{0, 0, 0})  // free bodies need one
+    text += fmt::format("centre = {}\n", components_text(motion.centre, space));
   text += function_lines(motion, keys_of_motion, space);
   if (spec.body) text += body_lines(*spec.body, space);
   text += oscillation_lines(motion, keys_of_motion, space);
