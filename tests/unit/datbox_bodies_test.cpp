@@ -310,3 +310,31 @@ TEST_CASE("DATBOX: laws that are no impulses of one contact are refused by name 
     check_error([&] { dynamics_of(with_law(law_head(law) + "fric= 0.5000000D+00")); },
                 {"TACT_BEHAV.DAT:8:", "IQS_CLB", "met " + law});
 }
+
+TEST_CASE("DATBOX: the friction of each pair of colours is the one that contacts of a step have") {
+  const auto frictions = [](const DatboxTexts& texts) {
+    const Datbox datbox = parse_datbox(texts, "box");
+    const Dynamics dynamics = datbox_dynamics(datbox);
+    const GranularSystem system = scene(datbox_packing(datbox, DatboxGrains::all), dynamics).system;
+    return [system, dynamics](Index a, Index b) {
+      const PairRule* rule = system.pairs.of(a, b);
+      if (rule != nullptr && rule->friction) return *rule->friction;
+      return system.is_boundary(a) || system.is_boundary(b) ? dynamics.interaction.friction_at_boundaries()
+                                                            : dynamics.interaction.friction;
+    };
+  };
+  // A plank that is free has the friction of its law, not that of grains.
+  DatboxTexts texts = small_datbox();
+  texts.driven.clear();
+  texts.bodies =
+      replaced(texts.bodies, "avrd= 0.0000000D+00  gyrd= 0.0000000D+00", "avrd= 0.1000000D+01  gyrd= 0.5000000D+00");
+  texts.tact = replaced(texts.tact, "ROUGE  iqsc1", "ROUGE  iqsc0");
+  CHECK(frictions(texts)(0, 3) == 0.5);
+  CHECK(frictions(texts)(0, 1) == 0.3);
+  // A colour of free and of driven disks.
+  texts = small_datbox();
+  texts.bodies = replaced(replaced(texts.bodies, "ROUGE", "BLEUx"), "ROUGE", "BLEUx");
+  texts.tact = replaced(texts.tact, "DISKx  ROUGE  iqsc1", "DISKx  BLEUx  iqsc0");
+  CHECK(frictions(texts)(0, 3) == 0.5);
+  CHECK(frictions(texts)(0, 1) == 0.3);
+}

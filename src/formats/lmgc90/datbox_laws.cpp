@@ -15,7 +15,7 @@ std::map<std::string, Seen> colours_of(const Datbox& datbox) {
   for (const DatboxBody& body : datbox.bodies)
     for (const DatboxContactor& one : body.contactors) {
       Seen& seen = colours[colour_of(datbox, one)];
-      const bool boundary = body.driven() || body.plank();
+      const bool boundary = body.driven();  // a plank that nothing drives is a free body
       seen.grain = seen.grain || !one.plank;
       seen.moves = seen.moves || !body.fully_driven(datbox.dimension);
       seen.free += !boundary;
@@ -69,7 +69,7 @@ namespace {
 // Pairs of colours that may meet, and how they see each other.
 struct Meeting {
   std::string a, b;
-  bool boundary = false;
+  bool plain = false, boundary = false;  // of two free bodies, and with a boundary; colours may have both
   const DatboxSight* sight = nullptr;
 };
 
@@ -81,7 +81,8 @@ std::vector<Meeting> meetings_of(const Datbox& datbox) {
       const Seen &one = a->second, &other = b->second;
       if (!(one.grain || other.grain) || !(one.moves || other.moves)) continue;
       if (a == b && one.free + one.boundary < 2) continue;  // a body does not meet itself
-      meetings.push_back({a->first, b->first, one.free == 0 || other.free == 0, sight_of(datbox, a->first, b->first)});
+      meetings.push_back({a->first, b->first, one.free > 0 && other.free > 0, one.boundary || other.boundary,
+                          sight_of(datbox, a->first, b->first)});
     }
   return meetings;
 }
@@ -112,7 +113,7 @@ DatboxContacts contact_law_of(const Datbox& datbox) {
   for (const Meeting& one : meetings) {
     if (one.sight == nullptr) continue;
     const DatboxLaw& law = law_of(datbox, *one.sight);
-    const DatboxLaw*& first = one.boundary ? of_boundaries : of_grains;
+    const DatboxLaw*& first = one.plain ? of_grains : of_boundaries;
     if (first == nullptr) first = &law;
     const DatboxLaw& any = of_grains != nullptr ? *of_grains : *of_boundaries;
     if (any.on_velocity() != law.on_velocity() || (any.kind == "GAP_SGR_CLB") != (law.kind == "GAP_SGR_CLB"))
@@ -135,7 +136,8 @@ DatboxContacts contact_law_of(const Datbox& datbox) {
       const auto set = [](std::optional<double>& value, double now, double otherwise) {
         if (now != otherwise) value = now;
       };
-      set(rule.friction, own.friction, one.boundary ? at_boundaries.friction : law.friction);
+      if (one.plain) set(rule.friction, own.friction, law.friction);
+      if (one.boundary) set(rule.friction, own.friction, at_boundaries.friction);
       set(rule.restitution, own.restitution, law.restitution);
       set(rule.tangential_restitution, own.tangential_restitution, law.tangential_restitution);
       if (!rule.friction && !rule.restitution && !rule.tangential_restitution) continue;
