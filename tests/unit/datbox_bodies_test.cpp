@@ -231,6 +231,22 @@ TEST_CASE("DATBOX: spheres with a force or other moments of inertia are bodies; 
   CHECK(other.boundaries[0].motion.initial->z == 9);
 }
 
+TEST_CASE("DATBOX: a velocity and a force of one degree of freedom are refused by line, as is a body without mass") {
+  for (const bool all_driven : {false, true}) {
+    CAPTURE(all_driven);
+    DatboxTexts texts = small_datbox();
+    const std::string last = " vlocy      3  0.0000000D+00";
+    texts.driven =
+        replaced(texts.driven, last, drive_line("force", 2, " 0.1000000D+01") + (all_driven ? last : "!" + last));
+    check_error([&] { dynamics_of(texts); }, {"DRV_DOF.DAT:8:", "degree of freedom 2", "met both"});
+  }
+  DatboxTexts texts = small_datbox();
+  texts.driven = replaced(texts.driven, "vlocy      2  0.3000000D+01", "force      2  0.3000000D+01");
+  texts.bodies =
+      replaced(texts.bodies, "avrd= 0.1000000D+01  gyrd= 0.1000000D+01", "avrd= 0.0000000D+00  gyrd= 0.1000000D+01");
+  check_error([&] { dynamics_of(texts); }, {"BODIES.DAT:14:", "avrd", "met 0"});
+}
+
 TEST_CASE("DATBOX: colours that see each other by another friction, or not at all, are pairs") {
   DatboxTexts texts = small_datbox();
   texts.tact = replaced(texts.tact, "ROUGE  iqsc1", "ROUGE  iqsc0");

@@ -26,6 +26,12 @@ void set_plank(const Datbox& datbox, const DatboxBody& body, BoundarySpec& plank
   plank.to = {body.position[0] + x, body.position[1] + y, 0};
 }
 
+void require_one_drive(const DatboxBody& body) {
+  for (std::size_t k = 0; k < body.drives.size(); ++k)
+    if (body.drives[k] && body.forces[k])
+      refuse(body.forces[k]->place, "expected a velocity or a force of degree of freedom {}, met both", k + 1);
+}
+
 // What moves a body along the degrees of freedom that are not driven.
 FreeBody free_body(const Datbox& datbox, const DatboxBody& body) {
   const bool space = datbox.space();
@@ -36,11 +42,7 @@ FreeBody free_body(const Datbox& datbox, const DatboxBody& body) {
   if (!space) result.inertia[2] = result.mass * gyration * gyration;
   bool turns = false;
   for (std::size_t k = 0; k < (space ? 6 : 3); ++k) {
-    if (body.drives[k]) {
-      if (body.forces[k])
-        refuse(body.forces[k]->place, "expected a velocity or a force of degree of freedom {}, met both", k + 1);
-      continue;
-    }
+    if (body.drives[k]) continue;
     const bool spin = k >= at(datbox.dimension);
     turns = turns || spin;
     result.directions[space ? k : spin ? 5 : k] = true;
@@ -73,6 +75,7 @@ std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool colour
     boundary.dimension = datbox.dimension;
     boundary.colour = coloured ? colour_of(datbox, body.contactors[0]) : "";
     boundary.motion = datbox_motion(body, datbox.start, datbox.dimension);
+    require_one_drive(body);
     if (!body.fully_driven(datbox.dimension)) boundary.body = free_body(datbox, body);
     if (body.plank()) {
       set_plank(datbox, body, boundary);
