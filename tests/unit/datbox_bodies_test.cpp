@@ -150,6 +150,12 @@ TEST_CASE("DATBOX: a free disk with a force or with another inertia is a body of
   check_error([&] { datbox_packing(parse_datbox(texts, "box"), DatboxGrains::free); }, {"BODIES.DAT:4: gyrd"});
 }
 
+TEST_CASE("DATBOX: the linear study takes the mass of a disk with a force from avrd, as that of any free disk") {
+  DatboxTexts texts = small_datbox();
+  texts.driven += body_of_drives(false, 1, drive_line("force", 1, " 0.4000000D+01"));
+  CHECK(datbox_packing(parse_datbox(texts, "box"), DatboxGrains::free).mass.at(0) == doctest::Approx(1000 * pi * 0.04));
+}
+
 TEST_CASE("DATBOX: a free cluster in the plane has the centre of its areas if its node is at 0") {
   DatboxTexts texts = small_datbox();
   texts.driven = texts.driven.substr(0, texts.driven.find("$bdyty", 1));

@@ -43,7 +43,7 @@ std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxGrains
   std::vector<PrescribedVelocity> moving;
   for_each_grain(datbox, which, [&](const DatboxBody& body, const DatboxContactor&, Index number) {
     const bool space = datbox.space();
-    if (!is_free_grain(body, space)) return;
+    if (which == DatboxGrains::all && !is_free_grain(body, space)) return;
     const Vector3& v = body.velocity;
     Vector3 spin = Vector3::Zero();
     if (which == DatboxGrains::all) spin = space ? Vector3(body.frame * body.spin) : Vector3(0, 0, v[2]);
@@ -91,7 +91,7 @@ Packing datbox_packing(const Datbox& datbox, DatboxGrains which) {
   for_each_grain(datbox, which, [&](const DatboxBody& body, const DatboxContactor& disk, Index) {
     packing.radius.push_back(disk.radius);
     packing.half_digit = std::max(packing.half_digit, body.written_digit);
-    const bool space = datbox.space(), grain = is_free_grain(body, space);
+    const bool space = datbox.space(), grain = which == DatboxGrains::free || is_free_grain(body, space);
     const double size = grain ? body.average_radius : disk.radius;  // a mass of another body has no effect
     if (which == DatboxGrains::free) require_grain(body, space);
     const Vector3 place = place_of(body, disk, space);
