@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Steps of clumps and of a plank that is pushed: written to a file and gone on with, exported as contact problems,
+// solved with subdomains that become linear, and written as input of LMGC90.
+#include "../support/granular.hpp"
+#include "../support/run_program.hpp"
+#include "../support/spheres.hpp"
+#include "formats/contact_problem/step_fclib.hpp"
+#include "formats/lmgc90/datbox.hpp"
+#include "formats/lmgc90/datbox_writer.hpp"
+#include "formats/trajectory/trajectory.hpp"
+#include "simulation/contact_solver_step.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+BoundarySpec pair_of_disks(const std::string& name, Index first, std::array<double, 2> centre,
+                           RigidVelocity velocity = {}) {
+  BoundarySpec spec = driven_grains(name, first, first + 1);
+  spec.motion.centre = {centre[0], centre[1], 0};
+  spec.motion.initial = velocity;
+  spec.body.emplace();
+  spec.body->directions = {true, true, false, false, false, true};
+  spec.body->mass = 2;
+  spec.body->inertia[2] = 0.8;
+  return spec;
+}
+
+// A plank over the bed of pressed_bed: pushed down by a force that grows and swings, driven along x.
+BoundarySpec pushed_plank() {
+  const double y = 1.1 + 2 * std::sqrt(0.99);
+  BoundarySpec top = wall("top", {-0.6, y}, {3.7, y});
+  top.shape = BoundaryShape::plank;
+  top.radius = 0.1;
+  top.motion = moving({.x = 0.05}, {1.55, y});
+  top.motion.initial = RigidVelocity{.y = -0.1};
+  top.body.emplace();
+  top.body->directions = {false, true};
+  top.body->mass = 3;
+  top.body->load.time = {0, 0.05};
+  top.body->load.velocity = {{.y = -5}, {.y = -40}};
+  top.body->load.oscillations = {{{.y = -8}, 70, 0.3, 0.5, 20}};
+  return top;
+}
+
+// Three rows of four disks with two clumps among them, under a plank that is pushed down.
+Simulation pressed_bed(const Dynamics& chosen, std::array<Index, 2> grid = {2, 1}) {
+  std::vector<Grain> grains;
+  for (Index k = 0; k < 12; ++k) {
+    const double row = static_cast<double>(k / 4);
+    grains.push_back({.x = 1.02 * static_cast<double>(k % 4) + 0.1 * static_cast<double>(k / 4 % 2),
+                      .y = 0.5 + std::sqrt(0.99) * row});
+  }
+  Dynamics dynamics = chosen;
+  dynamics.time.step = 0.005;
+  dynamics.boundaries = {floor_wall(), pair_of_disks("left", 1, {1.53, 0.5}),
+                         pair_of_disks("right", 5, {1.63, 0.5 + std::sqrt(0.99)}, {.y = -0.2, .spin = 0.5}),
+                         pushed_plank()};
+  return simulation_of(grains, dynamics, grid);
+}
+
+Dynamics pressed(Choice<StepAlgorithm> algorithm) {
+  Dynamics dynamics = tight();
+  dynamics.interaction.friction = 0.3;
+  dynamics.solver.algorithm = algorithm;
+  dynamics.solver.warm_start = true;
+  dynamics.solver.tolerance = 1e-9;
+  if (has_part(algorithm, StepPart::stage_two)) dynamics.solver.gluing_tolerance = 1e-9;
+  return dynamics;
+}
+
+// The same in space: a tumbling clump and a board that is pushed down.
+Simulation pressed_spheres(const Dynamics& chosen, Components<Index> grid = {2, 1, 1}) {
+  std::vector<Ball> balls;
+  for (Index k = 0; k < 8; ++k)
+    balls.push_back({.centre = Vector3(1.02 * static_cast<double>(k % 2), 1.02 * static_cast<double>(k / 2 % 2),
+                                       0.5 + static_cast<double>(k / 4))});
+  Dynamics dynamics = chosen;
+  dynamics.time.step = 0.005;
+  BoundarySpec clump;
+  clump.name = "clump";
+  clump.shape = BoundaryShape::grains;
+  clump.dimension = 3;
+  clump.first = 4;
+  clump.last = 5;
+  clump.motion.centre = {0.51, 0, 1.5};
+  clump.motion.initial = RigidVelocity{.spin = 1, .z = -0.1, .spin_x = 0.5, .spin_y = -0.25};
+  clump.body.emplace();
+  clump.body->directions.fill(true);
+  clump.body->mass = 2;
+  clump.body->inertia = {0.2, 0.7, 0.9};
+  clump.body->axes = Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Vector3(1, 2, 3).normalized()));
+  BoundarySpec board;
+  board.name = "board";
+  board.shape = BoundaryShape::plank;
+  board.dimension = 3;
+  board.point = {0.5, 0.5, 2.1};
+  board.motion.centre = board.point;
+  board.length = board.width = 2;
+  board.radius = 0.1;
+  board.body.emplace();
+  board.body->directions[2] = true;
+  board.body->mass = 3;
+  board.body->load.time = {0};
+  board.body->load.velocity = {{.z = -30}};
+  dynamics.boundaries = {plane("floor", Vector3::Zero(), Vector3::UnitZ()), clump, board};
+  return simulation_of(balls, dynamics, grid);
+}
+
+template <int D>
+StepReport take_one(Simulation& simulation, TrajectoryStep& after) {
+  GranularStep<D> step = solve_step<D>(simulation);
+  REQUIRE(step.report.status == SolverStatus::converged);
+  const std::vector<TrajectoryContact> contacts = trajectory_contacts(step);
+  const StepReport report = take_step(simulation, std::move(step));
+  after = TrajectoryStep{simulation.state, contacts};
+  return report;
+}
+
+std::vector<double> numbers_of(const RigidVelocity& v) { return {v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin}; }
+
+void check_same_bits(const GranularState& a, const GranularState& b) {
+  for (const auto values : numbers_of_grains(a.z.empty() ? 2 : 3)) CHECK(a.*values == b.*values);
+  REQUIRE(a.body_velocities.size() == b.body_velocities.size());
+  REQUIRE(a.poses.size() == b.poses.size());
+  for (std::size_t k = 0; k < a.poses.size(); ++k) {
+    CHECK(numbers_of(a.body_velocities[k]) == numbers_of(b.body_velocities[k]));
+    const Pose &p = a.poses[k], &q = b.poses[k];
+    CHECK(std::array{p.x, p.y, p.z, p.angle} == std::array{q.x, q.y, q.z, q.angle});
+    CHECK(p.turn.coeffs() == q.turn.coeffs());
+  }
+  REQUIRE(a.impulses.size() == b.impulses.size());
+  for (std::size_t k = 0; k < a.impulses.size(); ++k) CHECK(a.impulses[k].impulse == b.impulses[k].impulse);
+  REQUIRE(a.gluing.size() == b.gluing.size());
+  for (std::size_t k = 0; k < a.gluing.size(); ++k) {
+    CHECK(a.gluing[k].grain == b.gluing[k].grain);
+    CHECK(a.gluing[k].impulse == b.gluing[k].impulse);
+  }
+}
+
+// Writes every step of a run, and goes on from each of them.
+template <int D>
+void check_restarts(const Simulation& begin, Index steps) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  Simulation simulation = begin;
+  std::vector<TrajectoryStep> after(at(steps));
+  TrajectoryWriter writer(path, {"a case", "a build", {}, simulation.system}, {simulation.state, {}},
+                          headings(step_columns()));
+  for (TrajectoryStep& one : after) {
+    const StepReport report = take_one<D>(simulation, one);
+    writer.append(one, {row(step_columns(), report)}, true);
+  }
+  writer.commit();
+  check_same_bits(read_last_step(path).state, simulation.state);
+  for (Index k = 0; k + 1 < steps; ++k) {
+    CAPTURE(k);
+    Simulation rest = begin;
+    rest.state = read_trajectory_step(path, k + 1).state;
+    TrajectoryStep next;
+    take_one<D>(rest, next);
+    check_same_bits(rest.state, after[at(k + 1)].state);
+  }
+}
+
+DatboxTexts texts_of(const DatboxWriter& writer, const TrajectoryStep& step) {
+  const std::vector<std::pair<std::string, std::string>> tables = writer.tables();
+  return {writer.bodies(),
+          writer.bulk(),
+          writer.tact(),
+          writer.driven(),
+          writer.dof(step),
+          [tables](const std::string& name) {
+            for (const auto& [own, text] : tables)
+              if (own == name) return text;
+            return std::string();
+          }};
+}
+
+// A run from what the writer wrote, with the same solver, step and gap law.
+Simulation read_back(const DatboxTexts& texts, const Simulation& original) {
+  const Datbox datbox = parse_datbox(texts, "box");
+  Dynamics dynamics = datbox_dynamics(datbox);
+  dynamics.solver = original.dynamics.solver;
+  dynamics.time = original.dynamics.time;
+  GranularScene made = scene(datbox_packing(datbox, DatboxGrains::all), dynamics);
+  Index grain = 0;
+  for (const DatboxBody& body : datbox.bodies)
+    for (const DatboxContactor& one : body.contactors) {
+      if (one.plank) continue;
+      const std::size_t i = at(grain++);
+      if (!made.system.free(static_cast<Index>(i))) continue;
+      made.state.velocity_x[i] = body.velocity[0];
+      made.state.velocity_y[i] = body.velocity[1];
+      made.state.spin[i] = body.velocity[2];
+    }
+  return {made.system, made.state, dynamics, original.partitioner};
+}
+
+}  // namespace
+
+TEST_CASE("bodies: a run goes on from every step of its trajectory, bit for bit") {
+  for (const StepAlgorithm algorithm : {StepAlgorithm::nlgs, StepAlgorithm::generic, StepAlgorithm::automatic}) {
+    CAPTURE(to_string(algorithm));
+    check_restarts<2>(pressed_bed(pressed(algorithm)), 6);
+    check_restarts<3>(pressed_spheres(pressed(algorithm)), 4);
+  }
+}
+
+TEST_CASE("bodies: the plank presses the bed, and the clumps share its interface") {
+  Simulation simulation = pressed_bed(pressed(StepAlgorithm::generic));
+  TrajectoryStep after;
+  double carried = 0;
+  for (Index k = 0; k < 12; ++k) {
+    take_one<2>(simulation, after);
+    carried = 0;
+    for (const RememberedImpulse& one : simulation.state.impulses)
+      if (one.b == simulation.system.grains() + 1) carried += one.impulse[0] / 0.005;
+  }
+  CHECK(carried > 3 * g);
+  bool clump_is_cut = false;
+  for (const RememberedGluing& one : simulation.state.gluing)
+    clump_is_cut = clump_is_cut || one.grain >= simulation.system.grains();
+  CHECK(clump_is_cut);
+}
+
+TEST_CASE("bodies: the contact problem of a step, and of each subdomain, is solved by what the run found") {
+  const auto check_solution = [](const FclibFile& file, double tolerance) {
+    const auto& problem = std::get<GlobalFrictionProblem>(file.problem);
+    REQUIRE(file.solution.has_value());
+    const FclibSolution& found = *file.solution;
+    CHECK((body_velocities(problem, found.r) - found.v).norm() < tolerance);
+    CHECK((problem.h.transpose() * found.v + problem.w - found.u).norm() < tolerance);
+    return problem;
+  };
+  const auto check_all = [&](const Simulation& begin, auto dimension) {
+    constexpr int D = dimension();
+    Simulation simulation = begin;
+    TrajectoryStep after;
+    for (int k = 0; k < 2; ++k) take_one<D>(simulation, after);
+    const Simulation before = simulation;
+    const StepProblem<D> step = prepare_step<D>(start_of(before), false);
+    GranularStep<D> solved = solve_step<D>(simulation);
+    const std::vector<GrainVelocity<D>> velocities = solved.velocities;
+    take_one<D>(simulation, after);
+    const FclibFile file = fclib_of_step(before, &after);
+    const auto problem = check_solution(file, 1e-8);
+    // W of the exported problem is that of `solve` on the step.
+    const LocalFrictionProblem local = std::get<LocalFrictionProblem>(local_form(file).problem);
+    const LocalFrictionProblem own = contact_problem(step, before.system);
+    CHECK((Matrix(local.w) - Matrix(own.w)).cwiseAbs().maxCoeff() < 1e-12 * Matrix(own.w).maxCoeff());
+    CHECK((local.q - own.q).norm() < 1e-9 * (1 + own.q.norm()));
+    CHECK(local.friction == own.friction);
+    // Velocities of bodies, with spins in place of the speeds of rims.
+    const Vector v = file.solution->v;
+    Index row = 0;
+    for (Index body = 0; body < before.system.bodies(); ++body) {
+      if (before.system.inverse_mass(body) == 0) continue;
+      const auto rims = before.system.rims(body);
+      const GrainUnknowns<D> expected = unknowns(velocities[at(body)]);
+      for (Index k = 0; k < unknowns_of_grain<D>; ++k) {
+        const double arm = k < D ? 1 : rims[at(D == 2 ? k : k - D)];
+        CHECK(std::abs(v[row++] * arm - expected[at(k)]) < 1e-7);
+      }
+    }
+    CHECK(row == v.size());
+    CHECK(problem.mass.rows() == row);
+    for (Index e = 0; e < 2; ++e) check_solution(fclib_of_subdomain(before, after, e), 1e-6);
+  };
+  check_all(pressed_bed(pressed(StepAlgorithm::generic)), std::integral_constant<int, 2>());
+  check_all(pressed_spheres(pressed(StepAlgorithm::generic)), std::integral_constant<int, 3>());
+}
+
+TEST_CASE("bodies: a run with subdomains that become linear comes to the velocities of one without") {
+  // A crooked column with a clump in it that is pushed: every contact sticks, and there is one way to carry the loads.
+  const auto column_with = [](SwitchedModel model) {
+    Dynamics dynamics = pressed(StepAlgorithm::generic);
+    dynamics.interaction.friction = 2;
+    dynamics.solver.warm_start = false;
+    dynamics.solver.tolerance = dynamics.solver.gluing_tolerance = 1e-7;
+    dynamics.solver.maximum_iterations = 50'000;
+    dynamics.solver.model = model;
+    dynamics.solver.switch_after = 5;
+    dynamics.solver.switch_flexibility = Flexibility(1e-8, true);
+    const double up = std::sqrt(0.96);
+    std::vector<Grain> grains;
+    for (Index k = 0; k < 8; ++k)
+      grains.push_back({.x = k % 2 == 0 ? 0.0 : 0.2, .y = 0.5 + up * static_cast<double>(k)});
+    BoundarySpec clump = pair_of_disks("clump", 3, {0.1, 0.5 + 3.5 * up});
+    clump.body->load.time = {0};
+    clump.body->load.velocity = {{.x = 0.5, .y = -3, .spin = 0.1}};
+    dynamics.boundaries = {floor_wall(), clump};
+    return simulation_of(grains, dynamics, {1, 4});
+  };
+  Simulation plain = column_with(SwitchedModel::none), switched = column_with(SwitchedModel::linear);
+  Index linear_iterations = 0;
+  for (int k = 0; k < 6; ++k) {
+    CAPTURE(k);
+    const GranularStep<2> a = solve_step(plain), b = solve_step(switched);
+    REQUIRE(a.report.status == SolverStatus::converged);
+    REQUIRE(b.report.status == SolverStatus::converged);
+    CHECK(largest_difference(a.velocities, b.velocities, plain.system.bodies()) < 1e-6);
+    for (const RememberedModel& model : b.models) linear_iterations += model.switched_iterations;
+    take_step(plain, a);
+    take_step(switched, b);
+  }
+  CHECK(linear_iterations > 0);
+}
