@@ -309,3 +309,17 @@ TEST_CASE("bodies: a run with subdomains that become linear comes to the velocit
   }
   CHECK(linear_iterations > 0);
 }
+
+TEST_CASE("bodies: a DATBOX of clumps and nothing else has their masses") {
+  Dynamics dynamics = pressed(StepAlgorithm::nlgs);
+  dynamics.boundaries = {pair_of_disks("one", 0, {0.5, 0}, {.x = 1}), pair_of_disks("two", 2, {4.5, 0})};
+  Simulation simulation = simulation_of(
+      std::vector<Grain>{{.x = 0, .y = 0}, {.x = 1, .y = 0}, {.x = 4, .y = 0}, {.x = 5, .y = 0}}, dynamics);
+  const DatboxWriter writer(simulation);
+  REQUIRE(writer.without_datbox().empty());
+  const Simulation back = read_back(texts_of(writer, {simulation.state, {}}), simulation);
+  REQUIRE(back.system.free_bodies.size() == 2);
+  CHECK(back.system.boundaries[0].body->mass == doctest::Approx(2).epsilon(1e-6));
+  CHECK(back.system.boundaries[0].body->inertia[2] == doctest::Approx(0.8).epsilon(1e-6));
+  CHECK(back.system.may_touch(1, 2));
+}

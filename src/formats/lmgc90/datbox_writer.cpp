@@ -59,7 +59,7 @@ DatboxWriter::DatboxWriter(const Simulation& first)
     mass += system.mass[i];
     size += space_ ? volume_of(system.radius[i]) : std::numbers::pi * system.radius[i] * system.radius[i];
   }
-  density_ = mass / size;
+  if (size > 0) density_ = mass / size;  // else there are clumps only, which have masses of their own
   const double extent = space_ ? (high - low).norm() : high.head<2>().maxCoeff() - low.head<2>().minCoeff();
   for (std::size_t w = 0; w < planks_.size(); ++w) lay_plank(w, extent + margin_);
 }
