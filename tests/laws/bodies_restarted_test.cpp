@@ -310,6 +310,99 @@ TEST_CASE("bodies: a run with subdomains that become linear comes to the velocit
   CHECK(linear_iterations > 0);
 }
 
+TEST_CASE(
+    "bodies: a DATBOX of clumps and planks, pushed or free, has the bodies and the state of a run after some steps") {
+  Dynamics dynamics = pressed(StepAlgorithm::automatic);
+  dynamics.interaction.boundary_friction = 0.2;
+  dynamics.time.maximum_push_speed = 0;
+  Simulation simulation = pressed_bed(dynamics, {1, 1});
+  BoundarySpec& top = simulation.dynamics.boundaries.back();
+  top.body->load.oscillations.clear();  // LMGC90 has a table or an oscillation
+  BoundarySpec loose = wall("loose", {-2, 0.2}, {-1.2, 0.4});
+  loose.shape = BoundaryShape::plank;
+  loose.radius = 0.1;
+  loose.motion.centre = {-1.6, 0.3, 0};
+  loose.motion.initial = RigidVelocity{.x = 2, .spin = 0.5};
+  loose.body.emplace();
+  loose.body->directions = {true, true, false, false, false, true};
+  loose.body->mass = 0.7;
+  loose.body->inertia[2] = 0.11;
+  loose.body->load.time = {0};
+  loose.body->load.velocity = {{.x = 1, .y = 8, .spin = 0.25}};
+  simulation.dynamics.boundaries.push_back(loose);
+  {
+    Packing packing;
+    for (std::size_t i = 0; i < 12; ++i) {
+      packing.x.push_back(simulation.state.x[i]);
+      packing.y.push_back(simulation.state.y[i]);
+      packing.radius.push_back(0.5);
+      packing.mass.push_back(1);
+    }
+    GranularScene made = scene(packing, simulation.dynamics);
+    simulation.system = made.system;
+    simulation.state = made.state;
+  }
+  const DatboxWriter writer(simulation);
+  REQUIRE(writer.without_datbox().empty());
+  TrajectoryStep after{simulation.state, {}};
+  for (Index k = 0; k < 30; ++k) take_one<2>(simulation, after);
+  const Simulation original = simulation;
+  Simulation back = read_back(texts_of(writer, after), original);
+  REQUIRE(back.system.free_bodies.size() == 4);
+  // By their order: free grains, then boundaries.
+  const std::vector<Index> of_boundary{1, 2, 3, 4};
+  for (std::size_t k = 0; k < 4; ++k) {
+    CAPTURE(k);
+    const Index own = back.system.free_bodies[k], other = of_boundary[k];
+    const FreeBody &body = *back.system.boundaries[at(own)].body,
+                   &expected = *original.system.boundaries[at(other)].body;
+    CHECK(body.directions == expected.directions);
+    CHECK(body.mass == doctest::Approx(expected.mass).epsilon(1e-6));
+    if (expected.free(BodyDirection::spin))
+      CHECK(body.inertia[2] == doctest::Approx(expected.inertia[2]).epsilon(1e-6));
+    for (const double t : {0.0, 0.02, 1.0}) {
+      CHECK(body.load.at(t).y == doctest::Approx(expected.load.at(after.state.time + t).y).epsilon(1e-6));
+      CHECK(body.load.at(t).spin == doctest::Approx(expected.load.at(after.state.time + t).spin).epsilon(1e-6));
+    }
+    const RigidVelocity v = back.state.body_velocities[at(own)], w = original.state.body_velocities[at(other)];
+    CHECK(v.x == doctest::Approx(w.x).scale(1).epsilon(1e-6));
+    CHECK(v.y == doctest::Approx(w.y).scale(1).epsilon(1e-6));
+    CHECK(v.spin == doctest::Approx(w.spin).scale(1).epsilon(1e-6));
+    const Pose &p = back.state.poses[at(own)], &q = original.state.poses[at(other)];
+    CHECK(p.x == doctest::Approx(q.x).scale(1).epsilon(1e-6));
+    CHECK(p.y == doctest::Approx(q.y).scale(1).epsilon(1e-6));
+  }
+  // The bodies that touch, and their friction, are those of the run.
+  const auto friction_of = [](const Simulation& one, Index a, Index b) {
+    const PairRule* rule = one.system.pairs.of(a, b);
+    if (rule != nullptr && rule->friction) return *rule->friction;
+    return one.system.is_boundary(a) || one.system.is_boundary(b) ? one.dynamics.interaction.friction_at_boundaries()
+                                                                  : one.dynamics.interaction.friction;
+  };
+  std::vector<Index> in_back(at(original.system.grains() + count(original.system.walls)));
+  Index number = 0;
+  for (Index i = 0; i < original.system.grains(); ++i)  // free grains come first
+    if (original.system.free(i)) in_back[at(i)] = number++;
+  for (Index i = 0; i < original.system.grains(); ++i)
+    if (!original.system.free(i)) in_back[at(i)] = number++;
+  for (Index w = 0; w < count(original.system.walls); ++w) in_back[at(original.system.grains() + w)] = number++;
+  for (Index a = 0; a < original.system.grains(); ++a)
+    for (Index b = a + 1; b < count(in_back); ++b) {
+      const Index low = std::min(in_back[at(a)], in_back[at(b)]), high = std::max(in_back[at(a)], in_back[at(b)]);
+      const bool touch = original.system.may_touch(a, b), touch_back = back.system.may_touch(low, high);
+      CHECK(touch_back == touch);
+      if (touch && touch_back) CHECK(friction_of(back, low, high) == friction_of(original, a, b));
+    }
+  // A step goes on as that of the run.
+  const StepReport expected = advance(simulation), met = advance(back);
+  CHECK(met.contacts == expected.contacts);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const RigidVelocity v = back.state.body_velocities[at(back.system.free_bodies[k])],
+                        w = simulation.state.body_velocities[at(of_boundary[k])];
+    CHECK(std::hypot(v.x - w.x, v.y - w.y, v.spin - w.spin) < 1e-3);
+  }
+}
+
 TEST_CASE("bodies: a DATBOX of clumps and nothing else has their masses") {
   Dynamics dynamics = pressed(StepAlgorithm::nlgs);
   dynamics.boundaries = {pair_of_disks("one", 0, {0.5, 0}, {.x = 1}), pair_of_disks("two", 2, {4.5, 0})};

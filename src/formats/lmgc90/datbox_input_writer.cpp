@@ -49,12 +49,14 @@ std::string law_texts(const Dynamics& dynamics) {
          law_text(datbox_law_of_boundaries, dynamics, frictionless ? 0 : interaction.friction_at_boundaries());
 }
 
-// Contactors `grain` of free grains see those of another kind and colour.
-std::string sight_text(const char* body, const char* grain, const char* law, const char* contactor, const char* colour,
-                       double alert) {
+// Contactors `grain` of a colour see those of another kind and colour.
+std::string sight_text(const char* body, const char* grain, const char* own_colour, const char* contactor,
+                       const char* colour, double alert) {
+  const bool both_free = own_colour == std::string_view(datbox_grains) && colour == std::string_view(datbox_grains);
+  const char* law = both_free ? datbox_law_of_grains : datbox_law_of_boundaries;
   return fmt::format(
       "$seety\n cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert\n {}  {}  {}  {}  {}  {}  {}      {}\n\n",
-      body, grain, datbox_grains, law, body, contactor, colour, datbox_number(alert));
+      body, grain, own_colour, law, body, contactor, colour, datbox_number(alert));
 }
 
 bool turns_about_one_axis(const Motion& motion) {
@@ -113,10 +115,20 @@ std::string DatboxWriter::without_datbox() const {
 std::string DatboxWriter::tact() const {
   const double alert = first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius);
   const char *grain = space_ ? "SPHER" : "DISKx", *plank = space_ ? "PLANx" : "JONCx";
-  return "! File TACT_BEHAV\n\n" + law_texts(first_.dynamics) +
-         sight_text(kind(), grain, datbox_law_of_grains, grain, datbox_grains, alert) +
-         sight_text(kind(), grain, datbox_law_of_boundaries, grain, datbox_boundaries, alert) +
-         sight_text(kind(), grain, datbox_law_of_boundaries, plank, datbox_boundaries, alert);
+  std::string text = "! File TACT_BEHAV\n\n" + law_texts(first_.dynamics);
+  const auto add = [&](const char* own_colour, const char* contactor, const char* colour) {
+    text += sight_text(kind(), grain, own_colour, contactor, colour, alert);
+  };
+  add(datbox_grains, grain, datbox_grains);
+  add(datbox_grains, grain, datbox_boundaries);
+  add(datbox_grains, plank, datbox_boundaries);
+  if (first_.system.free_bodies.empty()) return text;
+  for (const char* colour : {datbox_grains, datbox_half_free})  // of planks that boundaries and others may touch
+    for (const char* own_colour : {datbox_grains, datbox_half_free, datbox_boundaries}) add(own_colour, plank, colour);
+  for (const char* own_colour : {datbox_grains, datbox_half_free, datbox_boundaries})
+    add(own_colour, grain, datbox_half_free);
+  add(datbox_half_free, plank, datbox_boundaries);
+  return text;
 }
 
 std::vector<DatboxWriter::Driven> DatboxWriter::driven_bodies() const {

@@ -218,11 +218,14 @@ std::string DatboxWriter::node_text(const char* names, const Vector3& place, dou
          (space_ ? datbox_three(names, Vector3::Zero(), 4) : "");
 }
 
-std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
+const char* DatboxWriter::colour_of(const Body& body) const {
   const GranularSystem& system = first_.system;
-  const bool boundary =
-      system.is_boundary(body.wall < 0 ? static_cast<Index>(body.grains[0]) : system.grains() + body.wall);
-  const char* colour = boundary ? datbox_boundaries : datbox_grains;
+  const Index one = body.wall < 0 ? static_cast<Index>(body.grains[0]) : system.grains() + body.wall;
+  return !system.is_boundary(one) ? datbox_grains : system.moves(one) ? datbox_half_free : datbox_boundaries;
+}
+
+std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
+  const char* colour = colour_of(body);
   std::string text;
   if (body.wall >= 0) {
     const Plank& plank = planks_[at(body.wall)];

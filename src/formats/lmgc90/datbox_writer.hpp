@@ -66,6 +66,7 @@ class DatboxWriter {
   Node plank_node(std::size_t wall, const Pose& pose) const;
   Node node_of(const Body& body, const GranularState& state) const;
   std::string contactors(const Body& body, const Node& node) const;
+  const char* colour_of(const Body& body) const;
   std::string node_text(const char* names, const Eigen::Vector3d& place, double angle) const;
   std::string disk_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const;
   std::string sphere_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number, bool wide) const;
@@ -98,8 +99,9 @@ std::string datbox_head(const char* title, Index step, double time);
 inline constexpr const char* datbox_ruler =
     "!-----------------------------------------------------------------------\n";
 
-/// Colours and laws of free grains and of boundaries.
-inline constexpr const char *datbox_grains = "GRAIN", *datbox_boundaries = "BOUND";
+/// Colours of grains and other bodies that are free, of boundaries, and of those that are free along some directions;
+/// and laws of the first, and of all others.
+inline constexpr const char *datbox_grains = "GRAIN", *datbox_boundaries = "BOUND", *datbox_half_free = "HALFx";
 inline constexpr const char *datbox_law_of_grains = "CLB_G", *datbox_law_of_boundaries = "CLB_B";
 
 inline Eigen::Vector3d spin_vector(const RigidVelocity& v) { return {v.spin_x, v.spin_y, v.spin}; }
