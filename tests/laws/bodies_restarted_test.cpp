@@ -416,3 +416,10 @@ TEST_CASE("bodies: a DATBOX of clumps and nothing else has their masses") {
   CHECK(back.system.boundaries[0].body->inertia[2] == doctest::Approx(0.8).epsilon(1e-6));
   CHECK(back.system.may_touch(1, 2));
 }
+
+TEST_CASE("bodies: no DATBOX is written of a case with rules for pairs of colours") {
+  Simulation simulation = pressed_bed(pressed(StepAlgorithm::nlgs));
+  simulation.dynamics.boundaries.back().body->load.oscillations.clear();
+  simulation.dynamics.pairs = {{{"", ""}, {.touch = false}}};
+  CHECK(DatboxWriter(simulation).without_datbox().find("pair") != std::string::npos);
+}

@@ -84,6 +84,7 @@ std::string datbox_named(std::initializer_list<std::pair<std::string_view, doubl
 
 std::string DatboxWriter::without_datbox() const {
   if (const std::string reason = without_law(first_.dynamics.interaction); !reason.empty()) return reason;
+  if (!first_.dynamics.pairs.empty()) return "pair: expected no rules for pairs of colours, which are not written";
   if (space_ && !first_.system.free_bodies.empty())
     return fmt::format("boundary '{}': expected bodies in space without free directions",
                        first_.system.body(first_.system.grains()).name);
