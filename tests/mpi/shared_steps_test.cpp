@@ -3,6 +3,7 @@
 #include "../support/spheres.hpp"
 #include "simulation/simulation.hpp"
 #include <nscdd/mpi/processes.hpp>
+#include <nscdd/packing/generator.hpp>
 
 #include <doctest/doctest.h>
 
@@ -41,6 +42,36 @@ Simulation cohesive(const std::string& algorithm) {
   row.shape = BoundaryShape::disks;
   row.radius = 0.4;
   dynamics.boundaries = {row, wall("left", {-0.5, 6}, {-0.5, 0})};
+  return shaken_lattice(9, 6, dynamics, {4, 2});
+}
+
+// Rows of the lattice are clumps, each in several subdomains, over a wall that a force pushes up.
+Simulation clumped(const std::string& algorithm) {
+  Dynamics dynamics = dynamics_of(algorithm);
+  dynamics.interaction.friction = 0.3;
+  dynamics.solver.warm_start = true;
+  const Packing lattice = generate(Generator{HexagonalLattice{.columns = 9, .rows = 6, .radius = 0.5}});
+  double foot = infinity;
+  for (const double y : lattice.y) foot = std::min(foot, y - 0.5);
+  for (const auto& [first, last] : {std::array<Index, 2>{10, 12}, {22, 25}, {40, 41}}) {
+    BoundarySpec clump = driven_grains("clump " + std::to_string(first), first, last);
+    for (Index i = first; i <= last; ++i)
+      clump.motion.centre[0] += lattice.x[at(i)] / static_cast<double>(last - first + 1);
+    clump.motion.centre[1] = lattice.y[at(first)];
+    clump.motion.initial = RigidVelocity{.x = 0.3, .y = -0.5, .spin = 0.2};
+    clump.body.emplace();
+    clump.body->directions = {true, true, false, false, false, true};
+    clump.body->mass = 3;
+    clump.body->inertia[2] = 2;
+    dynamics.boundaries.push_back(clump);
+  }
+  BoundarySpec floor = wall("floor", {0, foot}, {1, foot});
+  floor.body.emplace();
+  floor.body->directions = {false, true};
+  floor.body->mass = 5;
+  floor.body->load.time = {0};
+  floor.body->load.velocity = {{.y = 900}};
+  dynamics.boundaries.push_back(floor);
   return shaken_lattice(9, 6, dynamics, {4, 2});
 }
 
@@ -89,6 +120,12 @@ void check_run(const Simulation& start, int steps) {
     CHECK(met.energy.dissipation == expected.energy.dissipation);
     CHECK(met.energy.kinetic == expected.energy.kinetic);
     CHECK(shared.state.x == alone.state.x);
+    REQUIRE(shared.state.body_velocities.size() == alone.state.body_velocities.size());
+    for (std::size_t b = 0; b < alone.state.body_velocities.size(); ++b) {
+      const RigidVelocity &v = shared.state.body_velocities[b], &w = alone.state.body_velocities[b];
+      CHECK(std::array{v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin} ==
+            std::array{w.x, w.y, w.z, w.spin_x, w.spin_y, w.spin});
+    }
     // Of every contact of its grains a process remembers the subdomain, and of its own contacts the impulse.
     for (const RememberedSubdomain& one : alone.state.subdomains) {
       const auto has = [&](Index grain) {
@@ -113,6 +150,15 @@ TEST_CASE("shared steps: every contact is in one process, which knows all contac
     check_run(shaken(algorithm), generic ? 5 : 2);
     check_run(cohesive(algorithm), generic ? 4 : 1);
     check_run<3>(shaken_cube(generic ? 3 : 2, dynamics_of(algorithm), {2, 2, 2}), 1);
+  }
+}
+
+TEST_CASE("shared steps: clumps and a pushed wall in several processes move as in one, bit for bit") {
+  for (const std::string algorithm : {"generic", "two_stage_newton", "two_stage_admm"}) {
+    CAPTURE(algorithm);
+    const Simulation start = clumped(algorithm);
+    REQUIRE(start.system.free_bodies.size() == 4);
+    check_run(start, algorithm == "generic" ? 4 : 2);
   }
 }
 
