@@ -129,6 +129,9 @@ struct Lever {
 template <int D>
 struct Levers {
   Lever<D> a, b;
+
+  /// Whether tangential impulses move anything.
+  bool rubs() const { return a.rows[1] != typename Lever<D>::Unknowns{} || b.rows[1] != typename Lever<D>::Unknowns{}; }
 };
 
 struct BodyRows {

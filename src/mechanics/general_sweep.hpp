@@ -10,16 +10,24 @@ namespace nscdd {
 template <int D, class Law>
 SweepSums general_sweep(const Law& law, ContactRows<D>& contacts, std::span<GrainVelocity<D>> v, double relaxation) {
   SweepSums sums;
+  const auto next_of = [&](std::size_t k, const LocalVector<D>& r, const auto& w) {
+    LocalVector<D> u = contacts.relative_velocity_at(k, v);
+    u.n += contacts.rows[k].bias_n;
+    if (!contacts.bias_t.empty()) u = u + in_frame(contacts.rows[k].normal, SweptVector<D>{0, contacts.bias_t[k]});
+    const double pull = contacts.pull.empty() ? 0 : contacts.pull[k];
+    return law_at(law, pull).impulse(r - w.solve(u), w, contacts.others[k].friction);
+  };
   for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const GrainContact<D> c = contacts.contact(k, v);
-    LocalVector<D> next = with_delassus(c, [&](const auto& w) {
-      const LocalVector<D> stop = c.impulse - w.solve(relative_velocity<D>(c, v) + c.bias);
-      return law_at(law, c.pull).impulse(stop, w, c.friction);
-    });
-    if (relaxation != 1) next = c.impulse + relaxation * (next - c.impulse);
-    const LocalVector<D> change = next - c.impulse;
+    const double mass_a = v[static_cast<std::size_t>(contacts.rows[k].a)].inverse_mass;
+    const double mass_b = v[static_cast<std::size_t>(contacts.rows[k].b)].inverse_mass;
+    const LocalVector<D> r = contacts.impulse(k);
+    const Levers<D>* const levers = contacts.others[k].levers.get();
+    LocalVector<D> next = levers == nullptr ? next_of(k, r, grain_delassus<D>(mass_a, mass_b))
+                                            : next_of(k, r, lever_delassus(*levers, mass_a, mass_b));
+    if (relaxation != 1) next = r + relaxation * (next - r);
+    const LocalVector<D> change = next - r;
     contacts.set_impulse(k, next);
-    apply_impulse(c, change, v);
+    contacts.push_bodies(k, change, v);
     sums.change += squared(change);
     sums.impulses += squared(next);
   }

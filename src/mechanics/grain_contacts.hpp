@@ -86,6 +86,8 @@ FullDelassus<D> lever_delassus(const Levers<D>& levers, double inverse_mass_a, d
   };
   add(levers.a, inverse_mass_a);
   add(levers.b, inverse_mass_b);
+  if (!levers.rubs())  // any regular block will do
+    for (std::size_t d = 1; d < D; ++d) w[d][d] = w[0][0];
   if constexpr (D == 2)
     return {w[0][0], w[0][1], w[1][1]};
   else

@@ -26,13 +26,13 @@ class Pair {
   Place line(std::size_t place) const {
     const Configuration& where = path_.places[place];
     if (wall_ < 0) return seen(place, path_.system.apart(where.centre(a_), where.centre(b_)));
-    const auto [foot, normal, height] = nearest_point(wall(where), where.centre(a_));
+    const auto [foot, normal, height] = nearest_point(path_.system, wall(where), where.centre(a_));
     return seen(place, moved_along({}, wall(where).radius - height, normal));
   }
   // Of a flat or hollow body.
   double gap(std::size_t place) const {
     const Configuration& where = path_.places[place];
-    return nearest_point(wall(where), where.centre(a_)).height - radius_;
+    return nearest_point(path_.system, wall(where), where.centre(a_)).height - radius_;
   }
   // The overlap of a grain whose centre goes through the middle of a plank on its way, m; else -infinity. `from`, `to`:
   // of place_at_wall.
@@ -52,7 +52,9 @@ class Pair {
   Place place_at_wall(std::size_t place) const {
     const Configuration& where = path_.places[place];
     const Pose& pose = where.poses[at(boundary_)];
-    return seen(place, difference(where.centre(a_), {pose.x, pose.y, pose.z}));
+    const Place centre{pose.x, pose.y, pose.z};
+    return seen(place, wall(where).plank() ? path_.system.apart(centre, where.centre(a_))
+                                           : difference(where.centre(a_), centre));
   }
 
  private:
@@ -191,7 +193,7 @@ std::vector<DeepOverlap> Passage::too_deep(const Path& path) {
     for (Index i = 0; i < system.grains(); ++i)
       if (system.may_touch(i, system.grains() + w))
         check(i, system.grains() + w,
-              nearest_point(where.walls[at(w)], where.centre(at(i))).height - system.radius[at(i)]);
+              nearest_point(system, where.walls[at(w)], where.centre(at(i))).height - system.radius[at(i)]);
   return deep;
 }
 

@@ -39,6 +39,14 @@ WallPoint nearest_point(const Wall& wall, const Place& centre) {
   return {foot, outwards, inwards * (distance - radius)};
 }
 
+WallPoint nearest_point(const GranularSystem& system, const Wall& wall, const Place& centre) {
+  if (!wall.plank() || !system.period.any()) return nearest_point(wall, centre);
+  const Place image = moved_along(wall.point, 1, system.apart(wall.point, centre));
+  WallPoint found = nearest_point(wall, image);
+  found.foot = moved_along(found.foot, 1, difference(centre, image));
+  return found;
+}
+
 Configuration configuration(const StepStart& start, const std::vector<RigidVelocity>& motions, double time) {
   const auto& [system, state, interaction, scheme] = start;
   Configuration where{state.x, state.y, state.z, system.walls, state.poses, step_motions(system, state, scheme)};
@@ -97,11 +105,14 @@ double fastest_of(const StepStart& start, const std::vector<RigidVelocity>& moti
     const GrainMotion v = velocity(i);
     for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], v[k]), high[k] = std::max(high[k], v[k]);
   }
-  double boundaries = 0;
+  double boundaries = 0, second = 0;  // the fastest, and of free bodies the next: they may meet
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const double arm = spin_of(motions[k]) > 0 ? farthest(start, k) : 0;
-    boundaries = std::max(boundaries, std::hypot(motions[k].x, motions[k].y, motions[k].z) + spin_of(motions[k]) * arm);
+    const double speed = std::hypot(motions[k].x, motions[k].y, motions[k].z) + spin_of(motions[k]) * arm;
+    second = std::max(second, std::min(speed, boundaries));
+    boundaries = std::max(boundaries, speed);
   }
+  if (!system.free_bodies.empty()) boundaries += second;
   return system.length(difference(high, low)) + boundaries;
 }
 

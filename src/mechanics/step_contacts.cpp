@@ -45,7 +45,7 @@ class ContactSearch {
       check_move(start, i, v);
       const double speed = system_.length(velocity_of(v));
       fastest = std::max(fastest, speed);
-      if (!system_.moves(i)) considered_.boundary_speed = std::max(considered_.boundary_speed, speed);
+      if (system_.is_boundary(i)) considered_.boundary_speed = std::max(considered_.boundary_speed, speed);
     }
     pulls_ =
         std::visit([](const auto& law) { return law.pulls; }, contact_law(start.interaction, start.scheme.step, 1));
@@ -85,6 +85,7 @@ class ContactSearch {
         half[k] = (from[k] + to[k]) / 2;
         apart[k] /= distance;
       }
+      if (system_.period.any()) half = moved_along(half, 1, system_.period.into_cell(half));
       visit_if_near({a, b, apart, half, distance - touch}, square <= in_reach * in_reach);
     });
   }
@@ -100,7 +101,7 @@ class ContactSearch {
     for (Index w = 0; w < count(where_.walls); ++w)
       for (Index i = 0; i < system_.grains(); ++i) {
         if (!system_.may_touch(i, system_.grains() + w)) continue;
-        const auto [foot, normal, height] = nearest_point(where_.walls[at(w)], where_.centre(at(i)));
+        const auto [foot, normal, height] = nearest_point(system_, where_.walls[at(w)], where_.centre(at(i)));
         StepContact contact{i, system_.grains() + w, {}, foot, height - system_.radius[at(i)]};
         for (std::size_t k = 0; k < at(system_.dimension); ++k) contact.normal[k] = -normal[k];
         visit_if_near(contact, true);
@@ -134,11 +135,33 @@ class ContactSearch {
     if (in_reach) visit(c);
   }
 
+  // Whether impulses along the normal of a contact move one of its bodies: not so if both are driven along it.
+  bool moves_apart(const StepContact& c) const {
+    constexpr double part = 1e-9;
+    if (system_.free_bodies.empty()) return true;
+    for (const Index body : {c.a, c.b}) {
+      const Index node = system_.node_of(body);
+      if (!system_.is_free_node(node)) continue;
+      if (node < system_.grains()) return true;
+      const Index k = system_.boundary_of(body);
+      const FreeBody& own = *system_.boundaries[at(k)].body;
+      const Pose& pose = where_.poses[at(k)];
+      const Place arm = difference(contact_point(system_, where_, c, body), {pose.x, pose.y, pose.z});
+      const Place turn = cross(arm, c.normal);
+      for (std::size_t j = 0; j < 3; ++j)
+        if ((own.directions[j] && std::abs(c.normal[j]) > part) ||
+            (own.directions[3 + j] && std::abs(turn[j]) > part * system_.length(arm)))
+          return true;
+    }
+    return false;
+  }
+
   void visit(const StepContact& c) {
+    if (!moves_apart(c)) return;
     // Under a condition on the velocity a contact acts once it touches: the predicted gap would swallow the impact.
     if (start_.interaction.on_velocity() && c.gap > 0 && !(pulls_ && hold(system_, start_.interaction, c))) return;
     ++considered_.number;
-    if (c.b >= system_.grains() && !system_.moves(c.b))
+    if (c.b >= system_.grains() && system_.is_boundary(c.b))
       considered_.boundary_speed = std::max(considered_.boundary_speed, system_.length(velocity(c.b, c.point)));
     visit_(c);
   }
@@ -158,6 +181,11 @@ class ContactSearch {
 
 ConsideredContacts for_each_step_contact(const StepStart& start, const std::function<void(const StepContact&)>& visit) {
   return ContactSearch(start, visit).run();
+}
+
+Place contact_point(const GranularSystem& system, const Configuration& where, const StepContact& c, Index body) {
+  if (body >= system.grains()) return c.point;
+  return moved_along(where.centre(at(body)), (body == c.a ? 1 : -1) * system.radius[at(body)], c.normal);
 }
 
 bool hold(const GranularSystem& system, const Interaction& interaction, const StepContact& contact) {

@@ -22,7 +22,10 @@ double thrown(const DeepOverlap& one, const StepStart& start) {
     return node < 0 ? 0 : system.inverse_mass(node);
   };
   const double a = inverse_mass(one.a), b = inverse_mass(one.b);
-  return std::max(1.0, (1 + interaction.restitution) * std::max(a, b) / (a + b));
+  const PairRule* const rule = system.pairs.of(one.a, one.b);
+  const double restitution =
+      rule != nullptr ? rule->restitution.value_or(interaction.restitution) : interaction.restitution;
+  return std::max(1.0, (1 + restitution) * std::max(a, b) / (a + b));
 }
 
 // A step that is short enough for two bodies: it must not move them, or bodies they meet next, further than they may

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/step_problem.hpp"
 
+#include "linalg/sparse_entries.hpp"
 #include "mechanics/contact_blocks.hpp"
+#include "mechanics/levers.hpp"
 #include "packing/grain_grid.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
@@ -46,51 +48,6 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
   return bodies;
 }
 
-// The lever of a contact on the grain or wall `body`, sign -1 for a and +1 for b.
-template <int D>
-Lever<D> lever_on(const StepStart& start, const Configuration& where, const StepContact& c, Index body, double sign) {
-  const auto& [system, state, interaction, scheme] = start;
-  const Direction<D> normal = narrowed<D>(c.normal);
-  const auto directions = contact_directions<D>();
-  const Index node = system.node_of(body);
-  Lever<D> lever;
-  if (node < system.grains()) {  // a grain, a driven one or a wall
-    for (std::size_t d = 0; d < D; ++d) lever.rows[d] = impulse_on_grain(normal, sign, directions[d]);
-    lever.moves.fill(1);
-    return lever;
-  }
-  const Index k = system.boundary_of(body);
-  const FreeBody& own = *system.boundaries[at(k)].body;
-  const Pose& pose = where.poses[at(k)];
-  const Place point =
-      body < system.grains() ? moved_along(where.centre(at(body)), -sign * system.radius[at(body)], c.normal) : c.point;
-  const Place arm = difference(point, {pose.x, pose.y, pose.z});
-  const std::array<double, 3> rims = own.rims(system.dimension);
-  const Eigen::Matrix3d axes = principal_axes(own, turn_at_contacts(system, state, scheme, k));
-  for (std::size_t d = 0; d < D; ++d) {
-    const auto on_b = impulse_on_grain(normal, 1, directions[d]);  // its first D numbers are the direction
-    Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-    for (std::size_t j = 0; j < D; ++j) direction[static_cast<Index>(j)] = on_b[j];
-    const Eigen::Vector3d turn = Eigen::Vector3d::Map(arm.data()).cross(direction);
-    for (std::size_t j = 0; j < D; ++j) lever.rows[d][j] = sign * on_b[j];
-    if constexpr (D == 2)
-      lever.rows[d][2] = sign * turn[2] / rims[2];
-    else
-      for (Index j = 0; j < 3; ++j) lever.rows[d][at(3 + j)] = sign * axes.col(j).dot(turn) / rims[at(j)];
-  }
-  for (std::size_t j = 0; j < lever.moves.size(); ++j)
-    lever.moves[j] = own.directions[j < D ? j : D == 2 ? 5 : j] ? 1 : 0;
-  return lever;
-}
-
-// The levers of a contact with a body with free directions; null for others.
-template <int D>
-std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configuration& where, const StepContact& c) {
-  const GranularSystem& system = start.system;
-  if (std::max(system.node_of(c.a), system.node_of(c.b)) < system.grains()) return nullptr;
-  return std::make_shared<const Levers<D>>(lever_on<D>(start, where, c, c.a, -1), lever_on<D>(start, where, c, c.b, 1));
-}
-
 template <int D>
 GrainContact<D> solver_contact(const StepContact& c, const std::array<Index, 2>& bodies, const StepProblem<D>& problem,
                                const Interaction& interaction, double correction, double push,
@@ -106,6 +63,7 @@ GrainContact<D> solver_contact(const StepContact& c, const std::array<Index, 2>&
                     .friction = driven ? problem.boundary_friction : problem.friction,
                     .levers = std::move(levers)};
   if (rule != nullptr && rule->friction && problem.rubs) k.friction = *rule->friction;
+  if (k.levers != nullptr && !k.levers->rubs()) k.friction = 0;
   if (interaction.on_velocity() || problem.tangential_bias) {
     const auto own = [&](auto restitution) {
       return rule != nullptr && rule->*restitution ? *(rule->*restitution) : std::optional<double>();
@@ -118,26 +76,25 @@ GrainContact<D> solver_contact(const StepContact& c, const std::array<Index, 2>&
   return k;
 }
 
-// A lever on spins in place of the speeds of rims.
+// Solvers need a regular W of every contact. Tangential impulses that move no body, which are 0 without friction, move
+// an unknown of their own, of mass 1/W_nn.
 template <int D>
-Lever<D> on_spins(Lever<D> lever, const std::array<double, 3>& rims) {
-  for (auto& row : lever.rows)
-    for (std::size_t k = D; k < row.size(); ++k) row[k] *= rims[D == 2 ? k : k - D];
-  return lever;
-}
-
-// Relative velocity of a contact by the driven unknowns of bodies with free directions.
-template <int D>
-LocalVector<D> driven_part(const GrainContact<D>& c, const std::vector<GrainVelocity<D>>& bodies) {
-  LocalVector<D> sum;
-  for (const auto& [lever, body] : {std::pair(&c.levers->a, c.a), std::pair(&c.levers->b, c.b)}) {
-    const GrainVelocity<D>& v = bodies[at(body)];
-    if (v.inverse_mass == 0) continue;  // counted whole
-    GrainUnknowns<D> own = unknowns(v);
-    for (std::size_t k = 0; k < own.size(); ++k) own[k] *= 1 - lever->moves[k];
-    sum = sum + lever->velocity(own);
-  }
-  return sum;
+void add_idle_unknowns(GlobalFrictionProblem& problem, const std::vector<GrainContact<D>>& contacts) {
+  SparseEntries h;
+  std::vector<double> mass;
+  const Index rows = problem.h.rows();
+  for (std::size_t c = 0; c < contacts.size(); ++c)
+    for (Index d = 1; d < D && contacts[c].levers != nullptr && !contacts[c].levers->rubs(); ++d) {
+      h.add(rows + count(mass), D * static_cast<Index>(c) + d, 1);
+      mass.push_back(inverse_normal_delassus(contacts[c]));
+    }
+  if (mass.empty()) return;
+  h.add_block(problem.h, 0, 0);
+  problem.h = h.matrix(rows + count(mass), problem.h.cols());
+  Vector all(rows + count(mass));
+  all << problem.mass.diagonal(), Vector::Map(mass.data(), count(mass));
+  problem.mass = SparseMatrix(all.asDiagonal());
+  problem.f.conservativeResizeLike(Vector::Zero(all.size()));
 }
 
 }  // namespace
@@ -245,6 +202,7 @@ GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodi
     problem.friction[c] = k.friction;
   }
   problem.h = h.matrix();
+  add_idle_unknowns(problem, contacts);
   return problem;
 }
 

@@ -175,20 +175,26 @@ RigidVelocity velocity_to_keep(const FreeBody& body, const RigidVelocity& v, con
 }
 
 // Moves bodies with free directions, and their grains, to their images in a periodic cell.
-void keep_bodies_in_cell(const GranularSystem& system, GranularState& state) {
-  if (!system.period.any()) return;
+// Returns the change of their potential energy, J.
+double keep_bodies_in_cell(const GranularSystem& system, GranularState& state, const Place& gravity) {
+  if (!system.period.any()) return 0;
+  double lifted = 0;
   std::vector<Place> steps(state.poses.size(), Place{0, 0, 0});
   for (const Index k : system.free_bodies) {
     Pose& pose = state.poses[at(k)];
     const Place step = steps[at(k)] = system.period.into_cell({pose.x, pose.y, pose.z});
     pose.x += step[0];
     pose.y += step[1];
+    const FreeBody& body = *system.boundaries[at(k)].body;
+    for (std::size_t j = 0; j < 3; ++j)
+      if (body.directions[j]) lifted -= body.mass * gravity[j] * step[j];
   }
   for (std::size_t i = 0; i < at(system.grains()); ++i)
     if (const Index k = system.driven_by[i]; k >= 0) {
       state.x[i] += steps[at(k)][0];
       state.y[i] += steps[at(k)][1];
     }
+  return lifted;
 }
 
 }  // namespace
@@ -200,6 +206,8 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
   const bool at_end = scheme.boundary_instant == BoundaryInstant::end;
   const auto first = boundary_velocities(system, state, at_end ? state.time : state.time + h / 2);
   const auto motions = with_free_bodies(system, state, scheme, step_motions(system, state, scheme), velocities);
+  const Place gravity = gravity_of(scheme, system.dimension);
+  double lifted = 0;  // J, of grains that enter a periodic cell at its other end
   const double loads = work_of_loads(system, scheme, state.time, first, motions);
   // Part of the step in which a boundary has the velocity that contacts see.
   const auto whole = [&](std::size_t k) { return at_end || system.boundaries[k].body ? scheme.theta : 1; };
@@ -224,18 +232,22 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
       centre = carried(centre, poses[at(k)], state.poses[at(k)]);
     else
       for (std::size_t j = 0; j < 3; ++j) centre[j] += h * ((1 - theta) * old[j] + theta * v[j]);
-    if (k < 0) centre = moved_along(centre, 1, system.period.into_cell(centre));
+    if (k < 0) {
+      const Place step = system.period.into_cell(centre);
+      centre = moved_along(centre, 1, step);
+      lifted -= system.mass[i] * dot(gravity, step);
+    }
     move_grain(state, i, centre, angle);
     set_motion(state, i, v, radius);
   }
-  keep_bodies_in_cell(system, state);
+  lifted += keep_bodies_in_cell(system, state, gravity);
   ++state.step;
   state.time = static_cast<double>(state.step) * h;
   StepEnergy energy = energy_of(system, state, scheme);
   energy.boundary_work = work.boundary + loads;
   energy.dissipation = work.dissipation;
-  energy.numerical =
-      energy.kinetic + energy.potential - before.kinetic - before.potential - energy.boundary_work + work.dissipation;
+  energy.numerical = energy.kinetic + energy.potential - before.kinetic - before.potential - energy.boundary_work +
+                     work.dissipation - lifted;
   return energy;
 }
 

@@ -98,7 +98,7 @@ struct StepEnergy {
   double kinetic = 0, potential = 0;  ///< at the end of the step
   double boundary_work = 0;           ///< done by driven grains and walls, and by loads
   double dissipation = 0;             ///< - sum r . (v + v^-)/2 over contacts
-  double numerical = 0;               ///< what is left; at theta = 1/2 only rounding
+  double numerical = 0;               ///< what is left; at theta = 1/2 only rounding, but for bodies that turn in space
 };
 
 /// Work of the impulse of a contact in a step, J.

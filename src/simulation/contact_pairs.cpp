@@ -11,7 +11,6 @@ namespace nscdd {
 void set_pairs(GranularSystem& system, const std::vector<ColourSpec>& colours, const std::vector<PairSpec>& pairs,
                const std::vector<std::string>& of_boundaries, Index grains) {
   system.pairs = {};
-  if (pairs.empty()) return;
   std::map<std::string, Index> number{{"", 0}};
   const auto number_of = [&](const std::string& name) { return number.try_emplace(name, count(number)).first->second; };
   std::vector<Index>& colour = system.pairs.colour;
@@ -28,6 +27,7 @@ void set_pairs(GranularSystem& system, const std::vector<ColourSpec>& colours, c
     const Index own = number_of(one.name);
     std::fill(colour.begin() + first, colour.begin() + last + 1, own);
   }
+  if (pairs.empty()) return void(system.pairs = {});
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     std::array<Index, 2> pair{};
     for (std::size_t k = 0; k < 2; ++k) {

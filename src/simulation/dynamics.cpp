@@ -111,6 +111,13 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics, const Peri
   system.driven_by.shrink_to_fit();
   number_bodies(system);
   result.state = initial_state(system, std::move(x), std::move(y), packing.z);
+  for (Index i = 0; i < system.grains(); ++i)  // grains of a body are beside its centre, not at other images
+    if (const Index k = system.driven_by[at(i)]; k >= 0 && system.period.any() && system.boundaries[at(k)].body) {
+      const Place& centre = system.boundaries[at(k)].motion.centre;
+      const Place place = moved_along(centre, 1, system.apart(centre, centre_of(result.state, at(i))));
+      result.state.x[at(i)] = place[0];
+      result.state.y[at(i)] = place[1];
+    }
   complete(system, result.state, dynamics, packing.size());
   for (const Index k : system.free_bodies) {
     const Boundary& boundary = system.boundaries[at(k)];
@@ -129,7 +136,21 @@ void complete(GranularSystem& system, const GranularState& first, const Dynamics
     double& reach = system.boundaries[at(k)].body->reach;
     const Place arm = difference(centre_of(first, at(i)), {pose.x, pose.y, pose.z});
     reach = std::max(reach, system.length(arm) + system.radius[at(i)]);
+    for (const double length : {system.period.x, system.period.y})
+      if (length > 0 && 2 * reach > length)
+        fail(
+            "boundary '{}': expected a body that is shorter than the periodic cell, met grains as far as {} m from its "
+            "centre, in a cell of {} m",
+            system.boundaries[at(k)].name, reach, length);
   }
+  if (dynamics.interaction.on_velocity() && dynamics.interaction.cohesion_range > 0)
+    throw Error("interaction.cohesion_range",
+                "expected the condition on the gap with a range above 0, met that on the velocity, by which bodies in "
+                "range would stop apart");
+  for (std::size_t k = 0; k < dynamics.pairs.size(); ++k)
+    if (dynamics.pairs[k].rule.restitution && !dynamics.interaction.on_velocity())
+      throw Error(fmt::format("pair[{}].restitution", k),
+                  "expected interaction.signorini = \"velocity\" with it, met \"gap\"");
   std::vector<std::string> colours;
   for (const BoundarySpec& spec : dynamics.boundaries) colours.push_back(spec.colour);
   set_pairs(system, dynamics.colours, dynamics.pairs, colours, grains);

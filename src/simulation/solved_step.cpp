@@ -32,6 +32,7 @@ StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double p
   double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;
   double speed_squared = 0;  // of the fastest driven body or push
   for (Index i = 0; i < before.system.bodies(); ++i) {
+    if (i < before.system.grains() && before.system.node_of(i) != i) continue;  // a grain of a free body
     const GrainMotion motion = free_motion(start_of(before), motions, i);
     const GrainVelocity<D> free = with_motion<D>(motion, before.system.inverse_mass(i));
     if (free.inverse_mass == 0) {

@@ -173,6 +173,7 @@ DatboxTexts texts_of(const DatboxWriter& writer, const TrajectoryStep& step) {
           writer.tact(),
           writer.driven(),
           writer.dof(step),
+          {},
           [tables](const std::string& name) {
             for (const auto& [own, text] : tables)
               if (own == name) return text;

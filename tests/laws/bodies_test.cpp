@@ -230,6 +230,51 @@ TEST_CASE("a disk that is fast goes through no plank unseen") {
   CHECK_THROWS_WITH_AS(advance(simulation, 3), doctest::Contains("dynamics.step"), Error);
 }
 
+TEST_CASE("a rough plate that is free along y alone goes down between fixed walls that it touches") {
+  constexpr double force = 20, mass = 3;
+  const auto end_of = [](Choice<StepAlgorithm> algorithm, bool walls) {
+    // Disks 0 to 2 of the bed; 3 to 5 of the plate, whose ends touch the side walls.
+    const std::vector<Grain> grains{{.x = 0.5, .y = 0.5}, {.x = 1.5, .y = 0.5}, {.x = 2.5, .y = 0.5},
+                                    {.x = 0.5, .y = 1.5}, {.x = 1.5, .y = 1.5}, {.x = 2.5, .y = 1.5}};
+    BoundarySpec plate = driven_grains("plate", 3, 5);
+    plate.motion.centre = {1.5, 1.5, 0};
+    plate.body = free_body(mass, 0, {false, true});
+    plate.body->load.time = {0};
+    plate.body->load.velocity = {{.y = -force}};
+    std::vector<BoundarySpec> boundaries{floor_wall(), plate};
+    if (walls) boundaries.insert(boundaries.end(), {wall("left", {0, 1}, {0, 0}), wall("right", {3, 0}, {3, 1})});
+    Dynamics dynamics = tight(boundaries);
+    dynamics.solver.algorithm = algorithm;
+    if (!has_part(algorithm, StepPart::sweeps)) dynamics.solver.tolerance = 1e-10;
+    Simulation simulation = simulation_of(grains, dynamics);
+    const StepReport report = advance(simulation, 5);
+    CHECK(report.residual.relative_natural_map() < 1e-9);
+    CHECK(velocity_of(simulation, 1).x == 0);
+    CHECK(std::abs(velocity_of(simulation, 1).y) < 1e-9);
+    double sum = 0;  // what the bed carries
+    for (Index i = 0; i < 3; ++i) sum += impulse_between(simulation.state, i, 3 + i).n / dynamics.time.step;
+    return sum;
+  };
+  for (const StepAlgorithm algorithm : {StepAlgorithm::nlgs, StepAlgorithm::automatic, StepAlgorithm::generic})
+    for (const bool walls : {false, true})
+      CHECK(end_of(algorithm, walls) == doctest::Approx(force + mass * g).epsilon(1e-7));
+}
+
+TEST_CASE("a wall that is free along y presses driven grains, along which nothing can rub") {
+  for (const StepAlgorithm algorithm : {StepAlgorithm::nlgs, StepAlgorithm::automatic}) {
+    BoundarySpec top = wall("top", {1, 1}, {0, 1});
+    top.body = free_body(2, 0, {false, true});
+    Dynamics dynamics = tight({top, driven_grains("stones", 0, 1, moving({.x = 0.3}))});
+    dynamics.solver.algorithm = algorithm;
+    if (algorithm == StepAlgorithm::automatic) dynamics.solver.tolerance = 1e-10;
+    Simulation simulation = simulation_of({{.x = 0, .y = 0.5}, {.x = 2, .y = 0.5}, {.x = 9, .y = 0.5}}, dynamics);
+    advance(simulation, 3);
+    const double sum = impulse_between(simulation.state, 0, 3).n + impulse_between(simulation.state, 1, 3).n;
+    CHECK(sum / dynamics.time.step == doctest::Approx(2 * g).epsilon(1e-9));
+    CHECK(std::abs(velocity_of(simulation).y) < 1e-10);
+  }
+}
+
 TEST_CASE("clumps that collide keep momentum and angular momentum, and lose the energy that contacts dissipate") {
   for (const double friction : {0.0, 0.5}) {
     Simulation simulation = two_clumps(StepAlgorithm::nlgs, friction);

@@ -142,3 +142,42 @@ TEST_CASE("a clump leaves a cell at one end and enters it at the other, with its
   CHECK(simulation.state.poses[0].x == doctest::Approx(4.5 + 2 * 0.5 - 5).epsilon(1e-12));
   CHECK(simulation.state.x[1] - simulation.state.x[0] == doctest::Approx(0.6).epsilon(1e-12));
 }
+
+TEST_CASE("a plank holds grains beyond the ends of its cell, and a chute keeps the energy balance") {
+  const auto plank_at = [](double middle) {
+    BoundarySpec spec = wall("plank", {middle - 0.8, 0}, {middle + 0.8, 0});
+    spec.shape = BoundaryShape::plank;
+    spec.radius = 0.1;
+    return spec;
+  };
+  for (const double middle : {2.5, 5.0, 0.1}) {
+    const double x = middle + 0.5;
+    Simulation simulation = in_cell({{.x = x - 5 * std::floor(x / 5), .y = 0.6}}, tight({plank_at(middle)}), 5);
+    advance(simulation, 10);
+    CHECK(std::abs(simulation.state.velocity_y[0]) < 1e-12);
+  }
+  Dynamics chute = tight({floor_wall()});
+  chute.time.gravity = {10, -10};
+  chute.interaction.friction = 0;
+  Simulation simulation = in_cell({{.x = 4.5, .y = 0.5, .velocity_x = 3}}, chute, 5);
+  double numerical = 0;
+  for (Index k = 0; k < 100; ++k) numerical += advance(simulation).energy.numerical;
+  CHECK(simulation.state.velocity_x[0] == doctest::Approx(3 + 10 * 0.5).epsilon(1e-12));
+  CHECK(std::abs(numerical) < 1e-10);
+}
+
+TEST_CASE("the grains of a clump are beside its centre, and no clump meets itself") {
+  const auto clump_in_cell = [](double period, std::vector<Grain> grains) {
+    Dynamics dynamics = tight({driven_grains("clump", 0, -1)});
+    dynamics.boundaries[0].motion.centre = {4.9, 0, 0};
+    FreeBody& body = dynamics.boundaries[0].body.emplace();
+    body.directions = {true, true, false, false, false, true};
+    body.mass = body.inertia[2] = 1;
+    return in_cell(grains, dynamics, period);
+  };
+  const Simulation simulation = clump_in_cell(5, {{.x = 4.7}, {.x = 0.1}});  // 0.2 and 0.2 from the centre
+  CHECK(simulation.state.x[1] == doctest::Approx(5.1).epsilon(1e-14));
+  CHECK(simulation.system.boundaries[0].body->reach == doctest::Approx(0.7).epsilon(1e-12));
+  CHECK_THROWS_WITH_AS(clump_in_cell(2.2, {{.x = 4.2}, {.x = 4.9}, {.x = 5.6}}),
+                       doctest::Contains("shorter than the periodic cell"), Error);
+}

@@ -191,7 +191,7 @@ Dynamics datbox_dynamics(const Datbox& datbox);
 struct DatboxContacts {
   Interaction interaction;
   std::vector<PairSpec> pairs = {};      ///< colours, as in colour_of, with other laws, or that do not see each other
-  std::vector<ColourSpec> colours = {};  ///< of free grains; empty without pairs
+  std::vector<ColourSpec> colours = {};  ///< of grains; empty without pairs
   double alert = 0;                      ///< largest distance at which bodies see each other, m
   bool removes_overlaps = false;         ///< GAP_SGR_CLB, in one step
 };

@@ -87,7 +87,7 @@ std::vector<Meeting> meetings_of(const Datbox& datbox) {
   return meetings;
 }
 
-// The colours of free grains, in runs of grains that follow each other.
+// The colours of grains, in runs of grains that follow each other.
 std::vector<ColourSpec> runs_of_colours(const Datbox& datbox) {
   std::vector<ColourSpec> runs;
   Index number = 0;
@@ -95,7 +95,6 @@ std::vector<ColourSpec> runs_of_colours(const Datbox& datbox) {
     for (const DatboxContactor& one : body.contactors) {
       if (one.plank) continue;
       const Index grain = number++;
-      if (!is_free_grain(body, datbox.space())) continue;
       const std::string colour = colour_of(datbox, one);
       if (runs.empty() || runs.back().name != colour || runs.back().last != grain - 1)
         runs.push_back({colour, grain, grain});

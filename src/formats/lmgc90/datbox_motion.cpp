@@ -58,8 +58,12 @@ RigidVelocity velocity_of(const DatboxBody& body, Index dimension, const std::ar
 
 // Oscillations of one frequency, phase and ramp are one.
 void add_oscillation(Motion& motion, const DatboxDrive& drive, double start, const RigidVelocity& amplitude) {
-  const Oscillation one{amplitude, drive.omega, drive.phase + drive.omega * start, drive.initial + drive.rate * start,
-                        drive.rate};
+  const double ramp = drive.initial + drive.rate * start;
+  if (drive.rate < 0 || ramp < 0)
+    refuse(drive.place, "RAMPI, RAMP: expected numbers >= 0 for an oscillation, met {} and {}", drive.initial,
+           drive.rate);
+  Oscillation one{amplitude, drive.omega, drive.phase + drive.omega * start, std::min(1.0, ramp),
+                  ramp < 1 ? drive.rate : 0};
   const auto time_of = [](const Oscillation& o) { return std::tuple(o.omega, o.phase, o.ramp, o.growth); };
   const auto same = std::ranges::find(motion.oscillations, time_of(one), time_of);
   if (same == motion.oscillations.end()) return motion.oscillations.push_back(one);

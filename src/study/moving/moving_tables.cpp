@@ -208,8 +208,7 @@ Index whole_run(const ObservedCase& work, Index steps, const Sink<WholeRun>& sin
   WholeRun run{{work.one.spec.name, own.simulation, own.totals.last}, steps, own.totals};
   for (Index i = 0; i < system.grains(); ++i) {
     if (!system.free(i)) continue;
-    const double along_z = system.dimension == 3 ? state.z[at(i)] - plain.z[at(i)] : 0;
-    const double distance = std::hypot(state.x[at(i)] - plain.x[at(i)], state.y[at(i)] - plain.y[at(i)], along_z);
+    const double distance = system.length(system.apart(centre_of(plain, at(i)), centre_of(state, at(i))));
     run.distance_mean += distance / static_cast<double>(system.free_grains());
     run.distance_maximum = std::max(run.distance_maximum, distance);
   }
