@@ -89,9 +89,9 @@ bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
   for_each_in_parallel(count(parts_.subdomains), [&](Index i) {
     const Subdomain& subdomain = parts_.subdomains[at(i)];
     if (subdomain.grains.empty()) return;  // without contacts, or of another rank
-    // Stored zeros give all matrices one pattern.
+    // Stored zeros give all matrices one pattern. Driven directions of a free body have rows without entries of H.
     SparseMatrix k = subdomain.h * blocks_of(i, e_, Zeros::stored) * SparseMatrix(subdomain.h.transpose());
-    k.diagonal() += subdomain.inertia;
+    k += SparseMatrix(subdomain.inertia.asDiagonal());
     k.makeCompressed();
     if (!lu_[at(i)]) lu_[at(i)].emplace(k);
     regular[at(i)] = lu_[at(i)]->factorise(k);
