@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/contact_residual.hpp"
 
+#include <numeric>
+
 namespace nscdd {
 namespace {
 
-constexpr double edge_tolerance = 1e-12;    // of the cone, for the rounding of sums of impulses
-constexpr double largest_growth = 1e5;      // of impulses over those that drive the step
-constexpr double squared_rounding = 1e-28;  // of velocities of a step, relative to those that it begins with
+constexpr double edge_tolerance = 1e-12;      // of the cone, for the rounding of sums of impulses
+constexpr double largest_growth = 1e5;        // of impulses over those that drive the step
+constexpr double squared_rounding = 1e-28;    // of velocities of a step, relative to those that it begins with
+constexpr double maxima_over_means = 16.666;  // allowed by LMGC90's criterion QM/16
 
 template <class Law, int D>
 ContactStatus status_under(const Law&, const GrainContact<D>& c) {
@@ -26,9 +29,15 @@ void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVe
     there = w.apply(next);
     inverse_n = w.inverse_normal();
   });
+  const LocalVector<D> mean = 0.5 * (next + r);
+  const double violation = squared(change), squared_work = violation * squared(mean);
   sum.impulses += squared(shifted);
-  sum.violation += squared(change);
-  sum.work += dot(0.5 * (next + r), change);
+  sum.violation += violation;
+  sum.work += dot(mean, change);
+  sum.squared_work += squared_work;
+  sum.largest_violation = std::max(sum.largest_violation, violation);
+  sum.largest_squared_work = std::max(sum.largest_squared_work, squared_work);
+  sum.loaded += carries(mean);
   sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
   sum.scale_velocity += (squared(here) + squared(there)) / 2;
   if constexpr (!Law::opens) {
@@ -52,6 +61,13 @@ ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, GrainVeloc
   };
   std::visit(under, law);
   return sum;
+}
+
+// A part of `scale`. One that is rounding is a part of `origin`, if that is larger: of what it is the rounding of.
+double relative(double part, double scale, double origin) {
+  if (part == 0) return 0;
+  const bool noise = std::abs(part) <= squared_rounding * origin;
+  return part / (noise ? std::max(scale, origin) : scale);
 }
 
 }  // namespace
@@ -80,10 +96,12 @@ ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& contact
 
 ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
   using Sums = ContactResidual;
-  for (const auto sum :
-       {&Sums::natural_map, &Sums::impulses, &Sums::violation, &Sums::work, &Sums::scale_work, &Sums::scale_velocity})
+  for (const auto sum : {&Sums::natural_map, &Sums::impulses, &Sums::violation, &Sums::work, &Sums::scale_work,
+                         &Sums::scale_velocity, &Sums::squared_work})
     this->*sum += other.*sum;
-  for (const auto sum : {&Sums::active, &Sums::stick, &Sums::slide}) this->*sum += other.*sum;
+  for (const auto largest : {&Sums::largest_violation, &Sums::largest_squared_work})
+    this->*largest = std::max(this->*largest, other.*largest);
+  for (const auto sum : {&Sums::active, &Sums::stick, &Sums::slide, &Sums::loaded}) this->*sum += other.*sum;
   return *this;
 }
 
@@ -92,16 +110,23 @@ double ContactResidual::relative_natural_map() const {
   return std::sqrt(natural_map / natural_map_scale(natural_map, impulses, scale.alone, scale.momenta, true));
 }
 
-double ContactResidual::quad_dv() const {
-  if (violation == 0) return 0;
-  const bool noise = violation <= squared_rounding * scale.speeds;
-  return std::sqrt(violation / (noise ? std::max(scale_velocity, scale.speeds) : scale_velocity));
+double ContactResidual::quad_dv() const { return std::sqrt(relative(violation, scale_velocity, scale.speeds)); }
+
+double ContactResidual::quad_dvr() const {
+  return std::sqrt(static_cast<double>(loaded)) * relative(std::sqrt(squared_work), scale_work, scale.energies);
 }
 
-double ContactResidual::mean_dv_over_r() const {
-  if (work == 0) return 0;
-  const bool noise = std::abs(work) <= squared_rounding * scale.energies;
-  return work / (noise ? std::max(scale_work, scale.energies) : scale_work);
+double ContactResidual::mean_dv_over_r() const { return relative(work, scale_work, scale.energies); }
+
+double ContactResidual::qm_16() const {
+  const auto contacts = static_cast<double>(loaded);
+  const std::array indicators{
+      std::abs(mean_dv_over_r()), quad_dv(), quad_dvr(),
+      std::sqrt(contacts * relative(largest_violation, scale_velocity, scale.speeds)) / maxima_over_means,
+      contacts * relative(std::sqrt(largest_squared_work), scale_work, scale.energies) / maxima_over_means};
+  // NaN remains, because it must not pass for converged.
+  return std::accumulate(indicators.begin(), indicators.end(), 0.0,
+                         [](double a, double b) { return std::isnan(a) || a > b ? a : b; });
 }
 
 template <int D>

@@ -50,18 +50,25 @@ struct ContactResidual {
   double work = 0;            ///< (r_c' + r_c)/2 . W_c (r_c' - r_c); SumDVoR of LMGC90, J
   double scale_work = 0;      ///< mean of r_c . W_c r_c and r_c' . W_c r_c'; SumWRR of LMGC90, J
   double scale_velocity = 0;  ///< mean of |W_c r_c|^2 and |W_c r_c'|^2; SumWRWR of LMGC90, (m/s)^2
-  Index active = 0;           ///< contacts with an impulse
+  double squared_work = 0;    ///< |W_c (r_c' - r_c)|^2 |(r_c' + r_c)/2|^2; SumDVDVRR of LMGC90, J^2
+  double largest_violation = 0, largest_squared_work = 0;  ///< terms of single contacts; `+=` takes the larger ones
+  Index active = 0;                                        ///< contacts with an impulse
   Index stick = 0, slide = 0;
+  Index loaded = 0;         ///< contacts whose (r_c' + r_c)/2 is not 0; Nactif of LMGC90
   ImpulseScale scale = {};  ///< of the step; `+=` leaves it
 
   ContactResidual& operator+=(const ContactResidual& other);
 
   /// |natural map| / natural_map_scale: error of the contact law in the form of De Saxce; 0 if the natural map is 0.
   double relative_natural_map() const;
-  /// LMGC90's criteria "Quad /DV" and "mean DV over r", not divided by its tolerance. They are relative to W r and to
-  /// r W r; rounding of the velocities is judged relative to `speeds` and `energies` instead.
+  /// LMGC90's criteria "Quad /DV", "Quad /DVR" and "mean DV over r", not divided by its tolerance. They are relative to
+  /// W r and to r W r; rounding of the velocities is judged relative to `speeds` and `energies` instead.
   double quad_dv() const;
+  double quad_dvr() const;
   double mean_dv_over_r() const;
+  /// LMGC90's criterion "QM/16": the largest of |mean DV over r|, Quad/DV, Quad/DVR, and Maxm/DV and Maxm/DVR over
+  /// 16.666, which have the largest term of a contact in place of the mean over the loaded ones.
+  double qm_16() const;
 };
 
 /// Sums over the contacts. The natural map of a cohesive law is that of the shifted impulses, of a viscous law r' - r.

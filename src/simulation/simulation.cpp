@@ -27,12 +27,16 @@ void iterate(GranularStep<D>& step, GranularTwoStage<D>& iteration, const Simula
   std::vector<ContactStatus> statuses;
   std::optional<SolverStatus> status;
   for (Index k = 1; !status; ++k) {
-    const auto start = Clock::now();
-    iteration.iterate();
     bool observed = sink.observes(k);
     const bool judged = watch.judges(k);
+    // The last iteration, which always has a row, is one of those judged.
+    const bool measured = observed || (judged && (sink.row || watch.needs_normal_change()));
+    if (measured) iteration.remember_impulses();
+    const auto start = Clock::now();
+    iteration.iterate();
     if (observed || judged) report.last = iteration.record();
     report.solve_seconds += seconds_since(start);
+    if (measured) report.last.normal_change = iteration.normal_change();
     if (observed || (judged && watch.needs_residual())) report.residual = iteration.residual();
     if (judged) status = watch.judge(report.last, report.residual);
     if (sink.goes_on && !sink.goes_on()) {

@@ -15,12 +15,18 @@ ResultColumns<Result> indicators(IterationRecord Result::*record) {
       {"interface_change", "1", "Z = |F_i - F_i-1| / |F_i| over the interface, [ADI12] eq. (40)",
        &Record::interface_change},
       {"gluing", "1", "|sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1",
-       &Record::gluing}};
+       &Record::gluing},
+      {"normal_change", "1",
+       "sum |r_n,i - r_n,i-1| / sum |r_n,i| over all contacts, as the program of [ADI12] has it; nan if not measured",
+       &Record::normal_change}};
   const ResultColumns<Residual> of_law{
       {"natural_map", "1", "|natural map| / max(|r|, |r^1|), error of the contact law",
        &Residual::relative_natural_map},
       {"quad_dv", "1", "LMGC90's criterion Quad/DV", &Residual::quad_dv},
+      {"quad_dvr", "1", "LMGC90's criterion Quad/DVR", &Residual::quad_dvr},
       {"mean_dv_over_r", "1", "LMGC90's criterion mean DV over r", &Residual::mean_dv_over_r},
+      {"qm_16", "1", "LMGC90's criterion QM/16, the largest of these three and of Maxm/DV and Maxm/DVR over 16.666",
+       &Residual::qm_16},
       {"active", "1", "contacts with an impulse", &Residual::active},
       {"stick", "1", "contacts that stick", &Residual::stick},
       {"slide", "1", "contacts that slide", &Residual::slide}};
@@ -40,7 +46,10 @@ double criterion_value(Criterion criterion, const IterationRecord& record, const
                           record.gluing == 0 ? record.zeta : record.gluing,
                           residual.relative_natural_map(),
                           residual.quad_dv(),
+                          residual.quad_dvr(),
                           std::abs(residual.mean_dv_over_r()),
+                          residual.qm_16(),
+                          record.normal_change,
                           infinity};  // as many iterations as allowed
   return values[static_cast<std::size_t>(criterion)];
 }
@@ -127,10 +136,12 @@ Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus
 }
 
 bool IterationWatch::needs_residual() const {
-  const Criterion criterion = solver_.criterion;
-  return criterion == Criterion::natural_map || criterion == Criterion::quad_dv ||
-         criterion == Criterion::mean_dv_over_r;
+  using enum Criterion;
+  constexpr std::array of_law{natural_map, quad_dv, quad_dvr, mean_dv_over_r, qm_16};
+  return std::ranges::count(of_law, Criterion(solver_.criterion)) > 0;
 }
+
+bool IterationWatch::needs_normal_change() const { return solver_.criterion == Criterion::normal_change; }
 
 IterationWatch::IterationWatch(const StepSolver& solver)
     : solver_(solver),

@@ -80,7 +80,8 @@ class IterationWatch {
   explicit IterationWatch(const StepSolver& solver);
   /// Whether it judges this iteration, from 1: every criterion_interval-th, and the last one allowed.
   bool judges(Index iteration) const;
-  bool needs_residual() const;  ///< of the contact law, for its criterion
+  bool needs_residual() const;       ///< of the contact law, for its criterion
+  bool needs_normal_change() const;  ///< of the record, likewise
   /// How the iterations ended, or nothing if they go on. `residual` is used only if needed.
   std::optional<SolverStatus> judge(const IterationRecord& record, const ContactResidual& residual);
 

@@ -25,22 +25,29 @@ double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt
 }  // namespace
 
 ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, const Processes& processes) {
-  Eigen::MatrixXd numbers(9, count(of_subdomains));
+  constexpr Index maxima = 2;
+  Eigen::MatrixXd numbers(11 + maxima, count(of_subdomains));
   for (Index e = 0; e < numbers.cols(); ++e) {
     const ContactResidual& one = of_subdomains[at(e)];
     numbers.col(e) << one.natural_map, one.impulses, one.violation, one.work, one.scale_work, one.scale_velocity,
-        static_cast<double>(one.active), static_cast<double>(one.stick), static_cast<double>(one.slide);
+        one.squared_work, static_cast<double>(one.active), static_cast<double>(one.stick),
+        static_cast<double>(one.slide), static_cast<double>(one.loaded), one.largest_violation,
+        one.largest_squared_work;
   }
-  const Vector sum = processes.sum_of_parts(std::move(numbers));
+  const Vector sum = processes.sum_of_parts(std::move(numbers), maxima);
   return {.natural_map = sum[0],
           .impulses = sum[1],
           .violation = sum[2],
           .work = sum[3],
           .scale_work = sum[4],
           .scale_velocity = sum[5],
-          .active = static_cast<Index>(sum[6]),
-          .stick = static_cast<Index>(sum[7]),
-          .slide = static_cast<Index>(sum[8])};
+          .squared_work = sum[6],
+          .largest_violation = sum[11],
+          .largest_squared_work = sum[12],
+          .active = static_cast<Index>(sum[7]),
+          .stick = static_cast<Index>(sum[8]),
+          .slide = static_cast<Index>(sum[9]),
+          .loaded = static_cast<Index>(sum[10])};
 }
 
 template <int D>

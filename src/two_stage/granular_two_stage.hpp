@@ -15,6 +15,8 @@ struct IterationRecord {
   double interface_second_change = 0;
   double gluing = 0;    ///< |sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1
   double impulses = 0;  ///< |r_i|^2, (N s)^2
+  /// sum |r_n,i - r_n,i-1| / sum |r_n,i| over all contacts, of the program of [ADI12]; NaN where it is not measured.
+  double normal_change = not_a_number;
 };
 
 /// The residual of all subdomains from that of each, summed in their order; those of other ranks are empty.
@@ -54,6 +56,10 @@ class GranularTwoStage {
 
   /// Record of the last iteration. Iterations need no such global sum: asking less often saves waiting.
   IterationRecord record() const;
+
+  /// Keeps the impulses for normal_change, that of IterationRecord if one iteration lies between; collective.
+  void remember_impulses();
+  double normal_change() const;
 
   ContactResidual residual() const;
 
@@ -113,6 +119,7 @@ class GranularTwoStage {
   double free_speed_squared_ = summed([this](Index e) { return parts_.glued_speed_squared(e); });
   double impulse_floor_squared_ = 0;  // below it impulses are rounding of the momenta
   Index iteration_ = 0, sweeps_ = 0;
+  std::vector<std::vector<SweptVector<D>>> remembered_;  // impulses of each subdomain
   // Terms of the last record: a row per Quantity, a column per subdomain.
   Eigen::MatrixXd last_terms_ = Eigen::MatrixXd::Zero(quantities, count(parts_.subdomains));
 };

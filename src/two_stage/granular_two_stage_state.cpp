@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Results of the iterations of a step: impulses, velocities and gluing of all subdomains.
+#include "linalg/threads.hpp"
 #include "two_stage/granular_two_stage.hpp"
 
 namespace nscdd {
@@ -98,9 +99,34 @@ std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
   return result;
 }
 
+template <int D>
+void GranularTwoStage<D>::remember_impulses() {
+  remembered_.resize(parts_.subdomains.size());
+  for (std::size_t e = 0; e < remembered_.size(); ++e) remembered_[e] = parts_.subdomains[e].contacts.impulses;
+}
+
+template <int D>
+double GranularTwoStage<D>::normal_change() const {
+  Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(2, count(parts_.subdomains));
+  for_each_in_parallel(terms.cols(), [&](Index e) {
+    const std::vector<SweptVector<D>>& now = parts_.subdomains[at(e)].contacts.impulses;
+    const std::vector<SweptVector<D>>& before = remembered_.at(at(e));
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      terms(0, e) += std::abs(now[k].n - before.at(k).n);
+      terms(1, e) += std::abs(now[k].n);
+    }
+  });
+  const Vector sum = parts_.interface.processes().sum_of_parts(std::move(terms));
+  return sum[0] == 0 ? 0.0 : sum[0] / std::max(sum[1], std::sqrt(impulse_floor_squared_));
+}
+
 template GranularTwoStage<2>::Solution GranularTwoStage<2>::gather(const StepProblem<2>&);
 template std::vector<RememberedGluing> GranularTwoStage<2>::gluing() const;
+template void GranularTwoStage<2>::remember_impulses();
+template double GranularTwoStage<2>::normal_change() const;
 template GranularTwoStage<3>::Solution GranularTwoStage<3>::gather(const StepProblem<3>&);
 template std::vector<RememberedGluing> GranularTwoStage<3>::gluing() const;
+template void GranularTwoStage<3>::remember_impulses();
+template double GranularTwoStage<3>::normal_change() const;
 
 }  // namespace nscdd

@@ -7,10 +7,21 @@
 namespace nscdd {
 
 /// Indicator that ends the iterations of a step (see IterationRecord and ContactResidual).
-enum class Criterion { zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r, none };
+enum class Criterion {
+  zeta,
+  interface_change,
+  gluing,
+  natural_map,
+  quad_dv,
+  quad_dvr,
+  mean_dv_over_r,
+  qm_16,
+  normal_change,
+  none,
+};
 constexpr auto names_of(Criterion) {
-  return std::to_array<std::string_view>(
-      {"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r", "none"});
+  return std::to_array<std::string_view>({"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "quad_dvr",
+                                          "mean_dv_over_r", "qm_16", "normal_change", "none"});
 }
 
 enum class ContactOrder {

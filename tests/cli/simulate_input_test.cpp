@@ -102,8 +102,8 @@ TEST_CASE_FIXTURE(Session, "simulate: a case without [solver] is solved by auto,
 }
 
 TEST_CASE_FIXTURE(MovingSession, "simulate: every indicator that can end the iterations is a criterion") {
-  for (const std::string& name :
-       Texts{"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r"}) {
+  for (const std::string& name : Texts{"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "quad_dvr",
+                                       "mean_dv_over_r", "qm_16", "normal_change"}) {
     CAPTURE(name);
     answer(
         "simulate shear.toml --steps 3 --force -o run.h5 --convergence rows.csv --iterations "

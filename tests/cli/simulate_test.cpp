@@ -110,8 +110,9 @@ TEST_CASE_FIXTURE(MovingSession, "simulate: says how the run went, one row per i
   CHECK(contains(text, "maximum_reached"));
   CHECK(contains(text, "ns per contact and sweep"));
   const CsvTable rows = csv("rows.csv");
-  CHECK(rows.columns == Texts{"step", "iteration", "sweeps", "zeta", "interface_change", "gluing", "natural_map",
-                              "quad_dv", "mean_dv_over_r", "active", "stick", "slide", "status_changes", "seconds"});
+  CHECK(rows.columns == Texts{"step", "iteration", "sweeps", "zeta", "interface_change", "gluing", "normal_change",
+                              "natural_map", "quad_dv", "quad_dvr", "mean_dv_over_r", "qm_16", "active", "stick",
+                              "slide", "status_changes", "seconds"});
   CHECK(rows.text(rows.rows.size() - 1, "step") == "5");
   for (std::size_t k = 0; k < rows.rows.size(); ++k) CHECK(rows.number(k, "iteration") <= 7);
   CHECK(nscdd::read_summary(path("run.h5"), "iterations").size() == 5);

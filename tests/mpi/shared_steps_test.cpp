@@ -116,6 +116,7 @@ void check_run(const Simulation& start, int steps) {
     CHECK(own.report.last.sweeps == whole.report.last.sweeps);
     CHECK(own.report.factorisations == whole.report.factorisations);
     CHECK(own.report.residual.natural_map == whole.report.residual.natural_map);
+    CHECK(own.report.residual.qm_16() == whole.report.residual.qm_16());
     const StepReport expected = take_step(alone, whole), met = take_step(shared, own);
     CHECK(met.energy.dissipation == expected.energy.dissipation);
     CHECK(met.energy.kinetic == expected.energy.kinetic);
@@ -159,6 +160,22 @@ TEST_CASE("shared steps: clumps and a pushed wall in several processes move as i
     const Simulation start = clumped(algorithm);
     REQUIRE(start.system.free_bodies.size() == 4);
     check_run(start, algorithm == "generic" ? 4 : 2);
+  }
+}
+
+TEST_CASE("shared steps: criteria that are sums and maxima over all contacts have the bits of one process") {
+  for (const std::string criterion : {"qm_16", "normal_change"}) {
+    CAPTURE(criterion);
+    Simulation alone = shaken("generic");
+    alone.dynamics.solver.criterion = criterion;
+    alone.dynamics.solver.tolerance = 1e-3;
+    Simulation shared = alone;
+    shared.processes = all();
+    const StepReport whole = solve_step(alone).report, own = solve_step(shared).report;
+    CHECK(whole.status == SolverStatus::converged);
+    CHECK(own.last.iteration == whole.last.iteration);
+    CHECK(own.residual.qm_16() == whole.residual.qm_16());
+    if (criterion == "normal_change") CHECK(own.last.normal_change == whole.last.normal_change);
   }
 }
 

@@ -105,7 +105,7 @@ TEST_CASE("criterion interface_change of the semi-implicit scheme waits for the 
 TEST_CASE("no number: velocities or interface impulses that are none are never called converged") {
   // 1 / mass overflows: V_free + M^-1 H r is infinite or undefined after the first sweep.
   for (const std::string law : {"coulomb", "frictionless", "cohesive", "linear_viscous"})
-    for (const std::string criterion : {"zeta", "natural_map", "quad_dv", "interface_change"})
+    for (const std::string criterion : {"zeta", "natural_map", "quad_dv", "qm_16", "normal_change", "interface_change"})
       for (const std::string algorithm : {"nlgs", "generic"}) {
         CAPTURE(law);
         CAPTURE(criterion);

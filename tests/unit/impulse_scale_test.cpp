@@ -146,11 +146,18 @@ TEST_CASE("scale of a contact: its impulse alone, and the speeds of both bodies,
 
 TEST_CASE("LMGC90's criteria: rounding of the velocities is relative to what the bodies bring") {
   ContactResidual noise{.violation = 1e-32, .work = 1e-32, .scale_work = 1e-32, .scale_velocity = 1e-32};
+  noise.squared_work = noise.largest_squared_work = 1e-64;
+  noise.largest_violation = 1e-32;
+  noise.loaded = 9;
   CHECK(noise.quad_dv() == doctest::Approx(1));
+  CHECK(noise.quad_dvr() == doctest::Approx(3));
   CHECK(noise.mean_dv_over_r() == doctest::Approx(1));
+  CHECK(noise.qm_16() == doctest::Approx(3));
   noise.scale = {.speeds = 4, .energies = 4};
   CHECK(noise.quad_dv() == doctest::Approx(0.5e-16));
+  CHECK(noise.quad_dvr() == doctest::Approx(0.75e-32));
   CHECK(noise.mean_dv_over_r() == doctest::Approx(0.25e-32));
+  CHECK(noise.qm_16() == doctest::Approx(0.5e-16));
   const ContactResidual clear{.violation = 1e-20,
                               .work = -1e-20,
                               .scale_work = 1e-20,
@@ -179,6 +186,7 @@ TEST_CASE("two grains that go on together after an impact: impulses are rounding
           CHECK(report.status == SolverStatus::converged);
           CHECK(report.residual.relative_natural_map() <= 1e-8);
           CHECK(report.residual.quad_dv() <= 1e-6);
+          CHECK(report.residual.qm_16() <= 1e-5);
           CHECK(std::abs(report.residual.mean_dv_over_r()) <= 1e-5);
           CHECK_FALSE(report.no_room);
           CHECK_FALSE(report.doubtful);
@@ -459,8 +467,8 @@ TEST_CASE("room enough: walls that close in on grains that can get out of the wa
 }
 
 TEST_CASE("copies of a grain that fly together, or rest under self-stress, are glued, whatever the criterion") {
-  for (const std::string criterion :
-       {"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r"}) {
+  for (const std::string criterion : {"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "quad_dvr",
+                                      "mean_dv_over_r", "qm_16", "normal_change"}) {
     CAPTURE(criterion);
     Dynamics dynamics = dynamics_of("generic");
     dynamics.solver.criterion = criterion;

@@ -65,12 +65,17 @@ struct Processes {
     return combined(largest, own);
   }
   bool any(bool own) const { return maximum(own ? 1 : 0) > 0; }
-  /// Sum over parts, one column each (0 for those of other ranks), in their order: no bit depends on the ranks.
-  Vector sum_of_parts(Matrix parts) const {
+  /// Sum over parts, one column each (0 for those of other ranks), in their order: no bit depends on the ranks. The
+  /// last `maxima` rows have the largest of the parts instead, at least 0.
+  Vector sum_of_parts(Matrix parts, Index maxima = 0) const {
     add_up({parts.data(), at(parts.size())});
-    Vector sum = Vector::Zero(parts.rows());
-    for (Index e = 0; e < parts.cols(); ++e) sum += parts.col(e);
-    return sum;
+    const Index sums = parts.rows() - maxima;
+    Vector result = Vector::Zero(parts.rows());
+    for (Index e = 0; e < parts.cols(); ++e) {
+      result.head(sums) += parts.col(e).head(sums);
+      result.tail(maxima) = result.tail(maxima).cwiseMax(parts.col(e).tail(maxima));
+    }
+    return result;
   }
 
   /// The items of all ranks, in the order of ranks; nothing on ranks but 0 unless `everywhere`. Items hold no pointers.

@@ -13,10 +13,11 @@ namespace {
 
 // The columns on the page.
 constexpr const char* shown_of_summary =
-    "step time iterations zeta interface_change gluing natural_map driven_residual no_room quad_dv mean_dv_over_r "
-    "active stick slide contacts overlap_maximum kinetic potential boundary_work dissipation numerical";
+    "step time iterations zeta interface_change gluing normal_change natural_map driven_residual no_room quad_dv "
+    "quad_dvr mean_dv_over_r qm_16 active stick slide contacts overlap_maximum kinetic potential boundary_work "
+    "dissipation numerical";
 constexpr const char* shown_of_iterations =
-    "step iteration zeta interface_change gluing natural_map quad_dv mean_dv_over_r";
+    "step iteration zeta interface_change gluing normal_change natural_map quad_dv quad_dvr mean_dv_over_r qm_16";
 
 std::vector<std::string> words(const std::string& text) {
   std::istringstream stream(text);

@@ -94,8 +94,10 @@ PredictedObserved compare_rates(const Simulation& simulation) {
   result.report = step.share.report;
   std::optional<SolverStatus> status;
   while (!status) {
+    if (watch.needs_normal_change()) step.iteration.remember_impulses();
     step.iteration.iterate();
-    const IterationRecord record = step.iteration.record();
+    IterationRecord record = step.iteration.record();
+    if (watch.needs_normal_change()) record.normal_change = step.iteration.normal_change();
     stretches.record(step.iteration);
     result.report.last = record;
     if (!watch.judges(record.iteration)) continue;

@@ -8,6 +8,10 @@ const indicators = [
   {column: 'interface_change', name: 'interface change', colour: '#00664c', dash: '9 3 2 3', mark: 'triangle'},
   {column: 'quad_dv', name: 'Quad/DV', colour: '#a0246e', dash: '12 3', mark: 'round'},
   {column: 'mean_dv_over_r', name: 'mean DV over r', colour: '#545454', dash: '4 4', mark: 'square'},
+  // Drawn only if it ends the iterations.
+  {column: 'quad_dvr', name: 'Quad/DVR', colour: '#000000', mark: 'open', criterion: true},
+  {column: 'qm_16', name: 'QM/16', colour: '#000000', mark: 'open', criterion: true},
+  {column: 'normal_change', name: 'Σ|Δrₙ|/Σrₙ', colour: '#000000', mark: 'open', criterion: true},
 ];
 
 function showRun() {
@@ -109,6 +113,7 @@ function showRun() {
   const has = (column) => summary[column].some((value) => value !== null && value !== 0);
   const fromZero = (...columns) => [0, 1.05 * Math.max(1, most(columns.flatMap((column) => summary[column])))];
   const criterion = indicators.find(({column}) => column === solver.criterion)?.name;
+  const drawn = indicators.filter((one) => !one.criterion || one.column === solver.criterion);
   const tolerance = criterion ? [[solver.tolerance, `tolerance of ${criterion}`]] : [];
 
   function drawIterations(step) {
@@ -122,7 +127,7 @@ function showRun() {
             'nscdd report --convergence FILE shows them here.';
     if (!rows.length) return;
     const series =
-        indicators.filter(({column}) => rows.some((row) => iterations[column][row] > 0))
+        drawn.filter(({column}) => rows.some((row) => iterations[column][row] > 0))
             .map(
                 (one) =>
                     ({...one, points: rows.map((row) => [iterations.iteration[row], iterations[one.column][row]])}));
@@ -144,7 +149,7 @@ function showRun() {
       label: 'Indicators at the end of each step',
       x,
       y: {kind: 'log', label: 'indicator'},
-      series: indicators.filter(({column}) => summary[column].some((v) => v > 0))
+      series: drawn.filter(({column}) => summary[column].some((v) => v > 0))
                   .map((one) => ({...one, points: overSteps(one.column)})),
       marker,
       pick,
