@@ -16,6 +16,7 @@ import machines
 import newton_scalability
 import observed_rate
 import optimal_eta
+import paper_samples
 import partition
 import predicted_observed
 import profiles
@@ -54,10 +55,11 @@ DRAW = {
     "scalability-in-space": scalability_in_space.draw,
     "disorder-in-space": disorder.draw_in_space,
     "newton-scalability-in-space": newton_scalability.draw_in_space,
+    "paper-samples": paper_samples.draw,
 }
 WITHOUT_FIGURE = ["semi-implicit"]
-# Its own script measures it: `nscdd run` starts no processes.
-MEASURED = ["machines"]
+# Their own scripts measure them: `nscdd run` starts no processes, and has no samples of other authors.
+MEASURED = ["machines", "paper-samples"]
 
 
 def main():

@@ -49,13 +49,21 @@ def draw_chains(axes, rows, largest, widest, pixels):
                                        rasterized=pixels))
 
 
-def draw_one(results, output, formats, study, suffix=""):
+def draw_one(results, output, formats, study, suffix="", name=None, window=None):
+    """The figure NAME, by default called after the tables STUDY/disks SUFFIX.csv and STUDY/chains SUFFIX.csv. WINDOW,
+    ((x from, to), (y from, to)), is shown of packings that are much wider than high, one state below the other."""
     disks = style.read_table(results, f"{study}/disks{suffix}.csv", texts="case",
                              numbers="step x y radius subdomain multiplicity", flags="driven")
     chains = style.read_table(results, f"{study}/chains{suffix}.csv", texts="case",
                               numbers="step x_a y_a x_b y_b impulse_n")
     steps = sorted({r["step"] for r in disks})
-    fig, grid = style.figure(style.COLUMN_AND_HALF, 98, 1, len(steps), squeeze=False, sharey=True)
+    if window:
+        (left, right), (low, high) = window
+        disks = [r for r in disks if left <= r["x"] <= right and low <= r["y"] <= high]
+        chains = [r for r in chains if left <= r["x_a"] <= right]
+    rows, columns = (len(steps), 1) if window else (1, len(steps))
+    fig, grid = style.figure(style.COLUMN_AND_HALF, 98, rows, columns, squeeze=False, sharex=bool(window),
+                             sharey=not window)
     for axes, letter, step in zip(grid.flat, "abcdefgh", steps):
         own = style.where(disks, step=step)
         draw_disks(axes, own)
@@ -64,8 +72,11 @@ def draw_one(results, output, formats, study, suffix=""):
         largest = np.quantile(style.column(links, "impulse_n"), 0.98) if links else 1.0
         _, widest, pixels = look(own)
         draw_chains(axes, links, largest, widest, pixels)
+        if window:
+            axes.set(xlim=window[0], ylim=window[1], ylabel="$y$ (m)")
         style.panel(axes, letter, f"after {step:.0f} steps" if step else "initial")
-        axes.set_xlabel("$x$ (m)")
+        if not window or axes is grid.flat[-1]:
+            axes.set_xlabel("$x$ (m)")
     grid.flat[0].set_ylabel("$y$ (m)")
     number = int(max(r["subdomain"] for r in disks)) + 1
     handles = [grid.flat[0].plot([], [], "o", color=SUBDOMAINS[k % len(SUBDOMAINS)])[0]
@@ -75,7 +86,7 @@ def draw_one(results, output, formats, study, suffix=""):
     labels = [f"subdomain {k + 1}" for k in range(min(number, len(SUBDOMAINS)))]
     labels += ["interface grains", "boundaries", "normal impulse (width)"]
     style.legend_above(fig, handles, labels, 3)
-    return style.save(fig, output, f"{study}{suffix}", formats)
+    return style.save(fig, output, name or f"{study}{suffix}", formats)
 
 
 def draw_8(results, output, formats):

@@ -39,10 +39,12 @@ def draw_solvers(axes, rows):
             axes.plot(style.column(own, "passes"), style.column(own, "natural_map"), label=label, **look)
 
 
-def draw_one_9(results, output, formats, suffix=""):
-    rows = style.read_table(results, f"figure-9/indicators{suffix}.csv", texts="case",
+def draw_one_9(results, output, formats, suffix="", study="figure-9", name=None):
+    """The figure NAME of the table STUDY/indicators SUFFIX.csv, by default called after it. Contact solvers are those
+    of figure-9/solvers.csv, which go with its own indicators only."""
+    rows = style.read_table(results, f"{study}/indicators{suffix}.csv", texts="case",
                             numbers="iteration zeta interface_change natural_map")
-    solvers = [] if suffix else read_solvers(results, "figure-9/solvers.csv")
+    solvers = [] if suffix or name else read_solvers(results, f"{study}/solvers.csv")
     fig, axes = style.figure(style.COLUMN, 92 if solvers else 66)
     loglog(axes, max([r["iteration"] for r in rows] + [1.2 * r["passes"] for r in solvers]))
     for column, label, look in (("zeta", r"volume, $\zeta_i$ (39)", {"color": "black"}),
@@ -60,7 +62,7 @@ def draw_one_9(results, output, formats, suffix=""):
         style.legend_above(fig, *axes.get_legend_handles_labels(), 2)
     else:
         axes.legend()
-    return style.save(fig, output, f"figure-9{suffix}", formats)
+    return style.save(fig, output, name or f"{study}{suffix}", formats)
 
 
 def draw_9(results, output, formats):
@@ -70,11 +72,11 @@ def draw_9(results, output, formats):
     return paths
 
 
-def draw_11(results, output, formats):
+def draw_11(results, output, formats, study="figure-11", name=None):
     numbers = "iteration gauss_seidel_sweeps eta interface_change natural_map"
-    rows = style.read_table(results, "figure-11/generic.csv", texts="case algorithm", numbers=numbers)
-    rows += style.read_table(results, "figure-11/enriched.csv", texts="case algorithm", numbers=numbers)
-    solvers = read_solvers(results, "figure-11/solvers.csv")
+    rows = style.read_table(results, f"{study}/generic.csv", texts="case algorithm", numbers=numbers)
+    rows += style.read_table(results, f"{study}/enriched.csv", texts="case algorithm", numbers=numbers)
+    solvers = [] if name else read_solvers(results, f"{study}/solvers.csv")
     sweeps = sorted({r["gauss_seidel_sweeps"] for r in rows})
     etas = sorted({r["eta"] for r in rows}, reverse=True)
     looks = [{"color": "black"}, {"color": "#1f5f99", "linestyle": (0, (4.5, 1.8))},
@@ -88,20 +90,20 @@ def draw_11(results, output, formats):
     for axes, letter, n in zip(below, "abcdef"[len(sweeps):], sweeps):
         own = style.where(rows, gauss_seidel_sweeps=n)
         loglog(axes, 1.2 * max([r["iteration"] for r in own] + [r["passes"] for r in solvers]))
-        axes.set_xlabel(PASSES)
-        style.panel(axes, letter, rf"$n_{{\mathrm{{GS}}}} = {n:.0f}$, and contact solvers")
+        axes.set_xlabel(PASSES if solvers else "iteration $i$")
+        style.panel(axes, letter, rf"$n_{{\mathrm{{GS}}}} = {n:.0f}$" + (", and contact solvers" if solvers else ""))
     for column, line in (("interface_change", above), ("natural_map", below)):
         for axes, n in zip(line, sweeps):
             for eta, look in zip(etas, looks):
                 own = [r for r in style.where(rows, gauss_seidel_sweeps=n, eta=eta) if 0 < r[column] < 1e3]
-                label = "generic" if eta == float("inf") else rf"enriched, $\eta = {eta:g}$ 1/kg"
+                label = "generic" if eta == float("inf") else rf"enriched, $\eta = {eta:.2g}$ 1/kg"
                 axes.plot(style.column(own, "iteration"), style.column(own, column), label=label, **look)
     for axes in below:
         draw_solvers(axes, solvers)
     above[0].set_ylabel("interface indicator $Z_i$ (40)")
     below[0].set_ylabel("error of the contact law")
     style.legend_above(fig, *below[0].get_legend_handles_labels(), 3)
-    return style.save(fig, output, "figure-11", formats)
+    return style.save(fig, output, name or study, formats)
 
 
 if __name__ == "__main__":

@@ -11,12 +11,15 @@ usage: check_folders.py PROGRAM SOURCE
 Exit code 0: as expected; 1: not; 77: no folders."""
 import math
 import os
-import re
 import subprocess
 import sys
 import tarfile
 import tempfile
 from pathlib import Path
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "studies" / "paper-samples"))
+from lmgc90_files import velocities  # noqa: E402
 
 # The folders of disks or spheres, and how many steps of them are solved. Time steps are those of
 # COMMAND.DAT in the folder; folders without it have command files with 0.005 s, the default.
@@ -41,19 +44,6 @@ REFUSED = {"RIGID_2D_200DK_BoxJC_MD": ["TACT_BEHAV.DAT:2:", "MD_JKRs"],
 STEP_ONE = 0.025  # relative difference of the velocities of step 1 from the run of LMGC90 to 1e-7
 # LMGC90's own runs differ by 5.2 and 6.9 % in steps 10 and 20: with friction solutions are not unique.
 LATER = {10: 0.06, 20: 0.07}
-
-
-def velocities(*paths):
-    """V(1) and V(2) of all bodies of files DOF."""
-    found = {}
-    for path in paths:
-        body = None
-        for line in path.read_text().splitlines():
-            if match := re.match(r"\s*RBDY2\s+(\d+)", line):
-                body = int(match.group(1))
-            if match := re.search(r"V\(1\)=(.{14}).*V\(2\)=(.{14})", line):
-                found[body] = [float(match.group(k).replace("D", "E")) for k in (1, 2)]
-    return found
 
 
 def distance(one, other):
