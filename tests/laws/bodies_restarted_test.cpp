@@ -204,7 +204,8 @@ Simulation read_back(const DatboxTexts& texts, const Simulation& original) {
 }  // namespace
 
 TEST_CASE("bodies: a run goes on from every step of its trajectory, bit for bit") {
-  for (const StepAlgorithm algorithm : {StepAlgorithm::nlgs, StepAlgorithm::generic, StepAlgorithm::automatic}) {
+  for (const StepAlgorithm algorithm :
+       {StepAlgorithm::nlgs, StepAlgorithm::generic, StepAlgorithm::automatic, StepAlgorithm::two_stage_newton}) {
     CAPTURE(to_string(algorithm));
     check_restarts<2>(pressed_bed(pressed(algorithm)), 6);
     check_restarts<3>(pressed_spheres(pressed(algorithm)), 4);
