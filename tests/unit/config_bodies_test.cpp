@@ -36,10 +36,10 @@ const std::string bodies_in_space =
     "free = [\"x\", \"y\", \"z\", \"spin_x\", \"spin_y\", \"spin\"]\nmass = 3\ninertia = [1, 2, 4]\n"
     "axes = [0.6, 0, 0.8, 0]\ncentre = [0, 0, 0]\nforce = [1, 2, 3]\ntorque = [4, 5, 6]\n"
     "[[boundary.load_oscillation]]\ntorque = [0, 0, 7]\nomega = 8\n"
-    "[[boundary]]\nname = \"board\"\nshape = \"plank\"\npoint = [1, 2, 3]\nnormal = [0, 0, 2]\naxis = [0, 1, 0]\n"
+    "[[boundary]]\nname = \"board\"\nshape = \"plank\"\npoint = [1, 2, -9]\nnormal = [0, 0, 2]\naxis = [0, 1, 0]\n"
     "length = 4\nwidth = 3\nradius = 0.25\nvelocity = [0, 0, 1]\n"
-    "[[boundary]]\nname = \"lid\"\nshape = \"wall\"\npoint = [0, 0, 9]\nnormal = [0, 0, -1]\n"
-    "free = [\"z\"]\nmass = 5\ncentre = [0, 0, 9]\nload = [[0, 0, 0, 0, 0, 0, 0], [1, 0, 0, -6, 0, 0, 0]]\n";
+    "[[boundary]]\nname = \"lid\"\nshape = \"wall\"\npoint = [0, 0, 90]\nnormal = [0, 0, -1]\n"
+    "free = [\"z\"]\nmass = 5\ncentre = [0, 0, 90]\nload = [[0, 0, 0, 0, 0, 0, 0], [1, 0, 0, -6, 0, 0, 0]]\n";
 
 }  // namespace
 
@@ -119,7 +119,7 @@ TEST_CASE("bodies of a case in space: principal axes, planks and loads, written 
         std::array{1.0, 2.0, 3.0, 4.0, 5.0, 13.0});
   const BoundarySpec& board = found[1];
   CHECK(board.shape == BoundaryShape::plank);
-  CHECK(board.point == std::array<double, 3>{1, 2, 3});
+  CHECK(board.point == std::array<double, 3>{1, 2, -9});
   CHECK(board.axis == std::array<double, 3>{0, 1, 0});
   CHECK(board.length == 4);
   CHECK(board.width == 3);
@@ -173,7 +173,7 @@ TEST_CASE("bodies of a case: every error names file, line and key") {
   space("axis = [0, 1, 0]", "axis = [0, 1, 1]", {"'board'", "axis", "across the normal"});
   space("length = 4", "length = 0", {"boundary[1].length:", "> 0"});
   space("width = 3", "width = -3", {"boundary[1].width:", ">= 0"});
-  space("point = [1, 2, 3]\nnormal = [0, 0, 2]", "from = [1, 2, 3]\nto = [0, 0, 2]",
+  space("point = [1, 2, -9]\nnormal = [0, 0, 2]", "from = [1, 2, -9]\nto = [0, 0, 2]",
         {"boundary[1].from:", "point and normal of a plank in space"});
 }
 
