@@ -263,7 +263,10 @@ TEST_CASE("DATBOX: colours that see each other by another friction, or not at al
   CHECK(frictions.pairs[0].rule.touch);
   CHECK(frictions.pairs[0].rule.friction == 0.5);
   CHECK_FALSE(frictions.pairs[0].rule.restitution.has_value());
-  REQUIRE(frictions.colours.size() == 1);
+  REQUIRE(frictions.colours.size() == 2);  // also of the disks of the cluster
+  CHECK(frictions.colours[1].name == "DISKx ROUGE");
+  CHECK(frictions.colours[1].first == 1);
+  CHECK(frictions.colours[1].last == 2);
   CHECK(frictions.colours[0].name == "DISKx BLEUx");
   CHECK(frictions.colours[0].first == 0);
   CHECK(frictions.colours[0].last == 0);
