@@ -17,7 +17,7 @@ bool is_of_step(const DeepOverlap& one, const StepStart& start) {
 // Largest ratio of speeds after and before an impact, for a light body that a heavy one throws.
 double thrown(const DeepOverlap& one, const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
-  const auto inverse_mass = [&](Index body) {
+  const auto inverse_mass = [&system = system](Index body) {
     const Index node = system.node_of(body);
     return node < 0 ? 0 : system.inverse_mass(node);
   };
