@@ -156,7 +156,7 @@ TEST_CASE("the last row of a step has normal_change, though it is not one of tho
 TEST_CASE("QM/16 of a step does not know into how many subdomains its contacts are cut") {
   const GranularStep<2> whole = solve_step(shaken_lattice(7, 6, unfinished("nlgs", 3)));
   std::vector<ContactResidual> parts;
-  for (const std::size_t start : {0, 1, 2}) {
+  for (std::size_t start = 0; start < 3; ++start) {
     std::vector<GrainContact<2>> own;
     for (std::size_t k = start; k < whole.contacts.size(); k += 3) own.push_back(whole.contacts[k]);
     parts.push_back(contact_residual(whole.problem.law, own, whole.velocities));
