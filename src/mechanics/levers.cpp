@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/levers.hpp"
 
+#include "core/fail.hpp"
+
 namespace nscdd {
 namespace {
 
@@ -39,17 +41,23 @@ Lever<D> lever_on(const StepStart& start, const Configuration& where, const Step
   return lever;
 }
 
-// Whether impulses along the surface move the bodies of a contact: not so if both are driven along it. In space they
-// may be so along one direction alone; such a contact counts as one without friction, too.
+// How impulses along the surface move the bodies of a contact.
+enum class Sliding { free, idle, tied };
+
+// Idle: not at all, since both bodies are driven along the surface. Tied: W is singular for another reason, as where a
+// plate that is free along y alone touches a slope.
 template <int D>
-bool moves_along_surface(const Levers<D>& levers, double inverse_mass_a, double inverse_mass_b) {
+Sliding sliding_of(const Levers<D>& levers, double inverse_mass_a, double inverse_mass_b) {
   constexpr double part = 1e-12;
   const FullDelassus<D> w = lever_delassus(levers, inverse_mass_a, inverse_mass_b);
-  if constexpr (D == 2)
-    return w.tt > part * w.nn && w.nn * w.tt - w.nt * w.nt > part * w.nn * w.tt;
-  else {
+  if constexpr (D == 2) {
+    if (w.tt <= part * w.nn) return Sliding::idle;
+    return w.nn * w.tt - w.nt * w.nt > part * w.nn * w.tt ? Sliding::free : Sliding::tied;
+  } else {
+    if (std::max(w.tt.first, w.tt.second) <= part * w.nn) return Sliding::idle;
     const TangentMatrix s = w.schur_complement();
-    return s.first > part * w.nn && s.second - s.mixed * s.mixed / s.first > part * w.nn;
+    const bool regular = s.first > part * w.nn && s.second - s.mixed * s.mixed / s.first > part * w.nn;
+    return regular ? Sliding::free : Sliding::tied;
   }
 }
 
@@ -64,7 +72,14 @@ std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configu
     const Index node = system.node_of(body);
     return node < 0 ? 0 : system.inverse_mass(node);
   };
-  if (!moves_along_surface(levers, inverse_mass(c.a), inverse_mass(c.b)))
+  const Sliding sliding = sliding_of(levers, inverse_mass(c.a), inverse_mass(c.b));
+  const Interaction& interaction = start.interaction;
+  if (sliding == Sliding::tied && std::max(interaction.friction, interaction.friction_at_boundaries()) > 0)
+    fail(
+        "contact of {} and {}: expected bodies that move across and along the surface independently, or no friction, "
+        "met one that its free directions tie to the other",
+        body_name(system, c.a), body_name(system, c.b));
+  if (sliding != Sliding::free)
     for (std::size_t d = 1; d < D; ++d) levers.a.rows[d] = levers.b.rows[d] = {};
   return std::make_shared<const Levers<D>>(levers);
 }

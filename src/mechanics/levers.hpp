@@ -6,7 +6,8 @@
 namespace nscdd {
 
 /// The levers of a contact with a body with free directions; null for others. Tangential impulses that move nothing are
-/// left out: their rows are 0, see Levers::rubs.
+/// left out: their rows are 0, see Levers::rubs. Throws Error naming both bodies if W is singular in another way and
+/// there is friction.
 template <int D>
 std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configuration& where,
                                            const StepContact& contact);

@@ -111,7 +111,7 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics, const Peri
   system.driven_by.shrink_to_fit();
   number_bodies(system);
   result.state = initial_state(system, std::move(x), std::move(y), packing.z);
-  for (Index i = 0; i < system.grains(); ++i)  // grains of a body are beside its centre, not at other images
+  for (Index i = 0; i < system.grains(); ++i)  // the image of a grain that is nearest to the centre of its body
     if (const Index k = system.driven_by[at(i)]; k >= 0 && system.period.any() && system.boundaries[at(k)].body) {
       const Place& centre = system.boundaries[at(k)].motion.centre;
       const Place place = moved_along(centre, 1, system.apart(centre, centre_of(result.state, at(i))));

@@ -195,7 +195,7 @@ TEST_CASE("a disk meets the end of a plank along the line to its centre, from an
   }
 }
 
-TEST_CASE("a disk lies on a plank or hangs below it, and falls beside it") {
+TEST_CASE("a plank holds a disk from above and from below, and none beyond its end") {
   Dynamics dynamics = tight({plank("plank", {-1, 0}, {1, 0}, 0.1)});
   Simulation above = simulation_of({{.x = 0.9, .y = 0.6}, {.x = 2.5, .y = 0.6}}, dynamics);
   advance(above, 10);
@@ -273,6 +273,22 @@ TEST_CASE("a wall that is free along y presses driven grains, along which nothin
     CHECK(sum / dynamics.time.step == doctest::Approx(2 * g).epsilon(1e-9));
     CHECK(std::abs(velocity_of(simulation).y) < 1e-10);
   }
+}
+
+TEST_CASE("a plate that is free along y alone rubs on no slope: without friction it is held, with it refused") {
+  // The slope rises at 45 degrees; the plate is one disk.
+  BoundarySpec plate = driven_grains("plate", 0, 0);
+  plate.body = free_body(2, 0, {false, true});
+  Dynamics dynamics = tight({wall("slope", {0, 0}, {1, 1}), plate});
+  const double touch = 0.5 * std::sqrt(2.0);
+  dynamics.interaction.friction = 0;
+  Simulation simulation = simulation_of(std::vector<Grain>{{.x = 0, .y = touch}}, dynamics);
+  advance(simulation, 5);
+  CHECK(std::abs(velocity_of(simulation, 1).y) < 1e-12);
+  CHECK(impulse_between(simulation.state, 0, 1).n / dynamics.time.step ==
+        doctest::Approx(2 * g * std::sqrt(2.0)).epsilon(1e-9));
+  simulation.dynamics.interaction.friction = 0.3;
+  CHECK_THROWS_WITH_AS(advance(simulation), doctest::Contains("along the surface independently"), Error);
 }
 
 TEST_CASE("clumps that collide keep momentum and angular momentum, and lose the energy that contacts dissipate") {
