@@ -215,7 +215,8 @@ Outcome run_program(const fs::path& folder, const std::vector<std::string>& argu
   if (const auto& at = options.signal_at)
     settings = {"LD_PRELOAD=" + environment("NSCDD_SIGNAL_MODULE") + also_loaded(), "NSCDD_SIGNAL_FILES=" + at->files,
                 "NSCDD_SIGNAL_BYTES=" + std::to_string(at->bytes), "NSCDD_SIGNAL=" + std::to_string(at->signal)};
-  for (char** setting = environ; *setting != nullptr; ++setting) settings.emplace_back(*setting);
+  for (char** setting = environ; *setting != nullptr; ++setting)  // of two LD_PRELOAD the last one would count
+    if (!options.signal_at || !std::string_view(*setting).starts_with("LD_PRELOAD=")) settings.emplace_back(*setting);
   const std::vector<char*> argument_pointers = pointers_to(words), setting_pointers = pointers_to(settings);
 
   Stream output(options.standard_output), error(options.standard_error, options.on_terminal);
