@@ -46,6 +46,7 @@ constexpr auto names_of(Signorini) { return std::to_array<std::string_view>({"ga
 struct Interaction {
   Choice<LawName> law;  ///< Coulomb's by default
   double friction = 0.3, boundary_friction = -1;
+  double static_friction = -1;  ///< of contacts that did not slide at the end of the last step
   Choice<Signorini> signorini;
   double restitution = 0, tangential_restitution = 0;
   double cohesion = 0;         ///< N
@@ -54,7 +55,11 @@ struct Interaction {
 
   /// Whether contacts act once bodies touch.
   bool on_velocity() const { return signorini == Signorini::velocity || restitution > 0; }
-  double friction_at_boundaries() const { return boundary_friction < 0 ? friction : boundary_friction; }
+  /// Of a contact between grains or with a boundary that slid in the last step or did not.
+  double friction_of(bool at_boundary, bool slid) const {
+    if (at_boundary && boundary_friction >= 0) return boundary_friction;
+    return slid || static_friction < 0 ? friction : static_friction;
+  }
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -63,6 +68,11 @@ struct Interaction {
           Field{.description = "Coulomb's coefficient between grains", .minimum = 0, .maximum = 100});
     visit("boundary_friction", self.boundary_friction,
           Field{.description = "Coulomb's coefficient at boundaries; -1: as between grains",
+                .minimum = 0,
+                .maximum = 100,
+                .also = -1});
+    visit("static_friction", self.static_friction,
+          Field{.description = "Coulomb's coefficient between grains that did not slide in the last step; -1: friction",
                 .minimum = 0,
                 .maximum = 100,
                 .also = -1});

@@ -11,7 +11,7 @@ namespace nscdd {
 /// What holds for contacts of two colours in place of the parameters of an Interaction.
 struct PairRule {
   bool touch = true;  ///< false: their bodies go through each other
-  std::optional<double> friction = {}, restitution = {}, tangential_restitution = {};
+  std::optional<double> friction = {}, static_friction = {}, restitution = {}, tangential_restitution = {};
 };
 
 /// Colours of grains and walls, and rules for pairs of colours.
@@ -102,6 +102,7 @@ struct RememberedImpulse {
   Index a = 0, b = 0;
   /// N s: in the plane (n, t, 0) in the frame of the contact, in space (x, y, z) on b, since tangents may jump.
   std::array<double, 3> impulse{};
+  bool slid = false;  ///< see Interaction::static_friction
 };
 
 /// The impulse of a contact with that normal as it is remembered, and back, at a normal that may have turned since.

@@ -74,7 +74,8 @@ std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configu
   };
   const Sliding sliding = sliding_of(levers, inverse_mass(c.a), inverse_mass(c.b));
   const Interaction& interaction = start.interaction;
-  if (sliding == Sliding::tied && std::max(interaction.friction, interaction.friction_at_boundaries()) > 0)
+  if (sliding == Sliding::tied &&
+      std::max({interaction.friction, interaction.friction_of(true, true), interaction.friction_of(false, false)}) > 0)
     fail(
         "contact of {} and {}: expected bodies that move across and along the surface independently, or no friction, "
         "met one that its free directions tie to the other",

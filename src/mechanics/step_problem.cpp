@@ -48,10 +48,17 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
   return bodies;
 }
 
+// Coulomb's coefficient of a contact, by the rule of its colours if there is one.
+double friction_of(const Interaction& interaction, bool at_boundary, const PairRule* rule, bool slid) {
+  if (rule != nullptr && rule->static_friction && !slid) return *rule->static_friction;
+  return rule != nullptr && rule->friction ? *rule->friction : interaction.friction_of(at_boundary, slid);
+}
+
 template <int D>
 GrainContact<D> solver_contact(const StepContact& c, const std::array<Index, 2>& bodies, const StepProblem<D>& problem,
                                const Interaction& interaction, double correction, double push,
-                               std::shared_ptr<const Levers<D>> levers, bool boundary, const PairRule* rule) {
+                               std::shared_ptr<const Levers<D>> levers, bool boundary, const PairRule* rule,
+                               bool slid) {
   const GrainVelocity<D>&a = problem.free[at(bodies[0])], &b = problem.free[at(bodies[1])];
   const bool driven = boundary || a.inverse_mass == 0 || b.inverse_mass == 0;
   GrainContact<D> k{.a = static_cast<std::int32_t>(bodies[0]),
@@ -60,9 +67,8 @@ GrainContact<D> solver_contact(const StepContact& c, const std::array<Index, 2>&
                     .inverse_mass_a = a.inverse_mass,
                     .inverse_mass_b = b.inverse_mass,
                     .bias = {c.gap > 0 ? c.gap / problem.h : std::max(correction * c.gap / problem.h, -push), {}},
-                    .friction = driven ? problem.boundary_friction : problem.friction,
+                    .friction = problem.rubs ? friction_of(interaction, driven, rule, slid) : 0,
                     .levers = std::move(levers)};
-  if (rule != nullptr && rule->friction && problem.rubs) k.friction = *rule->friction;
   if (k.levers != nullptr && !k.levers->rubs()) k.friction = 0;
   if (interaction.on_velocity() || problem.tangential_bias) {
     const auto own = [&](auto restitution) {
@@ -101,7 +107,8 @@ void add_idle_unknowns(GlobalFrictionProblem& problem, const std::vector<GrainCo
 
 template <int D>
 StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact> geometry, double boundary_speed,
-                                std::vector<std::int32_t> numbers, const std::vector<RememberedImpulse>& last) {
+                                std::vector<std::int32_t> numbers, const std::vector<RememberedImpulse>& last,
+                                bool warm_start) {
   const auto& [system, state, interaction, scheme] = start;
   const auto first = first_motions(system, state, scheme), motions = step_motions(system, state, scheme);
   StepProblem<D> problem;
@@ -109,13 +116,14 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   set_scale(problem, interaction, 1);
   const auto [rubs, pulls, pull] =
       std::visit([](const auto& law) { return std::tuple(law.rubs, law.pulls, law.pull()); }, problem.law);
-  problem.friction = rubs ? interaction.friction : 0;
-  problem.boundary_friction = rubs ? interaction.friction_at_boundaries() : 0;
+  problem.friction = rubs ? interaction.friction_of(false, true) : 0;
+  problem.boundary_friction = rubs ? interaction.friction_of(true, true) : 0;
   problem.pulls = pulls;
   problem.rubs = rubs;
   problem.tangential_bias = interaction.tangential_restitution > 0;
+  problem.own_frictions = rubs && interaction.static_friction >= 0;
   for (const auto& [colours, rule] : system.pairs.rules) {
-    problem.own_frictions = problem.own_frictions || (rubs && rule.friction);
+    problem.own_frictions = problem.own_frictions || (rubs && (rule.friction || rule.static_friction));
     problem.tangential_bias = problem.tangential_bias || rule.tangential_restitution.value_or(0) > 0;
   }
   problem.geometry = std::move(geometry);
@@ -129,6 +137,7 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   const Configuration where = where_contacts_are(start);
   const auto bodies = add_wall_bodies<D>(problem, system, where, first);
   const bool levers = !system.free_bodies.empty();
+  const auto known = remembered(last, problem.geometry);
   double scale = 0;
   problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
@@ -137,15 +146,13 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
                                                  push_speed(scheme, system.smaller_radius(c.a, c.b), boundary_speed),
                                                  levers ? levers_of<D>(start, where, c) : nullptr,
                                                  system.is_boundary(c.a) || system.is_boundary(c.b),
-                                                 system.pairs.of(c.a, c.b)));
+                                                 system.pairs.of(c.a, c.b), known[k] != nullptr && known[k]->slid));
     if (problem.pulls && hold(system, interaction, c)) problem.contacts.back().pull = pull;
+    if (warm_start && known[k] != nullptr)
+      problem.contacts.back().impulse = recalled<D>(known[k]->impulse, problem.contacts.back().normal);
     scale += 1 / inverse_normal_delassus(problem.contacts.back());
   }
   set_scale(problem, interaction, scale / std::max(1.0, static_cast<double>(problem.contacts.size())));
-  const auto impulses = remembered(last, problem.geometry);
-  for (std::size_t k = 0; k < impulses.size(); ++k)
-    if (impulses[k] != nullptr)
-      problem.contacts[k].impulse = recalled<D>(impulses[k]->impulse, problem.contacts[k].normal);
   return problem;
 }
 
@@ -158,7 +165,7 @@ StepProblem<D> prepare_step(const StepStart& start, bool warm_start, bool shallo
   std::vector<std::int32_t> numbers(at(start.system.bodies()));
   std::iota(numbers.begin(), numbers.end(), 0);
   return step_of_contacts<D>(start, sorted_by_bodies(found, start.system.grains()), considered.boundary_speed,
-                             std::move(numbers), warm_start ? start.state.impulses : std::vector<RememberedImpulse>{});
+                             std::move(numbers), start.state.impulses, warm_start);
 }
 
 template <int D>
@@ -207,9 +214,9 @@ GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodi
 }
 
 template StepProblem<2> step_of_contacts(const StepStart&, std::vector<StepContact>, double, std::vector<std::int32_t>,
-                                         const std::vector<RememberedImpulse>&);
+                                         const std::vector<RememberedImpulse>&, bool);
 template StepProblem<3> step_of_contacts(const StepStart&, std::vector<StepContact>, double, std::vector<std::int32_t>,
-                                         const std::vector<RememberedImpulse>&);
+                                         const std::vector<RememberedImpulse>&, bool);
 template StepProblem<2> prepare_step(const StepStart&, bool, bool);
 template StepProblem<3> prepare_step(const StepStart&, bool, bool);
 template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<2>>&,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "mechanics/contact_residual.hpp"
 #include "mechanics/step_contacts.hpp"
 
 #include <numeric>
@@ -16,10 +17,10 @@ template <int D>
 struct StepProblem {
   ContactLaw law;                              ///< of all contacts
   double scale = 0;                            ///< W, the mean of the W_nn of the contacts, 1/kg; 0 without contacts
-  double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one
+  double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one, see friction_of
   bool tangential_bias = false;                ///< contacts have a bias_t (tangential restitution)
   bool rubs = true;                            ///< contacts have a tangential impulse
-  bool own_frictions = false;                  ///< contacts have frictions of their own, by colours
+  bool own_frictions = false;                  ///< contacts have frictions of their own, by colours and statuses
   bool pulls = false;                          ///< the law pulls: contacts that touch have a pull
   double h = 0;                                ///< s
   std::vector<StepContact> geometry;           ///< ascending by (a, b)
@@ -46,10 +47,12 @@ template <int D>
 StepProblem<D> prepare_step(const StepStart& start, bool warm_start, bool shallow = false);
 
 /// Sets up the problem of the contacts in `geometry`, ascending by (a, b), with `bodies`, ascending, among them all
-/// grains and free bodies of these contacts. Impulses start from those in `last`, ascending by (a, b).
+/// grains and free bodies of these contacts. `last`, ascending by (a, b), tells which contacts slid; impulses start
+/// from those in it if `warm_start`.
 template <int D>
 StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact> geometry, double boundary_speed,
-                                std::vector<std::int32_t> bodies, const std::vector<RememberedImpulse>& last);
+                                std::vector<std::int32_t> bodies, const std::vector<RememberedImpulse>& last,
+                                bool warm_start);
 
 /// Sets the scale W, 1/kg, and the law that depends on it; by default W is that of the contacts of the problem.
 template <int D>
@@ -115,7 +118,8 @@ std::vector<RememberedImpulse> impulses_to_remember(const StepProblem<D>& proble
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const GrainContact<D>& c = contacts[k];
     const StepContact& g = problem.geometry[k];
-    if (carries(c.impulse)) impulses.push_back({g.a, g.b, to_remember<D>(c.impulse, c.normal)});
+    if (carries(c.impulse))
+      impulses.push_back({g.a, g.b, to_remember<D>(c.impulse, c.normal), slides(status_of(problem.law, c))});
   }
   return impulses;
 }

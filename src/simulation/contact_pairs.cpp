@@ -57,6 +57,7 @@ std::string to_toml(const PairSpec& spec) {
     if (value) text += fmt::format("{} = {}\n", key, field_text(*value));
   };
   add("friction", spec.rule.friction);
+  add("static_friction", spec.rule.static_friction);
   add("restitution", spec.rule.restitution);
   add("tangential_restitution", spec.rule.tangential_restitution);
   return text;

@@ -50,7 +50,7 @@ void add_needs(std::vector<Need>& needs, const Interaction& interaction, double 
       return std::visit(right, Alternatives<ContactLaw>::at(static_cast<std::size_t>(law)));
     }));
   };
-  for (const char* path : {"interaction.friction", "interaction.boundary_friction"})
+  for (const char* path : {"interaction.friction", "interaction.boundary_friction", "interaction.static_friction"})
     add_law(path, [](const auto& law) { return law.opens && law.rubs; });
   for (const char* path : {"interaction.cohesion", "interaction.cohesion_range"})
     add_law(path, [](const auto& law) { return law.pulls; });

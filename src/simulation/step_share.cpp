@@ -226,9 +226,8 @@ GranularStep<D> share_step(const Simulation& simulation) {
       return std::ranges::binary_search(own, ends_of(one), {}, ends_of);
     });
   std::vector<std::int32_t> bodies = bodies_of(own, system, all.alone());
-  const std::vector<RememberedImpulse> none, &last = all.alone() ? state.impulses : step.impulses;
   step.problem = step_of_contacts<D>(start, std::move(own), considered.boundary_speed, std::move(bodies),
-                                     dynamics.solver.warm_start ? last : none);
+                                     all.alone() ? state.impulses : step.impulses, dynamics.solver.warm_start);
   set_scale(step, simulation, considered.number);
   return step;
 }
@@ -238,7 +237,7 @@ StepProblem<D> whole_step(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
   check_system(simulation, D);
   GranularState state = simulation.state;
-  if (dynamics.solver.warm_start) state.impulses = impulses_of_all(simulation, [](const auto&) { return true; });
+  state.impulses = impulses_of_all(simulation, [](const auto&) { return true; });
   return prepare_step<D>({simulation.system, state, dynamics.interaction, dynamics.time}, dynamics.solver.warm_start,
                          true);
 }

@@ -133,7 +133,10 @@ void check_same_bits(const GranularState& a, const GranularState& b) {
     CHECK(p.turn.coeffs() == q.turn.coeffs());
   }
   REQUIRE(a.impulses.size() == b.impulses.size());
-  for (std::size_t k = 0; k < a.impulses.size(); ++k) CHECK(a.impulses[k].impulse == b.impulses[k].impulse);
+  for (std::size_t k = 0; k < a.impulses.size(); ++k) {
+    CHECK(a.impulses[k].impulse == b.impulses[k].impulse);
+    CHECK(a.impulses[k].slid == b.impulses[k].slid);
+  }
   REQUIRE(a.gluing.size() == b.gluing.size());
   for (std::size_t k = 0; k < a.gluing.size(); ++k) {
     CHECK(a.gluing[k].grain == b.gluing[k].grain);
@@ -212,6 +215,15 @@ TEST_CASE("bodies: a run goes on from every step of its trajectory, bit for bit"
   }
 }
 
+TEST_CASE("static friction: a run that goes on knows which contacts slid") {
+  Dynamics dynamics = pressed(StepAlgorithm::automatic);
+  dynamics.interaction.friction = 0.1;
+  dynamics.interaction.static_friction = 0.3;
+  check_restarts<2>(pressed_bed(dynamics, {1, 1}), 6);
+  dynamics.solver.warm_start = false;
+  check_restarts<3>(pressed_spheres(dynamics, {1, 1, 1}), 4);
+}
+
 TEST_CASE("bodies: the plank presses the bed, and the clumps share its interface") {
   Simulation simulation = pressed_bed(pressed(StepAlgorithm::generic));
   TrajectoryStep after;
@@ -250,6 +262,11 @@ TEST_CASE("bodies: the contact problem of a step, and of each subdomain, is solv
     take_one<D>(simulation, after);
     const FclibFile file = fclib_of_step(before, &after);
     const auto problem = check_solution(file, 1e-8);
+    for (std::size_t c = 0; c < solved.contacts.size(); ++c) {
+      const LocalVector<D> u = relative_velocity(solved.contacts[c], velocities) + solved.contacts[c].bias;
+      CHECK(std::sqrt(squared(component<D>(file.solution->u, static_cast<Index>(c)) - u)) < 1e-7);
+      CHECK(problem.friction[static_cast<Index>(c)] == solved.contacts[c].friction);
+    }
     // W of the exported problem is that of `solve` on the step.
     const LocalFrictionProblem local = std::get<LocalFrictionProblem>(local_form(file).problem);
     const LocalFrictionProblem own = contact_problem(step, before.system);
@@ -272,8 +289,10 @@ TEST_CASE("bodies: the contact problem of a step, and of each subdomain, is solv
     CHECK(problem.mass.rows() == row);
     for (Index e = 0; e < 2; ++e) check_solution(fclib_of_subdomain(before, after, e), 1e-6);
   };
-  check_all(pressed_bed(pressed(StepAlgorithm::generic)), std::integral_constant<int, 2>());
-  check_all(pressed_spheres(pressed(StepAlgorithm::generic)), std::integral_constant<int, 3>());
+  Dynamics dynamics = pressed(StepAlgorithm::generic);
+  dynamics.interaction.static_friction = 0.35;
+  check_all(pressed_bed(dynamics), std::integral_constant<int, 2>());
+  check_all(pressed_spheres(dynamics), std::integral_constant<int, 3>());
 }
 
 TEST_CASE("bodies: a run with subdomains that become linear comes to the velocities of one without") {
@@ -316,6 +335,7 @@ TEST_CASE(
     "bodies: a DATBOX of clumps and planks, pushed or free, has the bodies and the state of a run after some steps") {
   Dynamics dynamics = pressed(StepAlgorithm::automatic);
   dynamics.interaction.boundary_friction = 0.2;
+  dynamics.interaction.static_friction = 0.45;
   dynamics.time.maximum_push_speed = 0;
   Simulation simulation = pressed_bed(dynamics, {1, 1});
   BoundarySpec& top = simulation.dynamics.boundaries.back();
@@ -374,11 +394,12 @@ TEST_CASE(
     CHECK(p.x == doctest::Approx(q.x).scale(1).epsilon(1e-6));
     CHECK(p.y == doctest::Approx(q.y).scale(1).epsilon(1e-6));
   }
+  CHECK(back.dynamics.interaction.static_friction == 0.45);
   // The bodies that touch, and their friction, are those of the run.
   const auto friction_of = [](const Simulation& one, Index a, Index b) {
     const PairRule* rule = one.system.pairs.of(a, b);
     if (rule != nullptr && rule->friction) return *rule->friction;
-    return one.system.is_boundary(a) || one.system.is_boundary(b) ? one.dynamics.interaction.friction_at_boundaries()
+    return one.system.is_boundary(a) || one.system.is_boundary(b) ? one.dynamics.interaction.friction_of(true, true)
                                                                   : one.dynamics.interaction.friction;
   };
   std::vector<Index> in_back(at(original.system.grains() + count(original.system.walls)));

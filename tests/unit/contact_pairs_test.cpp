@@ -64,6 +64,15 @@ TEST_CASE("pairs: contacts have the friction of their pair of colours, others th
   CHECK(step.friction(1, 3) == 0.3);
   CHECK(step.friction(0, floor) == 0.6);
   CHECK(step.friction(1, floor) == 0.2);
+  Dynamics rough = coloured_floor({{{"b", "a"}, {.friction = 0.1, .static_friction = 0.4}},
+                                   {{"b", "b"}, {.static_friction = 0.7}},
+                                   {{"white", "b"}, {.friction = 0.2}}});
+  rough.interaction.static_friction = 0.5;
+  const FirstStep rests{simulation_of(four_disks, rough)};  // nothing has slid before
+  CHECK(rests.friction(0, 1) == 0.4);
+  CHECK(rests.friction(1, 3) == 0.5);
+  CHECK(rests.friction(0, floor) == 0.6);  // boundaries with a friction of their own have one
+  CHECK(rests.friction(1, floor) == 0.2);
   Dynamics slippery = coloured_floor({{{"b", "a"}, {.friction = 0.1}}});
   slippery.interaction.law = "frictionless";
   CHECK(FirstStep{simulation_of(four_disks, slippery)}.friction(0, 1) == 0);

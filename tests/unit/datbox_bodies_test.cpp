@@ -310,11 +310,20 @@ TEST_CASE("DATBOX: one Signorini condition and one cohesion for all contacts") {
   check_error([&] { dynamics_of(texts); }, {"TACT_BEHAV.DAT:", "one cohesion", "20 N"});
 }
 
-TEST_CASE("DATBOX: IQS_DS_CLB with one friction, IQS_WET_DS_CLB as a cohesion within a range") {
-  const std::string static_friction = law_head("IQS_DS_CLB") + "dfrc= 0.4000000D+00  sfrc= 0.4000000D+00";
-  CHECK(dynamics_of(with_law(static_friction)).interaction.friction == 0.4);
-  check_error([&] { dynamics_of(with_law(replaced(static_friction, "sfrc= 0.4", "sfrc= 0.6"))); },
-              {"TACT_BEHAV.DAT:8:", "dfrc = sfrc", "met 0.4 and 0.6"});
+TEST_CASE("DATBOX: laws with a static and a dynamic friction, IQS_WET_DS_CLB as a cohesion within a range") {
+  for (const std::string law : {"IQS_DS_CLB", "VEL_SGR_DS_CLB", "GAP_SGR_DS_CLB"}) {
+    const Dynamics read = dynamics_of(with_law(law_head(law) + "dfrc= 0.4000000D+00  sfrc= 0.6000000D+00"));
+    CHECK(read.interaction.friction == 0.4);
+    CHECK(read.interaction.static_friction == 0.6);
+    CHECK(read.interaction.on_velocity() == (law == "VEL_SGR_DS_CLB"));
+    CHECK((read.time.maximum_push_speed == 1e100) == (law == "GAP_SGR_DS_CLB"));
+  }
+  const Dynamics shock = dynamics_of(with_law(law_head("RST_DS_CLB") + "rstn= 0.5000000D+00  rstt= 0.2500000D+00" +
+                                              numbers_line("dfrc= 0.4000000D+00  sfrc= 0.4000000D+00")));
+  CHECK(shock.interaction.restitution == 0.5);
+  CHECK(shock.interaction.tangential_restitution == 0.25);
+  CHECK(shock.interaction.friction == 0.4);
+  CHECK(shock.interaction.static_friction == -1);
   const std::string wet = law_head("IQS_WET_DS_CLB") + "cohn= 0.2000000D+02  coht= 0.0000000D+00" +
                           numbers_line("Weth= 0.1000000D-02") +
                           numbers_line("dfrc= 0.3000000D+00  sfrc= 0.3000000D+00");
@@ -324,8 +333,7 @@ TEST_CASE("DATBOX: IQS_DS_CLB with one friction, IQS_WET_DS_CLB as a cohesion wi
   CHECK(interaction.cohesion_range == 1e-3);
   CHECK(interaction.friction == 0.3);
   check_error([&] { dynamics_of(with_law(replaced(wet, "coht= 0.0", "coht= 0.1"))); }, {"TACT_BEHAV.DAT:8:", "coht:"});
-  check_error([&] { dynamics_of(with_law(replaced(wet, "sfrc= 0.3", "sfrc= 0.5"))); },
-              {"TACT_BEHAV.DAT:8:", "dfrc = sfrc"});
+  CHECK(dynamics_of(with_law(replaced(wet, "sfrc= 0.3", "sfrc= 0.5"))).interaction.static_friction == 0.5);
   check_error([&] { dynamics_of(with_law(replaced(wet, "coht=", "xxxx="))); },
               {"TACT_BEHAV.DAT:8:", "IQS_WET_DS_CLB", "without coht"});
 }
@@ -344,8 +352,7 @@ TEST_CASE("DATBOX: the friction of each pair of colours is the one that contacts
     return [system, dynamics](Index a, Index b) {
       const PairRule* rule = system.pairs.of(a, b);
       if (rule != nullptr && rule->friction) return *rule->friction;
-      return system.is_boundary(a) || system.is_boundary(b) ? dynamics.interaction.friction_at_boundaries()
-                                                            : dynamics.interaction.friction;
+      return dynamics.interaction.friction_of(system.is_boundary(a) || system.is_boundary(b), true);
     };
   };
   // A plank that is free has the friction of its law, not that of grains.

@@ -291,6 +291,21 @@ TEST_CASE("vloc_rloc: M, H, loads and biases of a square on a plank and under a 
   CHECK(Matrix(local.w).isApprox(Matrix(local.w).transpose(), 1e-14));
 }
 
+TEST_CASE("vloc_rloc: a contact that slides has the dynamic friction of its law, another one the static one") {
+  NetworkTexts texts = square();
+  texts.datbox.tact = replaced(texts.datbox.tact, "IQS_CLB                         fric= 0.5000000D+00",
+                               "IQS_DS_CLB                      dfrc= 0.5000000D+00  sfrc= 0.7500000D+00");
+  const auto friction = [&](const char* status) {
+    NetworkTexts other = texts;
+    other.contacts = replaced(texts.contacts, "stick     1", std::string(status) + "     1");
+    return std::get<GlobalFrictionProblem>(problem_of(other).problem).friction[0];
+  };
+  CHECK(friction("stick") == 0.75);
+  CHECK(friction("noctc") == 0.75);
+  CHECK(friction("slifw") == 0.5);
+  CHECK(friction("slibw") == 0.5);
+}
+
 TEST_CASE("vloc_rloc: a polyhedron has its volume and moments of inertia, and spins along its own axes") {
   const FclibFile file = problem_of(box_on_plane());
   const auto& problem = std::get<GlobalFrictionProblem>(file.problem);
@@ -352,7 +367,7 @@ TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
     texts.datbox.*text = replaced(texts.datbox.*text, from, to);
     check_error([&] { problem_of(texts); }, names);
   };
-  spoil_input(&DatboxTexts::tact, "IQS_CLB", "MAC_CZM", {"TACT_BEHAV.DAT:2:", "VEL_SGR_CLB, RST_CLB", "MAC_CZM"});
+  spoil_input(&DatboxTexts::tact, "IQS_CLB", "MAC_CZM", {"TACT_BEHAV.DAT:2:", "VEL_SGR_CLB or RST_CLB", "MAC_CZM"});
   spoil_input(&DatboxTexts::bulk, "STONE", "STEEL", {"BODIES.DAT:2:", "STONE", "RIGID"});
   spoil_input(
       &DatboxTexts::driven,

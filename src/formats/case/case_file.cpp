@@ -121,6 +121,7 @@ PairSpec read_pair(StrictTable section, const Interaction& interaction) {
     if (section.has(key)) section.read(key, value.emplace(), Field{.minimum = 0, .maximum = most});
   };
   read("friction", spec.rule.friction, 100);
+  read("static_friction", spec.rule.static_friction, 100);
   read("restitution", spec.rule.restitution, 1);
   read("tangential_restitution", spec.rule.tangential_restitution, 1);
   if (spec.rule.restitution && !interaction.on_velocity())

@@ -79,12 +79,12 @@ struct DatboxBody {
   bool plank() const { return contactors[0].plank; }
 };
 
-/// A contact law: IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB, RST_CLB, IQS_DS_CLB, IQS_WET_DS_CLB, or another one, which
-/// contacts must not use.
+/// A contact law: IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, or one of them with a static friction (_DS_CLB, here
+/// without _DS), IQS_WET_DS_CLB, or another one, which contacts must not use.
 struct DatboxLaw {
   std::string kind;
-  double friction = 0, restitution = 0, tangential_restitution = 0;
-  double static_friction = 0;                    ///< of IQS_DS_CLB and IQS_WET_DS_CLB, which have a dynamic one as well
+  double friction = 0, static_friction = 0;  ///< of contacts that slid in the last step, and of the others
+  double restitution = 0, tangential_restitution = 0;
   double cohesion = 0, tangential_cohesion = 0;  ///< N
   double range = 0;                              ///< of cohesion, m
   DatboxPlace place;

@@ -21,16 +21,19 @@ std::string table_name(const char* kind, Index body, std::size_t dof) {
   return fmt::format("{}_{}_{}.dat", std::string_view(kind) == "force" ? "force" : "velocity", body, dof + 1);
 }
 
-std::string law_text(const char* name, const Dynamics& dynamics, double friction) {
+std::string law_text(const char* name, const Dynamics& dynamics, double friction, double at_rest) {
   const Interaction& interaction = dynamics.interaction;
+  const bool two = at_rest != friction;
+  const std::string frictions =
+      two ? datbox_named({{"dfrc=", friction}, {"sfrc=", at_rest}}) : datbox_named({{"fric=", friction}});
   const bool removes_overlaps = dynamics.time.penetration_correction == 1 && dynamics.time.maximum_push_speed >= 1e100;
   if (interaction.on_velocity())
     return fmt::format(
-        "$behav  lawty\n {}  {:30}{}\n{:38}{}\n\n", name, "RST_CLB",
+        "$behav  lawty\n {}  {:30}{}\n{:38}{}\n\n", name, two ? "RST_DS_CLB" : "RST_CLB",
         datbox_named({{"rstn=", interaction.restitution}, {"rstt=", interaction.tangential_restitution}}), "",
-        datbox_named({{"fric=", friction}}));
-  return fmt::format("$behav  lawty\n {}  {:30}{}\n\n", name, removes_overlaps ? "GAP_SGR_CLB" : "IQS_CLB",
-                     datbox_named({{"fric=", friction}}));
+        frictions);
+  return fmt::format("$behav  lawty\n {}  {:30}{}\n\n", name,
+                     (removes_overlaps ? std::string("GAP_SGR") : "IQS") + (two ? "_DS_CLB" : "_CLB"), frictions);
 }
 
 // Why LMGC90 has no such law; empty if it has one.
@@ -45,8 +48,11 @@ std::string without_law(const Interaction& interaction) {
 std::string law_texts(const Dynamics& dynamics) {
   const Interaction& interaction = dynamics.interaction;
   const bool frictionless = to_string(interaction.law) == Frictionless::name;
-  return law_text(datbox_law_of_grains, dynamics, frictionless ? 0 : interaction.friction) +
-         law_text(datbox_law_of_boundaries, dynamics, frictionless ? 0 : interaction.friction_at_boundaries());
+  const auto text = [&](const char* name, bool at_boundary) {
+    const auto friction = [&](bool slid) { return frictionless ? 0 : interaction.friction_of(at_boundary, slid); };
+    return law_text(name, dynamics, friction(true), friction(false));
+  };
+  return text(datbox_law_of_grains, false) + text(datbox_law_of_boundaries, true);
 }
 
 // Contactors `grain` of a colour see those of another kind and colour.

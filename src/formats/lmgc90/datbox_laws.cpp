@@ -44,16 +44,11 @@ const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const 
   const auto found = datbox.laws.find(name);
   if (found == datbox.laws.end()) refuse(place, "expected a law that is described, met '{}'", name);
   const DatboxLaw& law = found->second;
-  const bool two_frictions = law.kind == "IQS_DS_CLB" || law.wet();
-  if (law.kind != "IQS_CLB" && law.kind != "GAP_SGR_CLB" && !law.on_velocity() && !two_frictions)
-    refuse(
-        law.place,
-        "expected law IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB, RST_CLB, IQS_DS_CLB or IQS_WET_DS_CLB, met {}: others are not "
-        "modelled",
-        law.kind);
-  if (two_frictions && law.static_friction != law.friction)
-    refuse(law.place, "expected one friction, dfrc = sfrc, met {} and {}: a change with sliding is not modelled",
-           law.friction, law.static_friction);
+  if (law.kind != "IQS_CLB" && law.kind != "GAP_SGR_CLB" && !law.on_velocity() && !law.wet())
+    refuse(law.place,
+           "expected law IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, with _DS or without, or IQS_WET_DS_CLB, met {}: "
+           "others are not modelled",
+           law.kind);
   if (law.tangential_cohesion != 0)
     refuse(law.place, "coht: expected 0, met {}: a cohesion along the surface is not modelled",
            law.tangential_cohesion);
@@ -126,6 +121,8 @@ DatboxContacts contact_law_of(const Datbox& datbox) {
   }
   const DatboxLaw& law = of_grains != nullptr ? *of_grains : of_boundaries != nullptr ? *of_boundaries : none;
   const DatboxLaw& at_boundaries = of_boundaries != nullptr ? *of_boundaries : law;
+  const bool same = at_boundaries.friction == law.friction && at_boundaries.static_friction == law.static_friction;
+  const double static_at_boundaries = same ? law.static_friction : at_boundaries.friction;  // without a rule
   for (const Meeting& one : meetings) {
     PairRule rule;
     if (one.sight == nullptr) {
@@ -135,8 +132,12 @@ DatboxContacts contact_law_of(const Datbox& datbox) {
       const auto set = [](std::optional<double>& value, double now, double otherwise) {
         if (now != otherwise) value = now;
       };
-      if (one.plain) set(rule.friction, own.friction, law.friction);
-      if (one.boundary) set(rule.friction, own.friction, at_boundaries.friction);
+      const auto frictions = [](const DatboxLaw& some) { return std::pair(some.friction, some.static_friction); };
+      if ((one.plain && frictions(own) != frictions(law)) ||
+          (one.boundary && frictions(own) != std::pair(at_boundaries.friction, static_at_boundaries))) {
+        rule.friction = own.friction;
+        set(rule.static_friction, own.static_friction, own.friction);
+      }
       set(rule.restitution, own.restitution, law.restitution);
       set(rule.tangential_restitution, own.tangential_restitution, law.tangential_restitution);
       if (!rule.friction && !rule.restitution && !rule.tangential_restitution) continue;
@@ -146,7 +147,8 @@ DatboxContacts contact_law_of(const Datbox& datbox) {
   if (!result.pairs.empty()) result.colours = runs_of_colours(datbox);
   Interaction& interaction = result.interaction;
   interaction.friction = law.friction;
-  if (at_boundaries.friction != law.friction) interaction.boundary_friction = at_boundaries.friction;
+  if (!same) interaction.boundary_friction = at_boundaries.friction;
+  if (law.static_friction != law.friction) interaction.static_friction = law.static_friction;
   if (law.on_velocity()) interaction.signorini = Signorini::velocity;
   if (law.wet()) {
     interaction.law = std::string(Cohesive::name);

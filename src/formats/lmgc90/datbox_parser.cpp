@@ -125,26 +125,33 @@ void read_bulk(FixedColumns lines, Datbox& datbox) {
   }
 }
 
+// Laws that have a twin X_DS_CLB with a static friction.
+constexpr std::array<std::string_view, 4> laws_without_cohesion{"IQS_CLB", "GAP_SGR_CLB", "VEL_SGR_CLB", "RST_CLB"};
+
 DatboxLaw read_law(FixedColumns& lines) {
   DatboxLaw law{.kind = std::string(lines.text(9, 38)), .place = lines.place()};
-  if (law.kind == "IQS_CLB" || law.kind == "GAP_SGR_CLB" || law.kind == "VEL_SGR_CLB") {
-    law.friction = lines.number(46, "fric");
-  } else if (law.kind == "RST_CLB") {
-    law.restitution = lines.number(46, "rstn");
-    law.tangential_restitution = lines.number(67, "rstt");
-    lines.require_next("the friction of RST_CLB");
-    law.friction = lines.number(46, "fric");
-  } else if (law.kind == "IQS_DS_CLB") {  // older files call its numbers dyfr and stfr
-    law.friction = lines.number(46, "dfrc");
-    law.static_friction = lines.number(67, "sfrc");
+  std::string twin = law.kind;
+  if (const std::size_t found = twin.find("_DS_CLB"); found != std::string::npos) twin.erase(found, 3);
+  const bool plain = std::ranges::count(laws_without_cohesion, twin) > 0;
+  const auto read_frictions = [&](bool two) {  // older files call two of them dyfr and stfr
+    law.friction = lines.number(46, two ? "dfrc" : "fric");
+    law.static_friction = two ? lines.number(67, "sfrc") : law.friction;
+  };
+  if (plain) {
+    const bool two = twin != std::exchange(law.kind, twin);
+    if (law.kind == "RST_CLB") {
+      law.restitution = lines.number(46, "rstn");
+      law.tangential_restitution = lines.number(67, "rstt");
+      lines.require_next("the friction of RST_CLB");
+    }
+    read_frictions(two);
   } else if (law.wet() && lines.text(62, 65) == "coht") {  // others have the three lines of another version
     law.cohesion = lines.number(46, "cohn");
     law.tangential_cohesion = lines.number(67, "coht");
     lines.require_next("the range of IQS_WET_DS_CLB");
     law.range = lines.number(46, "Weth");
     lines.require_next("the friction of IQS_WET_DS_CLB");
-    law.friction = lines.number(46, "dfrc");
-    law.static_friction = lines.number(67, "sfrc");
+    read_frictions(true);
   } else if (law.wet()) {
     law.kind += " without coht";
   }

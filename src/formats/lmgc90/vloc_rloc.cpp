@@ -171,7 +171,7 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
   for (Index c = 0; c < count(contacts); ++c) {
     const DatboxContact& contact = contacts[at(c)];
     const DatboxLaw& law = law_named(datbox, contact.law, contact.place);
-    problem.friction[c] = law.friction;
+    problem.friction[c] = contact.slid ? law.friction : law.static_friction;
     impulses.segment(d * c, d) = h * contact.force.head(d);
     file.points.col(c) = contact.point.head(d);
     add_contact(datbox, bodies, contact, law, h, entries, d * c, problem.w.segment(d * c, d));

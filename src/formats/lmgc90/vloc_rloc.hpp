@@ -17,6 +17,7 @@ struct DatboxContact {
   double gap = 0;                  ///< m
   Eigen::Vector3d force{0, 0, 0};  ///< on the candidate, N, along n, t and s
   Eigen::Vector3d speed{0, 0, 0};  ///< of the candidate relative to the antagonist, m/s, along them
+  bool slid = false;               ///< its status is one of sliding
   DatboxPlace place;
 };
 

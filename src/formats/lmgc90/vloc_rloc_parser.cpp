@@ -10,6 +10,7 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 
 // " RBDY2     11  POLYG      1  CDVER      2  iqsc1  RBDY2      1  POLYG ...": the law stands before the second body.
+// The status is after it: slifw, slibw, slide or Wslfw and Wslbw where the contact slides.
 void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& contact) {
   const std::string kind = datbox_body_kind(datbox.dimension), line(lines.line());
   std::vector<std::string> words;
@@ -29,6 +30,7 @@ void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& c
   contact.candidate = body(words[1]);
   contact.law = *(second - 1);
   contact.antagonist = body(*(second + 1));
+  contact.slid = std::any_of(second, words.end(), [](const auto& word) { return word.find("sl") != word.npos; });
   if (contact.candidate == contact.antagonist)
     lines.refuse("expected two bodies", fmt::format("body {} twice", contact.candidate + 1));
 }

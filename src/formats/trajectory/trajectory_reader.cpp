@@ -95,7 +95,7 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
     const auto& n = c.geometry.normal;
     state.impulses.push_back(
         {c.geometry.a, c.geometry.b,
-         dimension == 2 ? to_remember<2>(c.impulse, {n[0], n[1]}) : to_remember<3>(c.local<3>(), n)});
+         dimension == 2 ? to_remember<2>(c.impulse, {n[0], n[1]}) : to_remember<3>(c.local<3>(), n), slides(c.status)});
   }
   return step;
 }
