@@ -62,9 +62,10 @@ void print_rounding(const RoundingDoubt& doubt) {
       doubt.used ? "apart by at most three times this uncertainty" : "apart by less: the digits are taken as exact");
 }
 
-void print_geometry(const Inspection& found, Index dimension) {
-  fmt::print("\nsolid fraction       {:.6g} (grain {} over the box around all grains)\n", found.solid_fraction.box,
-             dimension == 2 ? "area" : "volume");
+void print_geometry(const Inspection& found, Index dimension, bool periodic) {
+  fmt::print("\nsolid fraction       {:.6g} (grain {} over {})\n", found.solid_fraction.box,
+             dimension == 2 ? "area" : "volume",
+             periodic ? "the box around all grains, or the cell where it repeats itself" : "the box around all grains");
   fmt::print("  in the middle      {:.6g} (in that box at half width{} and half height)\n", found.solid_fraction.middle,
              dimension == 2 ? "" : ", half depth");
   if (found.largest_overlap > ContactDetection{}.overlap_tolerance)
@@ -97,7 +98,7 @@ int run(const Options& options) {
     histogram->finish();
   }
   print_network(model, found, ranks_up_to);
-  if (model.has_geometry()) print_geometry(found, model.problem.dimension);
+  if (model.has_geometry()) print_geometry(found, model.problem.dimension, model.network.period.any());
   print_rounding(model.network.rounding);
   return 0;
 }

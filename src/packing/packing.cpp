@@ -239,7 +239,9 @@ ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& d
     if (dx * dx + dy * dy + dz * dz > 1.000001 * distance * distance) return;
     pairs.add(pair_geometry(packing, period, i, j));
   });
-  return pairs.network();
+  ContactNetwork network = pairs.network();
+  network.period = period;
+  return network;
 }
 
 std::vector<Index> contact_counts(const ContactNetwork& network) {

@@ -102,8 +102,15 @@ double disk_corner_area(double a, double b) {
   return cap_area(a) + cap_area(b) - pi;  // the disk without two caps
 }
 
-SolidFraction solid_fraction(const Packing& packing) {
-  const Extent x = extent_of(packing.x, packing.radius), y = extent_of(packing.y, packing.radius);
+SolidFraction solid_fraction(const Packing& given, const Period& period) {
+  Packing packing = given;
+  for (Index i = 0; i < packing.size(); ++i) {
+    const std::array<double, 3> step = period.into_cell(packing.centre(i));
+    packing.x[at(i)] += step[0];
+    packing.y[at(i)] += step[1];
+  }
+  const Extent x = period.x > 0 ? Extent{0, period.x} : extent_of(packing.x, packing.radius),
+               y = period.y > 0 ? Extent{0, period.y} : extent_of(packing.y, packing.radius);
   if (packing.dimension() == 3) return solid_fraction_in_space(packing, {x, y, extent_of(packing.z, packing.radius)});
   const Extent half_x = x.middle_half(), half_y = y.middle_half();
   double in_middle = 0;

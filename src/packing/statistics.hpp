@@ -7,12 +7,13 @@ namespace nscdd {
 
 /// Area of grains over area, in space volume over volume, overlaps counted twice.
 struct SolidFraction {
-  double box = 0;  ///< in the smallest axis-parallel rectangle (box) around all grains
+  /// In the smallest axis-parallel rectangle (box) around all grains; where they repeat themselves, in the cell.
+  double box = 0;
   /// In the rectangle half as wide and half as high (in space half as deep too) about the same centre: that of the
   /// bulk, without the gaps along walls, floor and a rough top. Disks on its border are cut exactly, spheres to 10^-10.
   double middle = 0;
 };
-SolidFraction solid_fraction(const Packing& packing);
+SolidFraction solid_fraction(const Packing& packing, const Period& period = {});
 
 /// Volume of the unit sphere in the box low <= (x, y, z) <= high, to 10^-10, by integrals of exact areas over z.
 double sphere_box_volume(const std::array<double, 3>& low, const std::array<double, 3>& high);

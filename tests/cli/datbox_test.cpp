@@ -213,7 +213,8 @@ TEST_CASE_FIXTURE(Session, "export --lmgc90: the folder reads back to the case t
   REQUIRE(later.size() == static_cast<Index>(end.x.size()));
   CHECK(std::ranges::any_of(end.poses, [](const Pose& pose) { return std::abs(pose.angle) > 1e-4; }));
   const GranularState start = read_trajectory_step(path("later.h5"), 0).state;
-  CHECK(std::ranges::any_of(end.spin, [](double spin) { return std::abs(spin) > 1e-3; }));
+  const auto free = std::span(end.spin).first(60);
+  CHECK(std::ranges::any_of(free, [](double spin) { return std::abs(spin) > 1e-3; }));
   for (std::size_t i = 0; i < end.x.size(); ++i) {  // those of the side that has turned, too
     CHECK(std::abs(later.x[i] - end.x[i]) < 2e-6);
     CHECK(std::abs(later.y[i] - end.y[i]) < 2e-6);

@@ -12,6 +12,8 @@
 
 #include <doctest/doctest.h>
 
+#include <set>
+
 using namespace nscdd;
 using namespace nscdd::testing;
 
@@ -287,7 +289,24 @@ TEST_CASE("bodies: the contact problem of a step, and of each subdomain, is solv
     }
     CHECK(row == v.size());
     CHECK(problem.mass.rows() == row);
-    for (Index e = 0; e < 2; ++e) check_solution(fclib_of_subdomain(before, after, e), 1e-6);
+    for (Index e = 0; e < 2; ++e) {
+      const FclibFile part = fclib_of_subdomain(before, after, e);
+      check_solution(part, 1e-6);
+      std::set<Index> bodies;  // of the subdomain, with the velocities that they have in the whole
+      for (std::size_t c = 0; c < solved.contacts.size(); ++c)
+        if (solved.partition.subdomain_of_contact[c] == e)
+          for (const Index body : {Index{solved.contacts[c].a}, Index{solved.contacts[c].b}})
+            if (velocities[at(body)].inverse_mass > 0) bodies.insert(body);
+      std::vector<double> expected;
+      for (const Index body : bodies) {
+        const auto rims = before.system.rims(body);
+        const GrainUnknowns<D> v = unknowns(velocities[at(body)]);
+        for (Index k = 0; k < unknowns_of_grain<D>; ++k)
+          expected.push_back(v[at(k)] / (k < D ? 1 : rims[at(D == 2 ? k : k - D)]));
+      }
+      REQUIRE(part.solution->v.size() == count(expected));
+      CHECK((part.solution->v - Vector::Map(expected.data(), count(expected))).norm() < 1e-5);
+    }
   };
   Dynamics dynamics = pressed(StepAlgorithm::generic);
   dynamics.interaction.static_friction = 0.35;

@@ -141,6 +141,7 @@ TEST_CASE("a clump leaves a cell at one end and enters it at the other, with its
   advance(simulation, 100);
   CHECK(simulation.state.poses[0].x == doctest::Approx(4.5 + 2 * 0.5 - 5).epsilon(1e-12));
   CHECK(simulation.state.x[1] - simulation.state.x[0] == doctest::Approx(0.6).epsilon(1e-12));
+  CHECK(simulation.state.x[0] == doctest::Approx(simulation.state.poses[0].x - 0.3).epsilon(1e-12));
 }
 
 TEST_CASE("a plank holds grains beyond the ends of its cell, and a chute keeps the energy balance") {

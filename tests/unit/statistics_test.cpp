@@ -54,6 +54,20 @@ TEST_CASE("statistics: solid fractions known by hand") {
   CHECK(std::abs(lattice.middle - limit) < std::abs(lattice.box - limit));
 }
 
+TEST_CASE("statistics: the solid fraction of a periodic cell is that of the cell, wherever its grains are") {
+  // A hexagonal lattice of radius 1: rows of two disks, turned by a radius; the cell has 4 x 2 sqrt 3.
+  const double row = std::sqrt(3.0);
+  const SolidFraction cell = solid_fraction({{1, 3, 0, 2}, {0, 0, row, row}, {1, 1, 1, 1}, {}}, {.x = 4, .y = 2 * row});
+  CHECK(cell.box == doctest::Approx(pi / (2 * std::numbers::sqrt3)));
+  const SolidFraction moved =
+      solid_fraction({{-3, 3, 4, 10}, {0, 2 * row, row, -row}, {1, 1, 1, 1}, {}}, {.x = 4, .y = 2 * row});
+  CHECK(moved.box == doctest::Approx(cell.box));
+  CHECK(moved.middle == doctest::Approx(cell.middle));
+  // Along y it ends: two spheres above each other in a cell 3 x 3, which is 4 high.
+  CHECK(solid_fraction({{0, 0}, {0, 0}, {1, 1}, {}, {1, 3}}, {.x = 3, .y = 3}).box ==
+        doctest::Approx(2 * 4 * pi / 3 / (3 * 3 * 4)));
+}
+
 TEST_CASE("statistics: the part of a sphere in a box, against octants, caps and counted points") {
   const auto cap = [](double h) { return pi * h * h * (3 - h) / 3; };  // of height h
   CHECK(sphere_box_volume({-1, -1, -1}, {1, 1, 1}) == doctest::Approx(4 * pi / 3).epsilon(1e-12));

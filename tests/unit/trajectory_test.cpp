@@ -145,6 +145,11 @@ TEST_CASE("trajectory: what is written is read back, bit for bit") {
   CHECK(read_summary(path, "step") == std::vector<double>{1, 2, 3, 4, 5, 6});
   CHECK(read_summary(path, "time").back() == simulation.state.time);
   CHECK_THROWS_WITH_AS(read_trajectory_step(path, 5), doctest::Contains("met step 5"), Error);
+  CHECK(!header.system.period.any());
+  TrajectoryHeader periodic = header_of(simulation);
+  periodic.system.period = {.x = 5, .y = 0};
+  TrajectoryWriter(folder / "cell.h5", periodic, {simulation.state, {}}, headings(step_columns())).commit();
+  CHECK(read_trajectory_header(folder / "cell.h5").system.period.x == 5);
 }
 
 TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {

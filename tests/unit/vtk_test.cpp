@@ -106,6 +106,18 @@ TEST_CASE("vtp: VTK reads every number as it was, grains before contacts, feet a
   CHECK(a.size() == 21);
 }
 
+TEST_CASE("vtp: a contact across the end of a periodic cell ends at the image of its grain") {
+  const TemporaryFolder folder;
+  Shown shown = two_grains_and_a_wall();
+  shown.system.period.x = 4;
+  shown.step.state.x = {0.25, 3.75};
+  write_file(folder / "frame.vtp", shown.text());
+  Arrays a = arrays_of(read_by_vtk(folder / "frame.vtp"));
+  CHECK(a["points"] == Values{0.25, -2, 0, 3.75, 1e-300, 0, 9, 0.5, 0, -0.25, 1e-300, 0, 8, 0.75, 0});
+  CHECK(a["lines/connectivity"] == Values{1, 2, 0, 3, 0, 4});
+  CHECK(a["point/id"] == Values{0, 1, -1, -1, -1});
+}
+
 TEST_CASE("vtp: spheres have z, quaternions and spins, and their contacts the size of the tangential impulse") {
   const TemporaryFolder folder;
   Shown shown = two_grains_and_a_wall();

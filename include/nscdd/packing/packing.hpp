@@ -70,16 +70,6 @@ struct RoundingDoubt {
   bool ambiguous() const { return open.size > 3; }  ///< more than a few contacts depend on missing digits
 };
 
-/// The contact network of a packing, sorted by (a, b).
-struct ContactNetwork {
-  std::vector<Contact> contacts;
-  Index grains = 0;     ///< of the packing, including those without contacts
-  Index dimension = 2;  ///< of the packing
-  RoundingDoubt rounding = {};
-
-  Index size() const { return count(contacts); }
-};
-
 /// A cell that repeats itself along x and y: 0 <= x < x-period, 0 <= y < y-period.
 struct Period {
   double x = 0, y = 0;  ///< m; 0: it does not repeat
@@ -95,6 +85,17 @@ struct Period {
   std::array<double, 3> into_cell(const std::array<double, 3>& p) const {
     return {x > 0 ? -x * std::floor(p[0] / x) : 0, y > 0 ? -y * std::floor(p[1] / y) : 0, 0};
   }
+};
+
+/// The contact network of a packing, sorted by (a, b).
+struct ContactNetwork {
+  std::vector<Contact> contacts;
+  Index grains = 0;     ///< of the packing, including those without contacts
+  Index dimension = 2;  ///< of the packing
+  RoundingDoubt rounding = {};
+  Period period = {};  ///< of the cell in which contacts were found
+
+  Index size() const { return count(contacts); }
 };
 
 struct ContactDetection {

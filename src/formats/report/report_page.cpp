@@ -206,6 +206,7 @@ Json json_of(const Model& model, const PackingReport& report) {
           {"grains", grains_of(model)},
           {"copies", copies_of(model)},
           {"contacts", contacts_of(model, report.impulses)},
+          {"period", {model.network.period.x, model.network.period.y}},
           {"epsilon", report.epsilon},
           {"eta", list_of(report.eta, eta_of)},
           {"grids", list_of(report.grids, grid_of)}};
@@ -231,6 +232,7 @@ Json json_of(const RunReport& report) {
            {{"radius", packed<float>(system.radius)},
             {"mass", packed<float>(system.mass)},
             {"driven_by", system.driven_by}}},
+          {"period", {system.period.x, system.period.y}},
           {"boundaries", list_of(system.boundaries, [](const Boundary& one) { return one.name; })},
           {"free", list_of(system.boundaries,
                            [](const Boundary& one) { return Json(one.body.value_or(FreeBody()).directions); })},

@@ -109,6 +109,11 @@ GranularSystem get_system(const Group& root) {
   for (const std::int32_t boundary : group.numbers<std::int32_t>("driven_by")) system.driven_by.push_back(boundary);
   system.walls = get_structs<Wall>(group.group("walls"),
                                    layout::wall_columns(system.dimension, group.group("walls").has("half_length")));
+  if (group.has("period")) {
+    const std::vector<double> lengths = group.numbers<double>("period");
+    if (lengths.size() != 2) fail("{}: expected two lengths, met {}", group.path() + "/period", lengths.size());
+    system.period = {lengths[0], lengths[1]};
+  }
   std::istringstream names(group.text("boundaries"));
   for (std::string name; std::getline(names, name);) system.boundaries.push_back({name, {}});
   return system;

@@ -87,6 +87,8 @@ void put_system(const Group& root, const GranularSystem& system) {
   std::string names;
   for (const Boundary& boundary : system.boundaries) names += boundary.name + "\n";
   group.put_text("boundaries", names);
+  if (const Period& period = system.period; period.any())
+    group.put<double>("period", std::array{period.x, period.y}, {.attributes = {{"unit", "m"}}});
 }
 
 template <class Change>

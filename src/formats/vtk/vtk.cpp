@@ -12,16 +12,27 @@ namespace {
 
 using Integers = std::vector<std::int64_t>;
 
-// A step to draw. `feet`: the number of contacts on walls, whose second body is no grain.
+// A step to draw. `feet`: the number of contacts whose second end is no grain, but a point of a wall or, across the end
+// of a periodic cell, the image of a grain.
 struct Scene {
   const GranularSystem& system;
   const GranularState& state;
   const std::vector<TrajectoryContact>& contacts;
   std::size_t grains = state.x.size();
-  std::size_t feet = at(std::ranges::count_if(contacts, [&](const auto& c) { return on_wall(c); }));
+  std::size_t feet = at(std::ranges::count_if(contacts, [&](const auto& c) { return has_foot(c); }));
 
   bool in_space() const { return system.dimension == 3; }
   bool on_wall(const TrajectoryContact& contact) const { return contact.geometry.b >= system.grains(); }
+  Place image(const StepContact& c) const {
+    const Place from = centre_of(state, at(c.a));
+    return moved_along(from, 1, system.apart(from, centre_of(state, at(c.b))));
+  }
+  bool has_foot(const TrajectoryContact& contact) const {
+    if (on_wall(contact) || !system.period.any()) return on_wall(contact);
+    const auto b = at(contact.geometry.b);
+    return system.length(difference(image(contact.geometry), centre_of(state, b))) > system.radius[b];
+  }
+  Place foot(const TrajectoryContact& c) const { return on_wall(c) ? c.geometry.point : image(c.geometry); }
 };
 
 void check(const Scene& scene) {
@@ -76,7 +87,8 @@ std::vector<double> points_of(const Scene& scene) {
   using State = GranularState;
   std::vector<double> points = together(scene, {&State::x, &State::y, &State::z});
   for (const TrajectoryContact& c : scene.contacts)
-    if (scene.on_wall(c)) points.insert(points.end(), c.geometry.point.begin(), c.geometry.point.end());
+    if (scene.has_foot(c))
+      for (const double x : scene.foot(c)) points.push_back(x);
   return points;
 }
 
@@ -134,7 +146,7 @@ Integers lines_of(const Scene& scene) {
   Integers ends;
   auto foot = static_cast<std::int64_t>(scene.grains);
   for (const TrajectoryContact& c : scene.contacts)
-    ends.insert(ends.end(), {c.geometry.a, scene.on_wall(c) ? foot++ : c.geometry.b});
+    ends.insert(ends.end(), {c.geometry.a, scene.has_foot(c) ? foot++ : c.geometry.b});
   return ends;
 }
 

@@ -119,7 +119,7 @@ Inspection inspect(const Model& model, Index ranks_up_to) {
   result.coordination_number = coordination_number(model);
   result.interface_dofs = model.parts.interface_size();
   if (!model.has_geometry()) return result;
-  result.solid_fraction = solid_fraction(model.packing);
+  result.solid_fraction = solid_fraction(model.packing, model.network.period);
   result.largest_overlap = largest_overlap_of(model);
   count_rattlers(model.network, result);
   result.sizes = size_histogram(model.packing);

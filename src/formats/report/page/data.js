@@ -13,6 +13,11 @@ function unpacked({type, data: letters}) {
   return new kinds[type](bytes.buffer);
 }
 
+// The place of `to`, in a periodic cell that of its image, that is nearest to `from`.
+function nearest(from, to) {
+  return to.map((v, k) => (data.period[k] > 0 ? v - data.period[k] * Math.round((v - from[k]) / data.period[k]) : v));
+}
+
 function element(name, attributes = {}, ...children) {
   const svg = ['svg', 'path', 'line', 'text', 'circle', 'g', 'rect', 'title'].includes(name);
   const made = svg ? document.createElementNS('http://www.w3.org/2000/svg', name) : document.createElement(name);

@@ -49,7 +49,7 @@ function showPacking() {
     const active = unpacked(grid().active);
     const numbers = Array.from(first.keys());
     const place = (i) => [grains.x[i], grains.y[i], grains.z[i]];
-    const ends = (k) => [...place(first[k]), ...place(second[k])];
+    const ends = (k) => [...place(first[k]), ...nearest(place(first[k]), place(second[k]))];
     const sorted = impulses ? Array.from(impulses, Math.abs).sort((a, b) => a - b) : [];
     const full = sorted.length ? sorted[Math.floor(0.99 * (sorted.length - 1))] || 1 : 1;
     const size = (k) => (impulses ? Math.abs(impulses[k]) / full : 0.3);

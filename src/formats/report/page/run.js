@@ -77,7 +77,10 @@ function showRun() {
   function showChains() {
     const {contacts: c, x, y, z, walls} = shown[place], d = data.dimension;
     const centre = (i) => [x[i], y[i], z[i]], point = (k) => [...c.point.subarray(d * k, d * k + d), 0].slice(0, 3);
-    const ends = (k) => [...centre(c.a[k]), ...(c.b[k] < radius.length ? centre(c.b[k]) : point(k))];
+    const ends = (k) => {
+      const from = centre(c.a[k]);
+      return [...from, ...nearest(from, c.b[k] < radius.length ? centre(c.b[k]) : point(k))];
+    };
     const size = (k) => Math.abs(c.normal[k]) / full;
     const numbers = Array.from(c.a.keys()), pulls = (k) => c.normal[k] < 0, slides = (k) => c.status[k] >= 2;
     Object.assign(picture, {
