@@ -182,6 +182,21 @@ TEST_CASE("DATBOX: a free cluster in the plane has the centre of its areas if it
               {"BODIES.DAT:24:", "met one of 2", "free clusters"});
 }
 
+TEST_CASE("DATBOX: a free cluster in the plane has the mass and inertia of whole disks about its node if both are 0") {
+  DatboxTexts texts = small_datbox();
+  texts.driven = texts.driven.substr(0, texts.driven.find("$bdyty", 1));
+  const FreeBody askew = *dynamics_of(texts).boundaries.at(1).body;  // radii 1 and 2 at (3, 0) and (0, 4)
+  CHECK(askew.mass == doctest::Approx(5000 * pi * (1 + 4)));
+  CHECK(askew.inertia[2] == doctest::Approx(5000 * pi * (0.5 + 9 + 4 * (2 + 16))));
+  texts.bodies = replaced(texts.bodies, "avrd= 0.0000000D+00  gyrd= 0.0000000D+00",
+                          "avrd= 0.1000000D+01  gyrd= 0.0000000D+00");  // LMGC90 then computes both
+  CHECK(dynamics_of(texts).boundaries.at(1).body->mass == doctest::Approx(5000 * pi * 5));
+  texts.bodies = replaced(texts.bodies, "coo1= 0.1000000D+02  coo2= 0.2000000D+02  coo3= 0.1570796D+01",
+                          "coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00");
+  const FreeBody central = *dynamics_of(texts).boundaries.at(1).body;  // about (0.6, 3.2)
+  CHECK(central.inertia[2] == doctest::Approx(5000 * pi * (0.5 + 16 + 4 * (2 + 1))));
+}
+
 TEST_CASE("DATBOX: a free cluster of spheres has the centre, mass, principal moments and axes of whole spheres") {
   DatboxTexts texts = small_datbox_in_space();
   texts.driven = texts.driven.substr(0, texts.driven.find("$bdyty", 1));
@@ -228,7 +243,9 @@ TEST_CASE("DATBOX: spheres with a force or other moments of inertia are bodies; 
         1e-12);  // the frame of DOF.INI
   texts = small_datbox_in_space();
   texts.driven += body_of_drives(true, 1, drive_line("force", 5, " 0.4000000D+01"));
-  check_error([&] { dynamics_of(texts); }, {"DRV_DOF.DAT:", "forces along x, y and z", "moment"});
+  check_error([&] { dynamics_of(texts); }, {"DRV_DOF.DAT:", "forces along x, y and z", "moment", "turns with it"});
+  texts.driven = replaced(texts.driven, "force      5  0.4", "force      5  0.0");  // none
+  CHECK(dynamics_of(texts).boundaries.at(0).body->load.at(0).spin_y == 0);
   texts = small_datbox_in_space();
   texts.bodies = replaced(texts.bodies, "I2  = 0.8377580D-03", "I2  = 0.9377580D-03");
   const Dynamics other = dynamics_of(texts);

@@ -48,6 +48,9 @@ struct DatboxDrive {
   double constant = 0, amplitude = 0, omega = 0, phase = 0, initial = 0, rate = 0;
   std::vector<std::array<double, 2>> table;  ///< at least two rows, times ascending; empty: the formula
   DatboxPlace place;
+
+  /// Whether it is 0 at all times.
+  bool none() const { return constant == 0 && amplitude == 0 && table.empty(); }
 };
 
 struct DatboxBody {

@@ -98,6 +98,18 @@ void complete_cluster(DatboxBody& body) {
   body.own_axes = true;
 }
 
+// Radii of a cluster of disks about its node, each disk counted whole, as LMGC90 has them.
+void complete_cluster_in_plane(DatboxBody& body) {
+  double square = 0, moment = 0;  // of the area and its moment, over pi
+  for (const DatboxContactor& one : body.contactors) {
+    const double own = one.radius * one.radius;
+    square += own;
+    moment += own * (own / 2 + one.shift.squaredNorm());
+  }
+  body.average_radius = std::sqrt(square);
+  body.gyration_radius = std::sqrt(moment / square);
+}
+
 // Computes, as LMGC90 does, the centre of a body (in the plane only if its node is at 0), and radii and inertia that
 // are 0 in BODIES.DAT. (Those of a plank, which is never free here, have no effect.)
 void complete(DatboxBody& body, Index dimension) {
@@ -110,6 +122,8 @@ void complete(DatboxBody& body, Index dimension) {
     for (DatboxContactor& one : body.contactors) one.shift -= centre;
   }
   if (!single && dimension == 3 && body.unmodelled.empty()) complete_cluster(body);
+  if (!single && dimension == 2 && body.unmodelled.empty() && body.average_radius * body.gyration_radius == 0)
+    complete_cluster_in_plane(body);
   if (!single) return;
   const double radius = body.contactors[0].radius;
   if (dimension == 3) {

@@ -46,8 +46,10 @@ FreeBody free_body(const Datbox& datbox, const DatboxBody& body) {
     const bool spin = k >= at(datbox.dimension);
     turns = turns || spin;
     result.directions[space ? k : spin ? 5 : k] = true;
-    if (space && spin && body.forces[k])
-      refuse(body.forces[k]->place, "expected forces along x, y and z of a body in space, met a moment: not modelled");
+    if (space && spin && body.forces[k] && !body.forces[k]->none())
+      refuse(body.forces[k]->place,
+             "expected forces along x, y and z of a body in space, met a moment: LMGC90 takes it along an axis of the "
+             "body, which turns with it; not modelled");
   }
   const bool inertia = std::ranges::all_of(space ? std::span(result.inertia) : std::span(result.inertia).last(1),
                                            [](double one) { return one > 0; });

@@ -102,9 +102,7 @@ void add_functions(const DatboxBody& body, const Drives& drives, double start, I
 Motion datbox_motion(const DatboxBody& body, double start, Index dimension) {
   Motion motion;
   motion.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0};
-  const auto turns = [](const auto& drive) {
-    return drive && (drive->constant != 0 || drive->amplitude != 0 || !drive->table.empty());
-  };
+  const auto turns = [](const auto& drive) { return drive && !drive->none(); };
   if (dimension == 3 && body.contactors.size() > 1 && body.own_axes &&
       (body.read_axes || !body.spin.isZero(0) || std::any_of(body.drives.begin() + 3, body.drives.end(), turns)) &&
       body.fully_driven(dimension))

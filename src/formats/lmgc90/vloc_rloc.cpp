@@ -41,11 +41,10 @@ Vector6 masses_of(const Datbox& datbox, const DatboxBody& body) {
   Vector6 mass;
   mass << m, m, (datbox.space() ? m : m * gyration * gyration), density * body.inertia;
   if (!(mass.head(datbox.space() ? 6 : 3).minCoeff() > 0))
-    refuse(
-        body.place,
-        "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which only a single disk, sphere, "
-        "POLYG or POLYR replaces",
-        datbox.space() ? "I1 to I3" : "gyrd");
+    refuse(body.place,
+           "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which only disks, spheres, and "
+           "a single POLYG or POLYR replace",
+           datbox.space() ? "I1 to I3" : "gyrd");
   return mass;
 }
 
