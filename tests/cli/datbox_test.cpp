@@ -40,6 +40,26 @@ const std::string spheres =
     wall_text("front", "[0, 0, 0]", "[0, 1, 0]") + wall_text("back", "[0, 1, 0]", "[0, -1, 0]") +
     "[[boundary]]\nname = \"probe\"\nshape = \"grains\"\nfirst = -1\nlast = -1\nvelocity = [0.02, 0, 0]\n";
 
+// A clump, a slab that falls on a sphere, and a lid that is pushed on another one by an oscillating force.
+const std::string bodies_in_space =
+    case_text("grains.csv", "1, 1, 1",
+              "[masses]\ndensity = 2500\n[interaction]\nfriction = 0.3\nboundary_friction = 0.5\n"
+              "[dynamics]\nstep = 0.002\nsteps = 100\npenetration_correction = 0\n") +
+    "[[boundary]]\nname = \"clump\"\nshape = \"grains\"\nfirst = 2\nlast = 4\ncentre = [0.35, 0.1, 0.3]\n"
+    "free = [\"x\", \"y\", \"z\", \"spin_x\", \"spin_y\", \"spin\"]\nmass = 30\ninertia = [0.3, 0.2, 0.4]\n"
+    "axes = [0.8, 0, 0.6, 0]\ninitial_velocity = [0.1, -0.2, -1]\ninitial_spin = [1, -2, 0.5]\nforce = [5, 0, 0]\n"
+    "[[boundary]]\nname = \"slab\"\nshape = \"plank\"\npoint = [0, 0, 0.3]\nnormal = [0, 0, 1]\naxis = [0, 1, 0]\n"
+    "length = 0.4\nwidth = 0.2\nradius = 0.05\ncentre = [0, 0, 0.3]\n"
+    "free = [\"x\", \"y\", \"z\", \"spin_x\", \"spin_y\", \"spin\"]\nmass = 15\n"
+    "inertia = [0.28333333333, 0.08333333333, 0.33333333333]\ninitial_spin = [0, 1, 0]\n"
+    "[[boundary]]\nname = \"lid\"\nshape = \"plank\"\npoint = [1, 0, 0.3]\nnormal = [0, 0, 1]\naxis = [1, 0, 0]\n"
+    "length = 0.2\nwidth = 0.2\nradius = 0.05\ncentre = [1, 0, 0.3]\nfree = [\"z\"]\nmass = 2\nload = [[0, 0, 0, -5, "
+    "0, 0, 0]]\n"
+    "[[boundary.load_oscillation]]\nforce = [0, 0, 3]\nomega = 40\n" +
+    wall_text("floor", "[0, 0, 0]", "[0, 0, 1]");
+const std::string grains_of_bodies =
+    "x,y,z,radius\n0.02,0.05,0.1,0.1\n1,0,0.1,0.1\n0.25,0,0.3,0.1\n0.45,0,0.3,0.1\n0.35,0.3,0.3,0.1\n";
+
 // The largest differences of places (m) and velocities (m/s) of free grains in a step of two runs: those of disks with
 // their rims.
 std::array<double, 2> difference(const Session& session, const std::string& one, const std::string& other, Index step) {
@@ -303,6 +323,71 @@ TEST_CASE_FIXTURE(Session, "export --lmgc90: a folder of spheres reads back to t
   const std::string remark = "coordinates with 7 significant digits";
   CHECK(contains(remarked("inspect out", remark), "grains               59"));
   remarked("sweep out --subdomains 2x1x1 --epsilon 1 --eta inf --csv swept.csv", remark);
+}
+
+TEST_CASE_FIXTURE(Session,
+                  "export --lmgc90: free bodies in space read back to the motion that they were written from") {
+  file("grains.csv", grains_of_bodies);
+  file("bodies.toml", bodies_in_space);
+  answer("simulate bodies.toml -o run.h5");
+  answer("export run.h5 --lmgc90 good");
+  REQUIRE(has("good/DATBOX/BODIES.DAT"));
+  const std::string as_before = " --set dynamics.step=0.002 --set dynamics.boundary_instant=middle";
+  answer("simulate good --steps 100 -o back.h5" + as_before);
+  const std::vector<BoundarySpec> written = datbox_dynamics(read_datbox(path("good"))).boundaries;
+  REQUIRE(written.size() == 4);
+  const double expected[][4] = {{30, 0.3, 0.2, 0.4}, {15, 0.0833333333, 0.2833333333, 0.3333333333}, {2, 0, 0, 0}};
+  for (std::size_t b = 0; b < 3; ++b) {  // the clump; the slab, along its length, width and normal; the lid
+    REQUIRE(written[b].body.has_value());
+    CHECK(written[b].body->mass == doctest::Approx(expected[b][0]).epsilon(3e-6));
+    for (std::size_t k = 0; b < 2 && k < 3; ++k)
+      CHECK(written[b].body->inertia[k] == doctest::Approx(expected[b][k + 1]).epsilon(3e-6));
+    CHECK(written[b].body->wholly_free(3) == (b < 2));
+  }
+  CHECK(written[2].body->directions == std::array<bool, 6>{false, false, true, false, false, false});
+  const auto compare = [&](const std::string& other, Index step, Index step_of_other) {
+    const TrajectoryStep p = read_trajectory_step(path("run.h5"), step),
+                         q = read_trajectory_step(path(other), step_of_other);
+    double places = 0;
+    for (std::size_t i = 0; i < p.state.x.size(); ++i)
+      places = std::max({places, std::abs(p.state.x[i] - q.state.x[i]), std::abs(p.state.z[i] - q.state.z[i])});
+    for (std::size_t b = 0; b < 3; ++b) {
+      const Pose &u = p.state.poses[b], &v = q.state.poses[b];
+      places = std::max({places, std::abs(u.x - v.x), std::abs(u.y - v.y), std::abs(u.z - v.z)});
+    }
+    CHECK(places < 1e-5);
+    if (step_of_other > 0) CHECK(p.contacts.size() == q.contacts.size());
+  };
+  for (const Index step : {0, 1, 50, 100}) {
+    CAPTURE(step);
+    compare("back.h5", step, step);
+  }
+  const GranularState begin = read_trajectory_step(path("run.h5"), 0).state,
+                      end = read_trajectory_step(path("run.h5"), 100).state;
+  CHECK(end.poses[0].turn.angularDistance(begin.poses[0].turn) > 0.1);
+  CHECK(end.poses[1].turn.angularDistance(begin.poses[1].turn) > 0.1);
+  CHECK(begin.poses[2].z - end.poses[2].z > 0.04);
+  // From a later step on, with the poses and spins that bodies then have.
+  answer("export run.h5 --lmgc90 later --steps 50");
+  answer("simulate later --steps 50 -o later.h5" + as_before);
+  compare("later.h5", 50, 0);
+  compare("later.h5", 100, 50);
+  answer("export back.h5 --lmgc90 again");
+  CHECK(read("again/DATBOX/TACT_BEHAV.DAT") == read("good/DATBOX/TACT_BEHAV.DAT"));
+  CHECK(has("again/DATBOX/DRV_DOF.DAT"));
+  check_no_datbox(*this, replaced(bodies_in_space, "force = [5, 0, 0]", "torque = [0, 0, 1]"),
+                  "boundary 'clump': expected no torque on a body in space");
+  check_no_datbox(*this, replaced(bodies_in_space, "centre = [0.35, 0.1, 0.3]", "centre = [0.35, 0.1, 0.31]"),
+                  "boundary 'clump': expected its centre to be that of its spheres");
+  check_no_datbox(*this, replaced(bodies_in_space, "centre = [0, 0, 0.3]", "centre = [0, 0.1, 0.3]"),
+                  "boundary 'slab': expected its centre to be that of its plank");
+  check_no_datbox(*this, replaced(bodies_in_space, "0.08333333333", "0.09"),
+                  "boundary 'slab': expected the inertia of a full box with the density of grains");
+  file("grains.csv",
+       "x,y,z,radius,mass\n0.02,0.05,0.1,0.1,10\n1,0,0.1,0.1,11\n0.25,0,0.3,0.1,1\n0.45,0,0.3,0.1,1\n"
+       "0.35,0.3,0.3,0.1,1\n");
+  check_no_datbox(*this, replaced(bodies_in_space, "[masses]\ndensity = 2500\n", ""),
+                  "masses: expected free spheres of one density");
 }
 
 TEST_CASE_FIXTURE(Session, "export --lmgc90: what of spheres LMGC90 would compute otherwise is said") {

@@ -78,11 +78,11 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
     if (!on_wall && system.free(body))
       return Vector3(state.velocity_x[i], state.velocity_y[i], state.velocity_z[i]) +
              Vector3(state.spin_x[i], state.spin_y[i], state.spin[i]).cross(lever * towards_b);
-    const auto b = at(on_wall ? system.walls[plank].boundary : system.driven_by[i]);
+    const auto k = at(on_wall ? system.walls[plank].boundary : system.driven_by[i]);
     const Vector3 point = on_wall ? datbox_vector(g.point) : centre(state, i);
-    const Vector3 moved = velocity_at(point, motions[b], state.poses[b]);
-    if (on_wall || system.boundaries[b].orientation != Orientation::turning) return moved;
-    return moved + spin_vector(motions[b]).cross(lever * towards_b);
+    const Vector3 moved = velocity_at(point, motions[k], state.poses[k]);
+    if (on_wall || system.boundaries[k].orientation != Orientation::turning) return moved;
+    return moved + spin_vector(motions[k]).cross(lever * towards_b);
   };
   const double radius_a = system.radius[at(g.a)], radius_b = wall ? 0 : system.radius[at(g.b)];
   const Vector3 v = velocity(g.a, radius_a) - velocity(g.b, -radius_b);
@@ -90,19 +90,19 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   // The middle between the two surfaces, from the foot on a wall or the middle of two centres.
   const Vector3 point = datbox_vector(g.point) + n * (wall ? 0.5 * g.gap : 0.5 * (radius_b - radius_a));
   const bool of_boundary = system.is_boundary(g.a) || system.is_boundary(g.b);
-  const Index body_a = places_[at(g.a)].body, body_b = places_[at(g.b)].body;
+  const Place &a = places_[at(g.a)], &b = places_[at(g.b)];
   const int digits = wide ? 7 : 5;
   const std::string blanks(wide ? 4 : 2, ' ');
   std::string text =
       fmt::format("$icdan  {}  {:7}\n cdbdy{}numbr  cdtac{}numbr  CDVER  behav  anbdy{}numbr  antac{}numbr  sttus\n",
                   wall ? "SPPLx" : "SPSPx", number, blanks, blanks, blanks, blanks);
-  text += fmt::format(" RBDY3  {:{}}  SPHER  {:{}}         {}  RBDY3  {:{}}  {}  {:{}}  {}", body_a, digits, 1, digits,
-                      of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains, body_b, digits,
-                      wall ? "PLANx" : "SPHER", 1, digits,
+  text += fmt::format(" RBDY3  {:{}}  SPHER  {:{}}         {}  RBDY3  {:{}}  {}  {:{}}  {}", a.body, digits,
+                      a.contactor, digits, of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains, b.body,
+                      digits, wall ? "PLANx" : "SPHER", b.contactor, digits,
                       c.status == ContactStatus::open    ? "noctc"
                       : c.status == ContactStatus::stick ? "stick"
                                                          : "slide");
-  if (!wall) text += fmt::format("  {:{}}", body_b, digits);
+  if (!wall) text += fmt::format("  {:{}}", b.body, digits);
   text += "\n" + datbox_three({"rls/H", "rlt/H", "rln/H"}, {r.dot(s), r.dot(t), r.dot(n)}) +
           datbox_three({"vls =", "vlt =", "vln ="}, {v.dot(s), v.dot(t), v.dot(n)}) + gap_line("gTT =", g.gap) +
           datbox_three("s({})=", s) + datbox_three("t({})=", t) + datbox_three("n({})=", n) +

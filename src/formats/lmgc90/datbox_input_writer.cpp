@@ -88,12 +88,50 @@ std::string datbox_named(std::initializer_list<std::pair<std::string_view, doubl
   return text;
 }
 
+// LMGC90 takes the centre of spheres, weighted by volume, moments along the axes of a body, and as the inertia of a
+// single contactor that of a full sphere or box.
+std::string DatboxWriter::without_free(const Body& body) const {
+  const FreeBody* free = free_body(body);
+  if (!space_ || free == nullptr) return {};
+  const std::vector<double>& radius = first_.system.radius;
+  if (turns(free->load))
+    return "expected no torque on a body in space, which LMGC90 takes along axes that turn with it";
+  if (body.wall >= 0 && !free->free(BodyDirection::spin)) return {};
+  constexpr double tolerance = 1e-5;  // of numbers with seven digits, in the fifth power
+  const Node node = node_of(body, first_.state);
+  const Pose& pose = first_.state.poses[at(body.boundary)];
+  Eigen::Vector3d middle = body.wall < 0 ? Eigen::Vector3d(0, 0, 0) : node.place;
+  double volume = 0;
+  for (const std::size_t i : body.grains) {
+    const double own = datbox_volume(radius[i]);
+    middle += (centre(first_.state, i) - middle) * (own / (volume += own));
+  }
+  if ((middle - Eigen::Vector3d(pose.x, pose.y, pose.z)).norm() > tolerance * (margin_ + middle.norm()))
+    return fmt::format("expected its centre to be that of {}",
+                       body.wall < 0 ? "its spheres, weighted by volume" : "its plank");
+  if (body.grains.size() > 1 || !free->free(BodyDirection::spin)) return {};
+  Eigen::Vector3d expected = Eigen::Vector3d::Ones();
+  if (body.wall < 0) {
+    expected *= 0.4 * volume * radius[body.grains[0]] * radius[body.grains[0]];
+  } else {
+    const auto& [frame, c, a, b, along, across] = planks_[at(body.wall)];
+    expected = 8 * a * b * c / 3 * Eigen::Vector3d(b * b + c * c, a * a + c * c, a * a + b * b);
+  }
+  expected *= density_;
+  const Eigen::Matrix3d excess = inertia_in(*free, body, node.frame) - Eigen::Matrix3d(expected.asDiagonal());
+  if (excess.cwiseAbs().maxCoeff() <= tolerance * expected.maxCoeff()) return {};
+  return fmt::format("expected the inertia of a full {} with the density of grains, {}, {} and {} kg m^2",
+                     body.wall < 0 ? "sphere" : "box", expected[0], expected[1], expected[2]);
+}
+
 std::string DatboxWriter::without_datbox() const {
   if (const std::string reason = without_law(first_.dynamics.interaction); !reason.empty()) return reason;
   if (!first_.dynamics.pairs.empty()) return "pair: expected no rules for pairs of colours, which are not written";
-  if (space_ && !first_.system.free_bodies.empty())
-    return fmt::format("boundary '{}': expected bodies in space without free directions",
-                       first_.system.body(first_.system.grains()).name);
+  const GranularSystem& system = first_.system;
+  for (std::size_t i = 0; space_ && i < system.radius.size(); ++i)
+    if (const double mass = density_ * datbox_volume(system.radius[i]);
+        system.driven_by[i] < 0 && std::abs(system.mass[i] - mass) > 1e-5 * mass)
+      return "masses: expected free spheres of one density, with which LMGC90 computes their inertia";
   for (const Driven& one : driven_bodies())
     for (std::size_t dof = 0; dof < one.velocity.size(); ++dof)
       if (!one.velocity[dof].empty() && !has_formula(one.velocity[dof], one.oscillations[dof]))
@@ -104,6 +142,8 @@ std::string DatboxWriter::without_datbox() const {
   for (const Body& body : bodies_) {
     if (body.boundary < 0) continue;
     const Boundary& boundary = first_.system.boundaries[at(body.boundary)];
+    if (const std::string reason = without_free(body); !reason.empty())
+      return fmt::format("boundary '{}': {}", boundary.name, reason);
     if (!turns(boundary.motion) || (body.wall >= 0 && first_.system.walls[at(body.wall)].plank())) continue;
     const char* expected = nullptr;
     if (body.wall >= 0 && !(planks_[at(body.wall)].thickness > 0))
@@ -156,6 +196,7 @@ std::vector<DatboxWriter::Driven> DatboxWriter::driven_bodies() const {
       one.oscillations.resize(one.velocity.size());
       for (std::size_t k = 0; k < one.velocity.size(); ++k) {
         if (free != (boundary.body && boundary.body->directions[space_ || k < 2 ? k : 5])) continue;
+        if (free && space_ && k > 2) continue;  // no torque, see without_free
         for (const RigidVelocity& v : motion.velocity.empty() ? std::vector<RigidVelocity>{{}} : motion.velocity)
           one.velocity[k].push_back(numbers(v)[k]);
         for (const auto& [amplitude, omega, phase, ramp, growth] : motion.oscillations)

@@ -12,8 +12,6 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
-double volume_of(double radius) { return 4.0 / 3 * std::numbers::pi * radius * radius * radius; }
-
 }  // namespace
 
 std::vector<Vector3> spins_of(const Motion& motion) {
@@ -57,84 +55,11 @@ DatboxWriter::DatboxWriter(const Simulation& first)
     high = high.cwiseMax(centre(first_.state, i));
     if (system.driven_by[i] >= 0) continue;
     mass += system.mass[i];
-    size += space_ ? volume_of(system.radius[i]) : std::numbers::pi * system.radius[i] * system.radius[i];
+    size += space_ ? datbox_volume(system.radius[i]) : std::numbers::pi * system.radius[i] * system.radius[i];
   }
   if (size > 0) density_ = mass / size;  // else there are clumps only, which have masses of their own
   const double extent = space_ ? (high - low).norm() : high.head<2>().maxCoeff() - low.head<2>().minCoeff();
   for (std::size_t w = 0; w < planks_.size(); ++w) lay_plank(w, extent + margin_);
-}
-
-void DatboxWriter::number_bodies() {
-  const GranularSystem& system = first_.system;
-  std::vector<Body> driven(space_ ? 0 : system.boundaries.size());  // in the plane one per boundary
-  for (std::size_t b = 0; b < driven.size(); ++b) driven[b].boundary = static_cast<Index>(b);
-  for (std::size_t i = 0; i < system.radius.size(); ++i) {
-    const Index boundary = system.driven_by[i];
-    if (boundary < 0)
-      bodies_.push_back({.grains = {i}});
-    else if (space_)
-      driven.push_back({.boundary = boundary, .grains = {i}});
-    else
-      driven[at(boundary)].grains.push_back(i);
-  }
-  for (Index w = 0; w < count(system.walls); ++w) {
-    const Index boundary = system.walls[at(w)].boundary;
-    if (space_)
-      driven.push_back({.boundary = boundary, .wall = w, .grains = {}});
-    else
-      driven[at(boundary)].wall = w;
-  }
-  bodies_.insert(bodies_.end(), driven.begin(), driven.end());
-  constexpr Index most = 99'999;  // their numbers have five columns
-  if (count(bodies_) > most) fail("LMGC90: expected at most {} bodies, met {}", most, bodies_.size());
-  places_.resize(system.radius.size() + system.walls.size());
-  Index number = 0;
-  for (const Body& body : bodies_) {
-    Index contactor = 0;
-    ++number;
-    for (const std::size_t i : body.grains) places_[i] = {number, ++contactor};
-    if (body.wall >= 0) places_[at(system.grains() + body.wall)] = {number, 1};
-  }
-}
-
-// Walls have no ends: a plank extends beyond all grains of the first step by the size of the packing. The middle of a
-// plank that does not turn faces that of the grains.
-void DatboxWriter::lay_plank(std::size_t wall, double beyond) {
-  const Wall& one = first_.system.walls[wall];
-  const Motion& motion = first_.system.boundaries[at(one.boundary)].motion;
-  Plank& plank = planks_[wall];
-  if (one.plank()) {
-    plank.thickness = one.radius;
-    plank.length = one.half_length;
-    plank.width = one.half_width;
-    plank.frame << datbox_vector(one.axis), datbox_vector(one.normal).cross(datbox_vector(one.axis)),
-        datbox_vector(one.normal);
-    return;
-  }
-  const Vector3 normal = datbox_vector(one.normal);
-  if (space_) {
-    const Vector3 along = datbox_vector(tangents_of(one.normal).first).normalized();
-    plank.frame << along, normal.cross(along), normal;
-  }
-  plank.thickness = margin_;
-  if (turns(motion)) {
-    // A wall that turns about a point on it is a plank whose thickness is lost in seven digits.
-    const double thin = 1e-7 * margin_, depth = (datbox_vector(one.point) - datbox_vector(motion.centre)).dot(normal);
-    plank.thickness = depth > -thin ? std::max(depth, thin) : 0;
-  }
-  const Node node = plank_node(wall, first_.state.poses[at(one.boundary)]);
-  Vector3 from = Vector3::Constant(infinity), to = -from;
-  for (std::size_t i = 0; i < first_.system.radius.size(); ++i) {
-    const Vector3 place = node.frame.transpose() * (centre(first_.state, i) - node.place);
-    from = from.cwiseMin(place);
-    to = to.cwiseMax(place);
-  }
-  if (!turns(motion)) {
-    plank.shift_along = (from[0] + to[0]) / 2;
-    plank.shift_across = (from[1] + to[1]) / 2;
-  }
-  plank.length = std::max(std::abs(from[0] - plank.shift_along), std::abs(to[0] - plank.shift_along)) + beyond;
-  plank.width = std::max(std::abs(from[1] - plank.shift_across), std::abs(to[1] - plank.shift_across)) + beyond;
 }
 
 Vector3 DatboxWriter::centre(const GranularState& state, std::size_t grain) const {
@@ -145,64 +70,31 @@ Vector3 DatboxWriter::velocity_at(const Vector3& point, const RigidVelocity& vel
   return datbox_vector(velocity_of_point(velocity, pose, {point[0], point[1], point[2]}));
 }
 
-// The wall is the front face of the plank. A plank that turns has its middle, and its node, at the point that it turns
-// about. The others are shifted along the wall, see lay_plank.
-DatboxWriter::Node DatboxWriter::plank_node(std::size_t wall, const Pose& pose) const {
-  const Plank& plank = planks_[wall];
-  const Motion& motion = first_.system.boundaries[at(first_.system.walls[wall].boundary)].motion;
-  const Wall& still = first_.system.walls[wall];
-  const Wall now = moved(still, motion, pose);
-  Node node{{pose.x, pose.y, pose.z}, pose.turn.toRotationMatrix() * plank.frame};
-  if (!space_) {
-    node.angle = std::atan2(-now.normal[0], now.normal[1]);
-    node.frame << Vector3(std::cos(node.angle), std::sin(node.angle), 0), Vector3::UnitZ(), datbox_vector(now.normal);
-  }
-  if (still.plank())
-    node.place = datbox_vector(now.point);
-  else if (!turns(motion))
-    node.place = datbox_vector(now.point) - plank.thickness * node.frame.col(2) +
-                 plank.shift_along * node.frame.col(0) + plank.shift_across * node.frame.col(1);
-  return node;
-}
-
-// A node of several disks at 0 would make LMGC90 compute another node: its angle is not exactly 0.
-DatboxWriter::Node DatboxWriter::node_of(const Body& body, const GranularState& state) const {
-  if (body.wall >= 0) return plank_node(at(body.wall), state.poses[at(body.boundary)]);
-  if (space_) {
-    const std::size_t i = body.grains[0];
-    const Eigen::Quaterniond turn(state.turn_w[i], state.turn_x[i], state.turn_y[i], state.turn_z[i]);
-    return {centre(state, i), turn.toRotationMatrix()};
-  }
-  if (body.boundary < 0) return {centre(state, body.grains[0]), Matrix3::Identity()};
-  constexpr double almost_none = 1e-30;
-  const Pose& pose = state.poses[at(body.boundary)];
-  return {{pose.x, pose.y, 0},
-          Matrix3::Identity(),
-          pose.x == 0 && pose.y == 0 && pose.angle == 0 ? almost_none : pose.angle};
-}
-
 std::string DatboxWriter::bodies() const {
   const GranularSystem& system = first_.system;
   std::string text = "! File BODIES\n\n";
   for (Index number = 1; number <= count(bodies_); ++number) {
     const Body& body = bodies_[at(number - 1)];
     const Node node = node_of(body, first_.state);
-    const bool grain = space_ ? body.wall < 0 : body.boundary < 0;  // radii of other bodies have no effect
+    const FreeBody* free = free_body(body);
+    const bool grain = free == nullptr && (space_ ? body.wall < 0 : body.boundary < 0);  // of others radii are unused
     const double radius = grain ? system.radius[body.grains[0]] : margin_;
-    const double size = body.boundary < 0 ? system.mass[body.grains[0]] / density_ : volume_of(radius);
-    const std::optional<FreeBody> free = body.boundary < 0 ? std::nullopt : system.boundaries[at(body.boundary)].body;
+    const double size = body.boundary < 0 ? system.mass[body.grains[0]] / density_ : datbox_volume(radius);
     text += fmt::format("$bdyty\n {}{:{}}\n$blmty\n PLAIN      1  behav  {}", kind(), number, space_ ? 9 : 7,
                         datbox_grains);
     if (space_) {
-      const double average = grain ? std::cbrt(0.75 * size / std::numbers::pi) : margin_;
-      text += datbox_named({{"avrd=", average}}) + "\n" +
-              datbox_three("I{}  =", Vector3::Constant(grain ? 0.4 * radius * radius * size : 0));
+      const double volume = free != nullptr ? free->mass / density_ : size;
+      const double average = grain || free != nullptr ? std::cbrt(0.75 * volume / std::numbers::pi) : margin_;
+      Vector3 inertia = Vector3::Constant(grain || free != nullptr ? 0.4 * radius * radius * volume : 0);
+      if (free != nullptr && free->free(BodyDirection::spin))
+        inertia = inertia_in(*free, body, node.frame).diagonal() / density_;
+      text += datbox_named({{"avrd=", average}}) + "\n" + datbox_three("I{}  =", inertia);
     } else {
-      const double mass = free ? free->mass : grain ? system.mass[body.grains[0]] : 0;
+      const double mass = free != nullptr ? free->mass : grain ? system.mass[body.grains[0]] : 0;
       const double average = mass > 0 ? std::sqrt(mass / (density_ * std::numbers::pi)) : margin_;
-      const double gyration = free && free->inertia[2] > 0 ? std::sqrt(free->inertia[2] / free->mass)
-                              : grain                      ? radius / std::numbers::sqrt2
-                                                           : margin_;
+      const double gyration = free != nullptr && free->inertia[2] > 0 ? std::sqrt(free->inertia[2] / free->mass)
+                              : grain                                 ? radius / std::numbers::sqrt2
+                                                                      : margin_;
       text += datbox_named({{"avrd=", average}, {"gyrd=", gyration}}) + "\n";
     }
     text += node_text("coo{}=", node.place, node.angle);
@@ -239,13 +131,17 @@ std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
            datbox_three("gam{}=", node.frame.col(2)) + datbox_three("coo{}=", Vector3::Zero());
   }
   for (const std::size_t i : body.grains) {
-    const bool cluster = !space_ && body.boundary >= 0;
+    const bool cluster = space_ ? free_body(body) != nullptr : body.boundary >= 0;
     text += fmt::format(" {}  {:5}  color  {}{}\n",
-                        space_    ? "SPHER"
-                        : cluster ? "DISKb"
-                                  : "DISKx",
+                        cluster  ? (space_ ? "SPHEb" : "DISKb")
+                        : space_ ? "SPHER"
+                                 : "DISKx",
                         places_[i].contactor, colour, datbox_named({{"byrd=", first_.system.radius[i]}}));
     if (!cluster) continue;
+    if (space_) {
+      text += datbox_three("coo{}=", node.frame.transpose() * (centre(first_.state, i) - node.place));
+      continue;
+    }
     const double x = first_.state.x[i] - node.place[0], y = first_.state.y[i] - node.place[1];
     const double c = std::cos(node.angle), sine = std::sin(node.angle);  // into the axes of the body
     text += fmt::format("{:27}{}\n", "", datbox_named({{"coo1=", c * x + sine * y}, {"coo2=", c * y - sine * x}}));

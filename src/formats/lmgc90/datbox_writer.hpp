@@ -4,6 +4,8 @@
 #include "simulation/simulation.hpp"
 #include "simulation/trajectory_step.hpp"
 
+#include <numbers>
+
 namespace nscdd {
 
 /// Steps of a run in the formats of LMGC90: its output folder OUTBOX, and the DATBOX that starts from the first step.
@@ -67,6 +69,10 @@ class DatboxWriter {
   Node node_of(const Body& body, const GranularState& state) const;
   std::string contactors(const Body& body, const Node& node) const;
   const char* colour_of(const Body& body) const;
+  const FreeBody* free_body(const Body& body) const;  // null: none of its directions is free
+  /// Of a body in space in its first state, along the axes of a frame, kg m^2.
+  Eigen::Matrix3d inertia_in(const FreeBody& free, const Body& body, const Eigen::Matrix3d& frame) const;
+  std::string without_free(const Body& body) const;  // why a free body in space cannot be written; or empty
   std::string node_text(const char* names, const Eigen::Vector3d& place, double angle) const;
   std::string disk_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const;
   std::string sphere_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number, bool wide) const;
@@ -89,6 +95,8 @@ std::string datbox_number(double value);
 std::string datbox_named(std::initializer_list<std::pair<std::string_view, double>> values);
 
 inline Eigen::Vector3d datbox_vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
+
+inline double datbox_volume(double radius) { return 4.0 / 3 * std::numbers::pi * radius * radius * radius; }
 
 /// A line of three numbers after 27 columns, with their names, or with numbered names such as "coo{}=".
 std::string datbox_three(const std::array<std::string, 3>& names, const Eigen::Vector3d& values);
