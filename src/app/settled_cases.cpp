@@ -3,7 +3,7 @@
 
 #include "app/run_summary.hpp"
 #include "formats/case/case_file.hpp"
-#include "formats/lmgc90/datbox.hpp"
+#include "formats/lmgc90/record.hpp"
 #include "study/linear/inspection.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
@@ -129,7 +129,11 @@ void add_files(const CaseSpec& spec, std::vector<fs::path>& files) {
     else
       files.push_back(path);
   }
-  if (const auto* file = std::get_if<ContactProblemFile>(&spec.packing)) files.push_back(folder / file->path);
+  if (const auto* file = std::get_if<ContactProblemFile>(&spec.packing)) {
+    const std::string path = (folder / file->path).string();
+    const auto record = record_at(path);
+    files.emplace_back(record ? record->file : path);
+  }
   if (!std::holds_alternative<SettledFrom>(spec.packing)) return;
   at_key(spec, "packing.settled", [&] {
     const std::string inner = settled_file(spec);
@@ -195,7 +199,7 @@ std::vector<std::string> known_names(const std::string& kind) {
 }
 
 std::string find_case(const std::string& name) {
-  if (is_there(name)) return name;
+  if (is_there(name) || record_at(name)) return name;
   if (const auto file = known_file(name, fs::path("cases") / (name + ".toml"))) return file->string();
   const std::vector<std::string> known = known_names("cases");
   fail(

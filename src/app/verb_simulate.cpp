@@ -217,8 +217,9 @@ int run(const Options& options, const Context& context) {
 
 Action declare_simulate(Command& command) {
   auto options = std::make_shared<Options>();
-  command.required("CASE", options->name,
-                   "case file (.toml) with [dynamics], a known case, or a folder DATBOX of LMGC90");
+  command.required(
+      "CASE", options->name,
+      "case file (.toml) with [dynamics], a known case, a folder DATBOX of LMGC90, or a record lmgc90.h5:ID_3");
   command.add("--subdomains PARTITION", options->subdomains,
               "partition: NXxNY[xNZ] for a regular grid, metis:N for METIS");
   for (ParameterOption& one : options->parameters)

@@ -2,7 +2,7 @@
 #include "app/solve_trials.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
-#include "formats/lmgc90/datbox.hpp"
+#include "formats/lmgc90/record.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd::app {
@@ -155,7 +155,8 @@ void check_options(const Options& options) {
     fail("--solver: expected one, or several with --csv, met {}", fmt::join(options.algorithms, ", "));
   if (options.convergence == "-") fail("--convergence: expected a file name, met -; standard output is for the report");
   if (!options.output.empty() && !has_siconos_name(options.output)) require_ending(options.output, hdf5_endings);
-  require_no_input({options.convergence, options.output}, {options.file});
+  const auto record = record_at(options.file);
+  require_no_input({options.convergence, options.output}, {record ? record->file : options.file});
   if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);
 }
 
@@ -212,9 +213,8 @@ int run(const Options& options, const Context& context) {
 Action declare_solve(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("FILE", options->file,
-                   "contact problem with friction, in the plane or in space, HDF5 of FCLIB, .dat of Siconos or "
-                   "Vloc_Rloc.INI of LMGC90; with "
-                   "--csv also a folder of them");
+                   "contact problem with friction, in the plane or in space, HDF5 of FCLIB, .dat of Siconos, "
+                   "Vloc_Rloc.INI or lmgc90.h5:ID_3 of LMGC90; with --csv also a folder of them");
   command.fields(options->solver);
   Option& solver = command.named("--solver");
   solver.help += "; with --csv it may be named again, and all stands for every one";

@@ -89,6 +89,14 @@ std::int64_t Group::integer(const std::string& name) const {
   return value;
 }
 
+double Group::number(const std::string& name) const {
+  const Source source = dataset_of(*this, name, "one number");
+  source.require_that((source.kind() == H5T_INTEGER || source.kind() == H5T_FLOAT) && source.extent() == 1);
+  double value = 0;
+  read_into(source, H5T_NATIVE_DOUBLE, &value, of(name));
+  return value;
+}
+
 std::string Group::text(const std::string& name) const {
   const Source source = dataset_of(*this, name, "a text");
   source.require_that(source.kind() == H5T_STRING && source.extent() == 1);

@@ -85,6 +85,7 @@ class Group {
   std::vector<Value> numbers(const std::string& name, std::optional<Rows> rows = std::nullopt) const;
   Index rows(const std::string& name) const;  ///< of an array; 0 if there is none
   std::int64_t integer(const std::string& name) const;
+  double number(const std::string& name) const;
   std::string text(const std::string& name) const;
   std::vector<std::string> texts(const std::string& name) const;  ///< a one-dimensional array
   std::string text_attribute(const std::string& name) const;

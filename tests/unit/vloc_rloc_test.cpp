@@ -3,6 +3,7 @@
 // hand, what is refused, and the folders of LMGC90 where NSCDD_LMGC90 names a folder of them.
 #include "formats/lmgc90/vloc_rloc.hpp"
 
+#include "../support/network_texts.hpp"
 #include "../support/run_program.hpp"
 #include "../support/spoilt.hpp"
 #include "files/csv.hpp"
@@ -19,209 +20,9 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-struct NetworkTexts {
-  DatboxTexts datbox;
-  std::string contacts;
-};
-
-// A square of side 2 about (1, 1) with five corners, whose mass follows from its corners, over a plank that is driven,
-// and a triangle about (2, 3) that is driven along x and pushed along y.
-NetworkTexts square() {
-  NetworkTexts texts;
-  texts.datbox.bodies = R"($bdyty
- RBDY2      1
-$blmty
- PLAIN      1  behav  STONE  avrd= 0.0000000D+00  gyrd= 0.0000000D+00
-$nodty
- NO3xx      1                coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00
-$tacty
- POLYG      1  color  BLEUx  nb_vertex=    5      byrd= 0.0000000D+00
-                             coo1= 0.0000000D+00  coo2= 0.0000000D+00
-                             coo1= 0.1000000D+01  coo2= 0.0000000D+00
-                             coo1= 0.2000000D+01  coo2= 0.0000000D+00
-                             coo1= 0.2000000D+01  coo2= 0.2000000D+01
-                             coo1= 0.0000000D+00  coo2= 0.2000000D+01
-$$$$$$
-
-$bdyty
- RBDY2      2
-$blmty
- PLAIN      1  behav  STONE  avrd= 0.0000000D+00  gyrd= 0.0000000D+00
-$nodty
- NO3xx      1                coo1= 0.1000000D+01  coo2=-0.5000000D+00  coo3= 0.0000000D+00
-$tacty
- JONCx      1  color  WALLx  ax1 = 3.0000000E+00  ax2 = 5.0000000E-01
-$$$$$$
-
-$bdyty
- RBDY2      3
-$blmty
- PLAIN      1  behav  STONE  avrd= 0.5641896D+00  gyrd= 0.5000000D+00
-$nodty
- NO3xx      1                coo1= 0.2000000D+01  coo2= 0.3000000D+01  coo3= 0.0000000D+00
-$tacty
- POLYG      1  color  BLEUx  nb_vertex=    3      byrd= 0.0000000D+00
-                             coo1=-0.1000000D+01  coo2=-0.1000000D+01
-                             coo1= 0.1000000D+01  coo2=-0.1000000D+01
-                             coo1= 0.0000000D+00  coo2= 0.2000000D+01
-$$$$$$
-)";
-  texts.datbox.bulk = R"($gravy
-                   grv1= 0.0000000D+00  grv2=-0.1000000D+02  grv3= 0.0000000D+00
-$behav  lawty
- STONE  THERMO_RIGID                    Umas= 0.3000000D+01
-)";
-  texts.datbox.tact = R"($behav  lawty
- iqsc0  IQS_CLB                         fric= 0.5000000D+00
-$behav  lawty
- rstc0  RST_CLB                         rstn= 0.5000000D+00  rstt= 0.2500000D+00
-                                        fric= 0.3000000D+00
-)";
-  texts.datbox.driven = R"($bdyty
- RBDY2      2
-$nodty
- NO3xx      1
- vlocy      1  0.1250000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
- vlocy      2  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
- vlocy      3  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
-$$$$$$
-$bdyty
- RBDY2      3
-$nodty
- NO3xx      1
- vlocy      1  0.5000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
- vlocy      3  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
- force      2  0.6000000D+01  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
-$$$$$$
-)";
-  texts.datbox.initial = R"($steps       10              time= 0.1000000D+00
-$bdyty
- RBDY2        1
-$nodty
- NO3xx      1                X(1)= 0.0000000D+00  X(2)= 0.0000000D+00  X(3)= 0.0000000D+00
-                             V(1)= 0.5000000D+00  V(2)=-0.1000000D+01  V(3)= 0.2500000D+00
-$$$$$$
-$bdyty
- RBDY2        3
-$nodty
- NO3xx      1                X(1)= 0.0000000D+00  X(2)= 0.0000000D+00  X(3)= 0.0000000D+00
-                             V(1)= 0.5000000D+00  V(2)=-0.2000000D+01  V(3)= 0.0000000D+00
-$$$$$$
-)";
-  texts.contacts = R"(
-! Vloc_Rloc
-
-$steps       10              time= 0.1000000D+00
-
-!-----------------------------------------------------------------------
-$icdan  PLJCx        1
- cdbdy  numbr  cdtac  numbr  vertx  numbr  behav  anbdy  numbr  antac  numbr                sttus iadj
- RBDY2      1  POLYG      1  CDVER      2  iqsc0  RBDY2      2  JONCx      1                stick     1
-                             rlt/H 0.4000000D+01  rln/H 0.1200000D+02  rls/H 0.0000000D+00
-                             vlt = 0.1000000D+00  vln = 0.2000000D+00  vls = 0.0000000D+00
-                             gapTT 0.1000000D-01
-                             n(1)= 0.0000000D+00  n(2)= 0.1000000D+01  n(3)= 0.0000000D+00
-                             coo1= 0.1500000D+01  coo2= 0.0000000D+00  coo3= 0.0000000D+00
-
-$icdan  PLPLx        1
- cdbdy  numbr  cdtac  numbr  vertx  numbr  behav  anbdy  numbr  antac  numbr  segmt  numbr  sttus  iadj
- RBDY2      3  POLYG      1  CDVER      2  rstc0  RBDY2      1  POLYG      1  ANSEG      3  noctc     1
-                             rlt/H 0.0000000D+00  rln/H 0.3000000D+01  rls/H 0.0000000D+00
-                             vlt = 0.1000000D+00  vln = 0.2000000D+00  vls = 0.0000000D+00
-                             gapTT-0.1000000D-02
-                             n(1)= 0.6000000D+00  n(2)= 0.8000000D+00  n(3)= 0.0000000D+00
-                             coo1= 0.1800000D+01  coo2= 0.2100000D+01  coo3= 0.0000000D+00
-)";
-  return texts;
-}
-
 FclibFile problem_of(const NetworkTexts& texts) {
   const Datbox datbox = parse_datbox(texts.datbox, "box", DatboxShapes::any);
   return contact_problem_of(datbox, parse_vloc_rloc(texts.contacts, "box/Vloc_Rloc.INI", datbox), "box/Vloc_Rloc.INI");
-}
-
-// A box of 2 x 4 x 6 about (5, 6, 7), turned a quarter about z, on a plane that sinks.
-NetworkTexts box_on_plane() {
-  NetworkTexts texts;
-  texts.datbox.bodies = R"($bdyty
- RBDY3      1
-$blmty
- PLAIN      1  behav  STONE  avrd= 0.0000000D+00  gyrd= 0.0000000D+00
-$nodty
- NO6xx      1                coo1= 0.4000000D+01  coo2= 0.4000000D+01  coo3= 0.4000000D+01
-                             coo4= 0.0000000D+00  coo5= 0.0000000D+00  coo6= 0.0000000D+00
-$tacty
- POLYR      1  color  REDxx  nb_vertex=    8      nb_face=   12
-                             coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00
-                             coo1= 0.2000000D+01  coo2= 0.0000000D+00  coo3= 0.0000000D+00
-                             coo1= 0.2000000D+01  coo2= 0.4000000D+01  coo3= 0.0000000D+00
-                             coo1= 0.0000000D+00  coo2= 0.4000000D+01  coo3= 0.0000000D+00
-                             coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.6000000D+01
-                             coo1= 0.2000000D+01  coo2= 0.0000000D+00  coo3= 0.6000000D+01
-                             coo1= 0.2000000D+01  coo2= 0.4000000D+01  coo3= 0.6000000D+01
-                             coo1= 0.0000000D+00  coo2= 0.4000000D+01  coo3= 0.6000000D+01
-                             ver1= 1              ver2= 2              ver3= 3
-                             ver1= 1              ver2= 3              ver3= 4
-                             ver1= 5              ver2= 6              ver3= 7
-                             ver1= 5              ver2= 7              ver3= 8
-                             ver1= 1              ver2= 2              ver3= 6
-                             ver1= 1              ver2= 6              ver3= 5
-                             ver1= 2              ver2= 3              ver3= 7
-                             ver1= 2              ver2= 7              ver3= 6
-                             ver1= 3              ver2= 4              ver3= 8
-                             ver1= 3              ver2= 8              ver3= 7
-                             ver1= 4              ver2= 1              ver3= 5
-                             ver1= 4              ver2= 5              ver3= 8
-$$$$$$
-$bdyty
- RBDY3      2
-$blmty
- PLAIN      1  behav  STONE  avrd= 0.0000000D+00  gyrd= 0.0000000D+00
-$nodty
- NO6xx      1                coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00
-                             coo4= 0.0000000D+00  coo5= 0.0000000D+00  coo6= 0.0000000D+00
-$tacty
- PLANx      1  color  WALLx  axe1= 9.0000000E+00  axe2= 9.0000000E+00  axe3= 1.0000000E+00
-$$$$$$
-)";
-  texts.datbox.bulk = R"($gravy
-                   grv1= 0.0000000D+00  grv2= 0.0000000D+00  grv3= 0.0000000D+00
-$behav  lawty
- STONE  RIGID                           Umas= 0.1000000D+01
-)";
-  texts.datbox.tact = "$behav  lawty\n iqsc0  IQS_CLB                         fric= 0.5000000D+00\n";
-  texts.datbox.driven = "$bdyty\n RBDY3      2\n$nodty\n NO6xx      1\n";
-  for (const char* dof : {"1", "2", "3", "4", "5", "6"})
-    texts.datbox.driven += std::string(" vlocy      ") + dof + (*dof == '3' ? " -0.1000000D+00" : "  0.0000000D+00") +
-                           "  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00\n";
-  texts.datbox.driven += "$$$$$$\n";
-  texts.datbox.initial = R"($steps        0              time= 0.0000000D+00
-$bdyty
- RBDY3        1
-$nodty
- NO6xx      1                X(1)= 0.0000000D+00  X(2)= 0.0000000D+00  X(3)= 0.0000000D+00
-                             X(4)= 0.0000000D+00  X(5)= 0.0000000D+00  X(6)= 0.0000000D+00
-                             V(1)= 0.1000000D+01  V(2)= 0.2000000D+01  V(3)= 0.3000000D+01
-                             V(4)= 0.1000000D+00  V(5)= 0.2000000D+00  V(6)= 0.3000000D+00
-                             a(1)= 0.0000000D+00  a(2)= 0.1000000D+01  a(3)= 0.0000000D+00
-                             b(1)=-0.1000000D+01  b(2)= 0.0000000D+00  b(3)= 0.0000000D+00
-                             g(1)= 0.0000000D+00  g(2)= 0.0000000D+00  g(3)= 0.1000000D+01
-$$$$$$
-)";
-  texts.contacts = R"(
-$steps        0              time= 0.0000000D+00
-$icdan  PRPLx        1
- cdbdy  numbr  cdtac  numbr  CDVER  behav  anbdy  numbr  antac  numbr  sttus
- RBDY3      1  POLYR      1      3  iqsc0  RBDY3      2  PLANx      1  stick
-                             rls/H-0.2000000D+01  rlt/H-0.4000000D+01  rln/H 0.1000000D+02
-                             vls = 0.1000000D+00  vlt = 0.2000000D+00  vln = 0.3000000D+00
-                             gapTT-0.1000000D-08
-                             coo1= 0.6000000D+01  coo2= 0.4000000D+01  coo3= 0.4000000D+01
-                             t(1)= 0.1000000D+01  t(2)= 0.0000000D+00  t(3)= 0.0000000D+00
-                             n(1)= 0.0000000D+00  n(2)= 0.0000000D+00  n(3)= 0.1000000D+01
-                             s(1)= 0.0000000D+00  s(2)=-0.1000000D+01  s(3)= 0.0000000D+00
-)";
-  return texts;
 }
 
 void check_close(const Matrix& met, const Matrix& expected) {
@@ -265,7 +66,7 @@ Speeds speeds_of(Datbox datbox, const DatboxNetwork& network) {
 }  // namespace
 
 TEST_CASE("vloc_rloc: M, H, loads and biases of a square on a plank and under a half-driven triangle, by hand") {
-  const FclibFile file = problem_of(square());
+  const FclibFile file = problem_of(square_on_plank());
   const auto& problem = std::get<GlobalFrictionProblem>(file.problem);
   CHECK(problem.dimension == 2);
   // m = 3 x 4 and m (4 + 4) / 12; the triangle has 3 pi avrd^2 and m gyrd^2.
@@ -292,7 +93,7 @@ TEST_CASE("vloc_rloc: M, H, loads and biases of a square on a plank and under a 
 }
 
 TEST_CASE("vloc_rloc: a contact that slides has the dynamic friction of its law, another one the static one") {
-  NetworkTexts texts = square();
+  NetworkTexts texts = square_on_plank();
   texts.datbox.tact = replaced(texts.datbox.tact, "IQS_CLB                         fric= 0.5000000D+00",
                                "IQS_DS_CLB                      dfrc= 0.5000000D+00  sfrc= 0.7500000D+00");
   const auto friction = [&](const char* status) {
@@ -345,7 +146,7 @@ TEST_CASE("vloc_rloc: a polyhedron that lies askew has axes in which its inertia
 TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
   const auto spoil = [](std::string NetworkTexts::*text, const std::string& from, const std::string& to,
                         const Names& names) {
-    NetworkTexts texts = square();
+    NetworkTexts texts = square_on_plank();
     texts.*text = replaced(texts.*text, from, to);
     check_error([&] { problem_of(texts); }, names);
   };
@@ -358,12 +159,12 @@ TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
   spoil(contacts, "rstc0", "rstc9", {":16:", "law", "rstc9"});
   spoil(contacts, "vlt = 0.1000000D+00", "xxx = 0.1000000D+00", {":7:", "'vlt ='", "none"});
   spoil(contacts, "coo1= 0.1800000D+01", "coo1= 0.9800000D+01", {":16:", "2 m", "periodic"});
-  NetworkTexts none = square();
+  NetworkTexts none = square_on_plank();
   none.contacts.erase(none.contacts.find("$icdan"));
   check_error([&] { problem_of(none); }, {"Vloc_Rloc.INI:", "contacts", "none"});
   const auto spoil_input = [](std::string DatboxTexts::*text, const std::string& from, const std::string& to,
                               const Names& names) {
-    NetworkTexts texts = square();
+    NetworkTexts texts = square_on_plank();
     texts.datbox.*text = replaced(texts.datbox.*text, from, to);
     check_error([&] { problem_of(texts); }, names);
   };
@@ -382,7 +183,8 @@ TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
 }
 
 TEST_CASE("vloc_rloc: a packing of other shapes is refused where it always was") {
-  check_error([] { parse_datbox(square().datbox, "box"); }, {"box/BODIES.DAT:8:", "DISKx, DISKb or JONCx", "POLYG"});
+  check_error([] { parse_datbox(square_on_plank().datbox, "box"); },
+              {"box/BODIES.DAT:8:", "DISKx, DISKb or JONCx", "POLYG"});
   check_error([] { parse_datbox(box_on_plane().datbox, "box"); }, {"box/BODIES.DAT:9:", "SPHEb or PLANx", "POLYR"});
 }
 
@@ -429,7 +231,7 @@ TEST_CASE("vloc_rloc: LMGC90's forces hold its walls of polygons and polyhedra a
 
 TEST_CASE("vloc_rloc: a file is read with the state of its step beside it and the bodies of ../DATBOX") {
   const TemporaryFolder folder;
-  const NetworkTexts texts = square();
+  const NetworkTexts texts = square_on_plank();
   write_file(folder / "run/DATBOX/BODIES.DAT", texts.datbox.bodies);
   write_file(folder / "run/DATBOX/BULK_BEHAV.DAT", texts.datbox.bulk);
   write_file(folder / "run/DATBOX/TACT_BEHAV.DAT", texts.datbox.tact);

@@ -5,6 +5,7 @@
 #include "files/csv.hpp"
 #include "files/strict_toml.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
+#include "formats/lmgc90/record.hpp"
 #include "formats/lmgc90/vloc_rloc.hpp"
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/formats/read_model.hpp>
@@ -214,11 +215,12 @@ CaseSpec parse_case(std::string_view text, const std::string& file, bool of_traj
 CaseSpec read_case(const std::string& path) { return parse_case(read_text(path), path); }
 
 CaseSpec spec_of_file(const std::string& path, bool moving) {
-  if (holds_datbox(path)) return case_of_datbox(path, moving);
+  const bool record = record_at(path).has_value();  // a contact problem, and the initial state of a case that moves
+  if (holds_datbox(path) && (moving || !record)) return case_of_datbox(path, moving);
   const std::filesystem::path extension = std::filesystem::path(path).extension();
   if (extension == ".toml") return read_case(path);
   CaseSpec spec;
-  if (has_vloc_rloc_name(path)) {
+  if (record || has_vloc_rloc_name(path)) {
     spec.name = datbox_name(std::filesystem::path(path).parent_path().string());
     spec.packing = ContactProblemFile{path};
     return spec;

@@ -144,14 +144,18 @@ enum class DatboxShapes {
 /// LMGC90 could not read or would read as another number.
 Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxShapes = DatboxShapes::modelled);
 
-/// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX.
+/// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX, or a record (record.hpp), whose folder
+/// is datbox_beside its file.
 bool holds_datbox(const std::string& path);
 
 /// The existing files of such a folder.
 std::vector<std::string> datbox_files(const std::string& path);
 
-/// Reads such a folder, with the state in `initial`, or in its DOF.INI if that is empty. Throws Error as parse_datbox,
-/// and for files that cannot be read.
+/// The folder of a file that has BODIES.DAT, else its subfolder DATBOX if that has it, else ../DATBOX.
+std::string datbox_beside(const std::string& file);
+
+/// Reads such a folder, with the state in `initial`, or if that is empty in the record, or in its DOF.INI. Throws Error
+/// as parse_datbox, and for files that cannot be read.
 Datbox read_datbox(const std::string& path, DatboxShapes = DatboxShapes::modelled, const std::string& initial = {});
 
 /// Throws Error if its bulk law has none.

@@ -26,6 +26,10 @@ double half_digit(const Eigen::Vector3d& place, Index dimension);
 /// Throws Error unless the axes of a body are orthonormal to seven digits.
 void require_frame(const DatboxBody& body, const DatboxPlace& place);
 
+/// The axes of a body in space at the beginning, as columns; x, y and z do not replace principal axes that are
+/// computed. Throws Error as require_frame.
+void set_axes(DatboxBody& body, const Eigen::Matrix3d& axes, const DatboxPlace& place);
+
 /// Reads the keys of a command file that a case has, too.
 DatboxCommand read_datbox_command(FixedColumns lines, Index dimension);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/csv.hpp"
 #include "formats/lmgc90/datbox_body.hpp"
+#include "formats/lmgc90/record.hpp"
 
 #include <filesystem>
 #include <set>
@@ -99,14 +100,12 @@ void read_initial(FixedColumns lines, Datbox& datbox) {
     if (!datbox.space()) continue;
     lines.require_next("velocities V(4) to V(6)");
     body.spin = {lines.number(35, "V(4)"), lines.number(56, "V(5)"), lines.number(77, "V(6)")};
-    const Eigen::Matrix3d computed = body.frame;
+    Eigen::Matrix3d axes;
     for (Index k = 0; k < 3; ++k) {
       lines.require_next("the axes of the body");
-      body.frame.col(k) = lines.three_numbers("axis {}");
+      axes.col(k) = lines.three_numbers("axis {}");
     }
-    require_frame(body, lines.place());
-    body.read_axes = !body.frame.isIdentity(0);
-    if (body.own_axes && !body.read_axes) body.frame = computed;  // LMGC90 writes principal axes, others x, y and z
+    set_axes(body, axes, lines.place());
   }
 }
 
@@ -179,10 +178,24 @@ void read_tact(FixedColumns lines, Datbox& datbox) {
 }
 
 fs::path datbox_folder(const std::string& path) {
+  if (const auto record = record_at(path)) return datbox_beside(record->file);
   return is_file(fs::path(path) / "BODIES.DAT") ? fs::path(path) : fs::path(path) / "DATBOX";
 }
 
 }  // namespace
+
+void set_axes(DatboxBody& body, const Eigen::Matrix3d& axes, const DatboxPlace& place) {
+  body.read_axes = !axes.isIdentity(0);
+  if (body.read_axes || !body.own_axes) body.frame = axes;  // LMGC90 writes principal axes, others x, y and z
+  require_frame(body, place);
+}
+
+std::string datbox_beside(const std::string& file) {
+  const fs::path own = fs::path(file).parent_path();
+  for (const char* folder : {"", "DATBOX"})
+    if (is_file(own / folder / "BODIES.DAT")) return (own / folder).string();
+  return (own / ".." / "DATBOX").lexically_normal().string();
+}
 
 Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxShapes shapes) {
   const auto lines = [&](const std::string& text, const char* name) {
@@ -205,11 +218,12 @@ Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxS
 
 bool holds_datbox(const std::string& path) {
   std::error_code ignored;
-  return fs::is_directory(path, ignored) && is_file(datbox_folder(path) / "BODIES.DAT");
+  return record_at(path) || (fs::is_directory(path, ignored) && is_file(datbox_folder(path) / "BODIES.DAT"));
 }
 
 std::vector<std::string> datbox_files(const std::string& path) {
   std::vector<std::string> files;
+  if (const auto record = record_at(path)) files.push_back(record->file);
   for (const char* name : {"BODIES.DAT", "BULK_BEHAV.DAT", "TACT_BEHAV.DAT", "DRV_DOF.DAT", "DOF.INI", "COMMAND.DAT"})
     if (const fs::path file = datbox_folder(path) / name; is_there(file)) files.push_back(file.string());
   return files;
@@ -217,11 +231,16 @@ std::vector<std::string> datbox_files(const std::string& path) {
 
 Datbox read_datbox(const std::string& path, DatboxShapes shapes, const std::string& initial) {
   const fs::path folder = datbox_folder(path);
+  const auto record = record_at(path);
+  if (record && !is_there(record->file)) fail("{}: no such file", record->file);
   const auto required = [&](const std::string& name) { return read_text((folder / name).string()); };
   const auto text = [&](const char* name) { return is_there(folder / name) ? required(name) : std::string(); };
-  return parse_datbox({required("BODIES.DAT"), required("BULK_BEHAV.DAT"), text("TACT_BEHAV.DAT"), text("DRV_DOF.DAT"),
-                       initial.empty() ? text("DOF.INI") : read_text(initial), text("COMMAND.DAT"), required},
-                      folder.string(), shapes);
+  const std::string state = !initial.empty() ? read_text(initial) : record ? "" : text("DOF.INI");
+  Datbox datbox = parse_datbox({required("BODIES.DAT"), required("BULK_BEHAV.DAT"), text("TACT_BEHAV.DAT"),
+                                text("DRV_DOF.DAT"), state, text("COMMAND.DAT"), required},
+                               folder.string(), shapes);
+  if (record) read_state(*record, datbox);
+  return datbox;
 }
 
 }  // namespace nscdd

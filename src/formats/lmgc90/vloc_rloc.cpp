@@ -2,6 +2,7 @@
 #include "formats/lmgc90/vloc_rloc.hpp"
 
 #include "files/csv.hpp"
+#include "formats/lmgc90/record.hpp"
 #include "linalg/sparse_entries.hpp"
 
 #include <filesystem>
@@ -137,11 +138,6 @@ std::string state_beside(const fs::path& path) {
   return (path.parent_path() / ("DOF" + ending)).string();
 }
 
-std::string datbox_beside(const fs::path& path) {
-  const fs::path own = path.parent_path();
-  return (is_file(own / "BODIES.DAT") ? own : own / ".." / "DATBOX").lexically_normal().string();
-}
-
 std::string vloc_rloc_in_datbox(const fs::path& path) {
   return ((is_file(path / "BODIES.DAT") ? path : path / "DATBOX") / "Vloc_Rloc.INI").string();
 }
@@ -150,7 +146,9 @@ std::string vloc_rloc_in_datbox(const fs::path& path) {
 
 FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network, const std::string& name) {
   const bool timed = network.step > 0 && network.time > 0;
-  const double h = timed ? network.time / static_cast<double>(network.step) : TimeStepping().step;
+  const double h = network.h > 0 ? network.h
+                   : timed       ? network.time / static_cast<double>(network.step)
+                                 : TimeStepping().step;
   const Index dofs = datbox.space() ? 6 : 3, d = datbox.dimension;
   Index rows = 0;
   const std::vector<NetworkBody> bodies = network_bodies(datbox, h, rows);
@@ -188,12 +186,16 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
   const Vector v = free + (problem.h * impulses).cwiseQuotient(mass);
   file.guesses.push_back({v, problem.h.transpose() * v + problem.w, impulses});
   file.info.title = fmt::format("contacts of LMGC90 at step {}, time {} s; the next step with h = {} s{}", network.step,
-                                network.time, h, timed ? "" : ", the default");
+                                network.time, h, timed || network.h > 0 ? "" : ", the default");
   file.problem = std::move(problem);
   return file;
 }
 
 FclibFile read_vloc_rloc(const std::string& path) {
+  if (const auto record = record_at(path)) {
+    const Datbox datbox = read_datbox(path, DatboxShapes::any);
+    return contact_problem_of(datbox, read_network(*record, datbox), path);
+  }
   if (!has_vloc_rloc_name(path)) return read_vloc_rloc(vloc_rloc_in_datbox(path));
   const std::string text = read_text(path), state = state_beside(path);
   const Datbox datbox = read_datbox(datbox_beside(path), DatboxShapes::any, is_there(state) ? state : "");
@@ -204,6 +206,7 @@ FclibFile read_vloc_rloc(const std::string& path) {
 }
 
 std::string vloc_rloc_of_datbox(const std::string& path) {
+  if (record_at(path)) return path;
   const std::string file = vloc_rloc_in_datbox(path);
   return is_file(file) && read_text(file).find("$icdan") != std::string::npos ? file : "";
 }
@@ -213,7 +216,8 @@ bool has_vloc_rloc_name(const std::string& path) {
 }
 
 std::string datbox_name(const std::string& folder) {
-  fs::path path = fs::path(folder).lexically_normal();
+  const auto record = record_at(folder);
+  fs::path path = (record ? fs::path(record->file).parent_path() : fs::path(folder)).lexically_normal();
   if ((path.filename() == "DATBOX" || path.filename() == "OUTBOX") && path.has_parent_path()) path = path.parent_path();
   return path.filename().string();
 }

@@ -1,31 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "formats/lmgc90/datbox.hpp"
+#include "formats/lmgc90/network.hpp"
 #include <nscdd/formats/fclib.hpp>
 
 /// Contact networks of LMGC90, files Vloc_Rloc.INI and Vloc_Rloc.OUT.K of a step, between bodies of any shapes.
 namespace nscdd {
-
-/// A contact. The candidate moves away from the antagonist along the normal.
-struct DatboxContact {
-  std::string kind;                     ///< of the contactors, such as DKDKx
-  Index candidate = 0, antagonist = 0;  ///< bodies, from 0
-  std::string law;
-  Eigen::Vector3d point{0, 0, 0};  ///< m
-  Eigen::Matrix3d frame;           ///< n, t and s as columns; s = (0, 0, 1) in the plane
-  double gap = 0;                  ///< m
-  Eigen::Vector3d force{0, 0, 0};  ///< on the candidate, N, along n, t and s
-  Eigen::Vector3d speed{0, 0, 0};  ///< of the candidate relative to the antagonist, m/s, along them
-  bool slid = false;               ///< its status is one of sliding
-  DatboxPlace place;
-};
-
-struct DatboxNetwork {
-  Index step = 0;
-  double time = 0;  ///< s
-  std::vector<DatboxContact> contacts;
-};
 
 /// Reads the contacts of these bodies. Names such as "rln/H" say what a number is: their order depends on the kind.
 /// Throws Error with file and line for bodies that are missing or not rigid, a contact without one of its numbers or of
@@ -33,15 +13,15 @@ struct DatboxNetwork {
 DatboxNetwork parse_vloc_rloc(std::string_view text, const std::string& name, const Datbox& datbox);
 
 /// The contact problem of the step after the state of `datbox`, with the points of its contacts, and with LMGC90's
-/// forces times h as a guess. h is time over steps of the network, or the default of cases if it has none. M is
+/// forces times h as a guess. h is that of the network, else its time over steps, or the default of cases. M is
 /// diagonal, with three rows per body, in space six, spins along its own axes; bodies that are driven in all degrees of
 /// freedom have none. Throws Error for other laws than those of DatboxLaw, a mass that is not positive, a point beyond
 /// the reach of its body (an image in a periodic cell), and for no contacts at all; `name` is that of the file.
 FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network, const std::string& name);
 
-/// Reads such a file, or Vloc_Rloc.INI of a folder that `holds_datbox`. The state is in DOF.INI, or DOF.OUT.K of that
-/// step, beside it, all else in the DATBOX beside it or in ../DATBOX. Throws Error as the functions called, and for a
-/// state of another time.
+/// Reads such a file, a record (record.hpp), or Vloc_Rloc.INI of a folder that `holds_datbox`. The state is in DOF.INI,
+/// or DOF.OUT.K of that step, beside it, all else in the DATBOX beside it or in ../DATBOX. Throws Error as the
+/// functions called, and for a state of another time.
 FclibFile read_vloc_rloc(const std::string& path);
 
 /// Vloc_Rloc.INI of a folder that `holds_datbox` if it has contacts, else empty.
@@ -49,7 +29,7 @@ std::string vloc_rloc_of_datbox(const std::string& path);
 
 bool has_vloc_rloc_name(const std::string& path);
 
-/// The name of a case: that of the folder, or of the one that a folder DATBOX or OUTBOX lies in.
+/// The name of a case: that of the folder (of a record), or of the one that a folder DATBOX or OUTBOX lies in.
 std::string datbox_name(const std::string& folder);
 
 }  // namespace nscdd

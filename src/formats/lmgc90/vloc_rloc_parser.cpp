@@ -57,16 +57,9 @@ void set_numbers(const Numbers& numbers, bool space, DatboxContact& contact) {
   contact.speed = three("vln =", "vlt =", "vls =");
   contact.gap = one(numbers.contains("gTT =") ? "gTT =" : "gapTT");
   contact.point = three("coo1=", "coo2=", "coo3=");
-  const Vector3 n = three("n(1)=", "n(2)=", "n(3)=");
-  if (space)
-    contact.frame << n, three("t(1)=", "t(2)=", "t(3)="), three("s(1)=", "s(2)=", "s(3)=");
-  else
-    contact.frame << n, Vector3(n[1], -n[0], 0), Vector3::UnitZ();
-  const Eigen::Matrix3d rest = contact.frame.transpose() * contact.frame - Eigen::Matrix3d::Identity();
-  constexpr double tolerance = 1e-5;  // of numbers with seven digits
-  if (!(rest.cwiseAbs().maxCoeff() < tolerance))
-    refuse(contact.place, "expected unit vectors n{}, met n of length {}", space ? ", t and s that are orthogonal" : "",
-           n.norm());
+  contact.frame.col(0) = three("n(1)=", "n(2)=", "n(3)=");
+  if (space) contact.frame.rightCols(2) << three("t(1)=", "t(2)=", "t(3)="), three("s(1)=", "s(2)=", "s(3)=");
+  complete_contact(contact, space);
 }
 
 }  // namespace
