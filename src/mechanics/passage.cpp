@@ -6,6 +6,17 @@
 namespace nscdd {
 namespace {
 
+// The least height over a convex body on a straight path, along which heights are convex.
+double least_height(const Wall& wall, const Place& from, const Place& move) {
+  double low = 0, high = 1;
+  const auto height = [&](double part) { return nearest_point(wall, moved_along(from, part, move)).height; };
+  for (int k = 0; k < 50; ++k) {
+    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+    (height(a) < height(b) ? high : low) = height(a) < height(b) ? b : a;
+  }
+  return height((low + high) / 2);
+}
+
 // Grain a and body b at each place of a path.
 class Pair {
  public:
@@ -17,9 +28,11 @@ class Pair {
       boundary_ = std::max(path.system.driven_by[a_], path.system.driven_by[b_]);
   }
 
-  // Round bodies have a line from centre to centre or axis. Other walls are flat or hollow.
+  // Round bodies have a line from centre to centre or axis. Other walls are flat or hollow, or have ends.
   bool driven() const { return boundary_ >= 0; }
-  bool round() const { return wall_ < 0 || wall(path_.places.back()).radius < 0; }
+  bool round() const {
+    return wall_ < 0 || (wall(path_.places.back()).radius < 0 && !wall(path_.places.back()).has_ends());
+  }
   double touch() const { return radius_ + (wall_ < 0 ? path_.system.radius[b_] : -wall(path_.places.back()).radius); }
 
   // From a to b, or to the axis of b, seen from the boundary.
@@ -34,14 +47,15 @@ class Pair {
     const Configuration& where = path_.places[place];
     return nearest_point(path_.system, wall(where), where.centre(a_)).height - radius_;
   }
-  // The overlap of a grain whose centre goes through the middle of a plank on its way, m; else -infinity. `from`, `to`:
-  // of place_at_wall.
+  // The overlap of a grain whose centre goes through the middle of a plank on its way, or the largest with a cylinder
+  // that has ends, m; else -infinity. `from`, `to`: of place_at_wall.
   double overlap_inside(const Place& from, const Place& to) const {
     const Configuration& where = path_.places.back();
     Wall plank = wall(where);
-    if (!plank.plank()) return -infinity;
     const Pose& pose = where.poses[at(boundary_)];
     plank.point = difference(plank.point, {pose.x, pose.y, pose.z});
+    if (plank.has_ends()) return radius_ - least_height(plank, from, difference(to, from));
+    if (!plank.plank()) return -infinity;
     const double before = dot(difference(from, plank.point), plank.normal),
                  after = dot(difference(to, plank.point), plank.normal);
     if (before * after >= 0) return -infinity;
@@ -53,8 +67,8 @@ class Pair {
     const Configuration& where = path_.places[place];
     const Pose& pose = where.poses[at(boundary_)];
     const Place centre{pose.x, pose.y, pose.z};
-    return seen(place, wall(where).plank() ? path_.system.apart(centre, where.centre(a_))
-                                           : difference(where.centre(a_), centre));
+    return seen(place, wall(where).radius != 0 ? path_.system.apart(centre, where.centre(a_))
+                                               : difference(where.centre(a_), centre));
   }
 
  private:

@@ -34,13 +34,20 @@ WallPoint nearest_point(const Wall& wall, const Place& centre) {
   else  // all points are as near as this one
     outwards = tangents_of(normal).first;
   const double radius = std::abs(wall.radius), inwards = wall.radius > 0 ? -1 : 1;
+  const double beyond = std::abs(along) - wall.half_length, aside = std::max(distance - radius, 0.0);
+  if (wall.has_ends() && beyond > std::min(distance - radius, 0.0)) {  // an end or its edge is the nearest
+    const double sign = along > 0 ? 1 : -1, height = aside > 0 ? std::hypot(beyond, aside) : beyond;
+    const Place foot = moved_along(moved_along(point, sign * wall.half_length, normal), distance - aside, outwards);
+    if (aside == 0) return {foot, moved_along({}, sign, normal), height};
+    return {foot, moved_along(moved_along({}, sign * beyond / height, normal), aside / height, outwards), height};
+  }
   const Place foot = moved_along(axis_point, radius, outwards);
   for (double& one : outwards) one *= inwards;
   return {foot, outwards, inwards * (distance - radius)};
 }
 
 WallPoint nearest_point(const GranularSystem& system, const Wall& wall, const Place& centre) {
-  if (!wall.plank() || !system.period.any()) return nearest_point(wall, centre);
+  if (wall.radius == 0 || !system.period.any()) return nearest_point(wall, centre);
   const Place image = moved_along(wall.point, 1, system.apart(wall.point, centre));
   WallPoint found = nearest_point(wall, image);
   found.foot = moved_along(found.foot, 1, difference(centre, image));

@@ -29,7 +29,7 @@ struct WallPoint {
   double height;       ///< m
 };
 WallPoint nearest_point(const Wall& wall, const Place& centre);
-/// The same in a periodic cell: of a plank the image counts that is nearest to the grain.
+/// The same in a periodic cell: of a plank or cylinder the image counts that is nearest to the grain.
 WallPoint nearest_point(const GranularSystem& system, const Wall& wall, const Place& centre);
 /// The nearest point of the segment or rectangle of a plank.
 Place nearest_in_plank(const Wall& plank, const Place& p);

@@ -53,7 +53,7 @@ Wall moved(const Wall& wall, const Motion& motion, const Pose& pose) {
   for (const auto direction : {&Wall::normal, &Wall::axis}) {
     const std::array<double, 3>& before = wall.*direction;
     if (pose.angle != 0)
-      result.*direction = {c * before[0] - s * before[1], s * before[0] + c * before[1], 0};
+      result.*direction = {c * before[0] - s * before[1], s * before[0] + c * before[1], before[2]};
     else
       Eigen::Vector3d::Map((result.*direction).data()) = pose.turn * Eigen::Vector3d(before.data());
   }

@@ -112,19 +112,21 @@ struct Pose {
 };
 
 /// A wall at time 0, which moves with its boundary: in the plane a straight line, in space a plane, with grains on the
-/// side that `normal` points to. With a radius it is a circular cylinder in space, unbounded along its axis. With a
-/// length it is a plank with round edges, grains all around: all points within `radius` of a segment, in space of a
-/// rectangle.
+/// side that `normal` points to. With a radius it is a circular cylinder, in the plane a circle; with a length as well,
+/// a plank with round edges, grains all around: all points within `radius` of a segment, in space of a rectangle.
 struct Wall {
-  std::array<double, 3> point{0, 0, 0};   ///< m; of a cylinder on its axis, of a plank its middle
-  std::array<double, 3> normal{0, 1, 0};  ///< unit; of a cylinder along its axis
+  std::array<double, 3> point{0, 0, 0};   ///< m; of a cylinder on its axis; of a plank, or between ends, the middle
+  std::array<double, 3> normal{0, 1, 0};  ///< unit; of a cylinder along its axis, of a circle (0, 0, 1)
   Index boundary = 0;
   /// Of a cylinder, m: > 0 with grains inside, < 0 with grains outside; half the thickness of a plank; 0 of a plane.
   double radius = 0;
-  std::array<double, 3> axis{};            ///< unit, along the length of a plank, across its normal
-  double half_length = 0, half_width = 0;  ///< of the segment or rectangle of a plank, m
+  std::array<double, 3> axis{};  ///< unit, along the length of a plank, across its normal
+  /// Of the segment or rectangle of a plank, m; of a cylinder with grains outside half its length, 0 if it has no ends.
+  double half_length = 0, half_width = 0;
 
-  bool plank() const { return half_length > 0; }
+  bool plank() const { return half_length > 0 && radius > 0; }
+  bool round() const { return radius != 0 && !plank(); }  ///< a cylinder or a circle
+  bool has_ends() const { return half_length > 0 && radius < 0; }
 };
 
 /// The place of a point of a body that goes from one pose to another: on the exact circle, not on its tangent.

@@ -21,14 +21,16 @@ Place unit(const Place& vector) {
 
 bool is_plane_in_space(const BoundarySpec& spec) { return spec.shape == BoundaryShape::wall && spec.dimension == 3; }
 bool is_plank_in_space(const BoundarySpec& spec) { return spec.shape == BoundaryShape::plank && spec.dimension == 3; }
+bool is_circle(const BoundarySpec& spec) { return spec.shape == BoundaryShape::cylinder && spec.dimension == 2; }
 
 Wall wall_of(const BoundarySpec& spec, Index boundary) {
   if (is_plane_in_space(spec)) return {.point = spec.point, .normal = unit(spec.normal), .boundary = boundary};
   if (spec.shape == BoundaryShape::cylinder)
-    return {.point = spec.from,
-            .normal = unit(along(spec)),
+    return {.point = moved_along(spec.from, spec.ends ? 0.5 : 0, along(spec)),
+            .normal = is_circle(spec) ? Place{0, 0, 1} : unit(along(spec)),
             .boundary = boundary,
-            .radius = spec.side == CylinderSide::inside ? spec.radius : -spec.radius};
+            .radius = spec.side == CylinderSide::inside ? spec.radius : -spec.radius,
+            .half_length = spec.ends ? length_of(along(spec)) / 2 : 0};
   if (is_plank_in_space(spec))
     return {.point = spec.point,
             .normal = unit(spec.normal),
@@ -132,13 +134,15 @@ std::string body_lines(const FreeBody& body, bool space) {
 
 }  // namespace
 
+Place default_centre(const BoundarySpec& spec) {
+  return spec.shape == BoundaryShape::cylinder ? spec.from : Place{0, 0, 0};
+}
+
 void require_dimension(const BoundarySpec& spec, Index dimension) {
   const auto refuse = [&](std::string_view expected, std::string_view met) {
     fail("boundary '{}': expected {} for a packing in {}, met {}", spec.name, expected,
          dimension == 2 ? "the plane" : "space", met);
   };
-  if (dimension == 2 && spec.shape == BoundaryShape::cylinder)
-    refuse("shape wall, disks, plank or grains", to_string(spec.shape));
   if (dimension == 3 && spec.shape == BoundaryShape::disks)
     refuse("shape wall, cylinder, plank or grains", to_string(spec.shape));
   if (spec.dimension == 0 || spec.dimension == dimension) return;
@@ -175,19 +179,21 @@ std::string to_toml(const BoundarySpec& spec) {
                           field_text(spec.length), field_text(spec.width), field_text(spec.radius));
   } else {
     const bool space = spec.dimension == 3;
-    text += fmt::format("from = {}\nto = {}\n", components_text(spec.from, space), components_text(spec.to, space));
+    text += fmt::format("from = {}\n", components_text(spec.from, space));
+    if (!is_circle(spec)) text += fmt::format("to = {}\n", components_text(spec.to, space));
     if (spec.shape == BoundaryShape::disks)
       text += fmt::format("radius = {}\nspacing = {}\n", field_text(spec.radius), field_text(spec.spacing));
     if (spec.shape == BoundaryShape::plank) text += fmt::format("radius = {}\n", field_text(spec.radius));
     if (spec.shape == BoundaryShape::cylinder)
-      text += fmt::format("radius = {}\nside = \"{}\"\n", field_text(spec.radius), to_string(spec.side));
+      text += fmt::format("radius = {}\nside = \"{}\"\n{}", field_text(spec.radius), to_string(spec.side),
+                          spec.ends ? "ends = true\n" : "");
   }
   if (spec.orientation != Orientation::turning)
     text += fmt::format("orientation = \"{}\"\n", to_string(spec.orientation));
   if (!spec.colour.empty()) text += fmt::format("colour = {}\n", field_text(spec.colour));
   const Motion& motion = spec.motion;
   const bool space = spec.dimension == 3;
-  if (spec.body || motion.centre != Place{0, 0, 0})  // free bodies need one
+  if (spec.body || motion.centre != default_centre(spec))  // free bodies need one
     text += fmt::format("centre = {}\n", components_text(motion.centre, space));
   text += function_lines(motion, keys_of_motion, space);
   if (spec.body) text += body_lines(*spec.body, space);
@@ -213,7 +219,7 @@ void check(const BoundarySpec& spec) {
              spec.name, spec.length, spec.width, spec.radius);
     return;
   }
-  const double length = length_of(along(spec));
+  const double length = is_circle(spec) ? 1 : length_of(along(spec));
   if (!(length > 0) || !std::isfinite(length)) {
     const auto place = [&](const Place& p) {
       return fmt::format("({})", fmt::join(std::span(p).first(spec.dimension == 3 ? 3 : 2), ", "));
@@ -224,6 +230,9 @@ void check(const BoundarySpec& spec) {
   if (!(spec.radius > 0))
     fail("boundary '{}': radius: expected one > 0 of {}, met {}", spec.name,
          spec.shape == BoundaryShape::disks ? "its disks" : fmt::format("the {}", to_string(spec.shape)), spec.radius);
+  if (spec.ends && (is_circle(spec) || spec.side == CylinderSide::inside))
+    fail("boundary '{}': ends: expected side outside of a cylinder in space, met another one; walls close a hollow one",
+         spec.name);
   if (spec.shape != BoundaryShape::disks) return;
   constexpr double most = 1e7;
   if (!(length / spec.distance() < most))

@@ -10,7 +10,7 @@ enum class BoundaryShape {
   wall,      ///< in the plane the straight line through `from` and `to`, grains on its left; in space a plane
   disks,     ///< a row of disks in the plane from `from` to `to`, both ends included
   grains,    ///< grains first ... last of the packing, driven as one rigid body
-  cylinder,  ///< in space, about the axis through `from` and `to`, unbounded along it
+  cylinder,  ///< about the axis through `from` and `to`, in the plane a circle about `from`
   /// All points within `radius` of the segment from `from` to `to`, or in space of a rectangle, grains all around.
   plank,
 };
@@ -34,6 +34,7 @@ struct BoundarySpec {
   double length = 0, width = 0;  ///< m, of the rectangle of a plank in space, along and across `axis`
   double radius = 0;             ///< m, disks and cylinder; of a plank half its thickness
   Choice<CylinderSide> side = CylinderSide::inside;  ///< of a cylinder
+  bool ends = false;           ///< of a cylinder in space with grains outside: `from` and `to` are its flat ends
   double spacing = 0;          ///< m, largest distance of neighbouring centres, disks; 0: they touch (two radii)
   Index first = 0, last = -1;  ///< grains; negative from the end
   Motion motion;
@@ -47,6 +48,9 @@ struct BoundarySpec {
 
 /// Throws Error naming the boundary if a wall, an axis or a row of disks has no extent or a row has too many disks.
 void check(const BoundarySpec& spec);
+
+/// The reference point of its motion if a case file has none: of a cylinder `from`.
+Place default_centre(const BoundarySpec& spec);
 
 /// Keys of a function of time in a case file: its constant value, its table, and its oscillations.
 struct FunctionKeys {

@@ -342,7 +342,7 @@ TEST_CASE("moving case in space: boundaries and gravity of the other dimension a
   refused_when_built(plane + "gravity = [0, 0, -9.81]\n", {"dynamics.gravity:", "plane"});
   refused_when_built(
       plane + "[[boundary]]\nname = \"d\"\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 1, 0]\nradius = 9\n",
-      {"boundary 'd':", "met cylinder"});
+      {"boundary 'd':", "two components"});
   refused_when_built(plane + "[[boundary]]\nname = \"f\"\nshape = \"wall\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n",
                      {"boundary 'f':", "from"});
 }

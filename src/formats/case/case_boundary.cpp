@@ -115,8 +115,8 @@ void read_function(StrictTable& section, BoundaryNumbers& numbers, const Functio
     read_oscillation(one, keys, numbers, section.node(keys.oscillation), motion.oscillations.emplace_back());
 }
 
-Motion read_motion(StrictTable& section, BoundaryNumbers& numbers) {
-  Motion motion;
+Motion read_motion(StrictTable& section, BoundaryNumbers& numbers, const Place& centre) {
+  Motion motion{.centre = centre, .time = {}, .velocity = {}};
   numbers.read("centre", motion.centre);
   read_function(section, numbers, keys_of_motion, motion);
   if (section.has("initial_velocity") || section.has("initial_spin"))
@@ -157,8 +157,10 @@ std::optional<FreeBody> read_body(StrictTable& section, BoundaryNumbers& numbers
 }
 
 void read_ends(StrictTable& section, BoundaryNumbers& numbers, BoundarySpec& spec) {
-  section.require_keys({"from", "to"});
+  section.require_keys({"from"});
   numbers.read("from", spec.from);
+  if (spec.shape == BoundaryShape::cylinder && numbers.dimension() == 2) return;  // a circle
+  section.require_keys({"to"});
   numbers.read("to", spec.to);
   if ((spec.shape == BoundaryShape::wall || spec.shape == BoundaryShape::plank) && numbers.dimension() == 3)
     section.fail("from", fmt::format("point and normal of a {} in space", to_string(spec.shape)), "from and to");
@@ -221,11 +223,14 @@ BoundarySpec read_boundary(StrictTable section) {
     section.read("radius", spec.radius, Field{.above = 0});
   }
   if (spec.shape == BoundaryShape::disks) section.read("spacing", spec.spacing, Field{.minimum = 0});
-  if (spec.shape == BoundaryShape::cylinder) section.read("side", spec.side);
+  if (spec.shape == BoundaryShape::cylinder) {
+    section.read("side", spec.side);
+    section.read("ends", spec.ends);
+  }
   if (spec.shape == BoundaryShape::disks || spec.shape == BoundaryShape::grains)
     section.read("orientation", spec.orientation);
   section.read("colour", spec.colour);
-  spec.motion = read_motion(section, numbers);
+  spec.motion = read_motion(section, numbers, default_centre(spec));
   spec.body = read_body(section, numbers);
   spec.dimension = numbers.dimension();
   section.finish();

@@ -154,8 +154,8 @@ Json contacts_of(const std::vector<TrajectoryContact>& contacts, Index dimension
           {"status", packed<std::uint8_t>(contacts, &TrajectoryContact::status)}};
 }
 
-// A line or plane by a point and its normal, a cylinder by its axis; in space also the radius. A plank also has, in the
-// plane, its radius and half its length; in space its axis, half its length and half its width.
+// A point and the normal or axis; of circles, of planks and in space the radius; of planks in space the axis; half the
+// length of planks and of cylinders with ends; of planks in space half the width.
 Json wall_of(const Wall& wall, Index dimension) {
   Json json = Json::array();
   const auto add = [&](const std::array<double, 3>& vector) {
@@ -163,11 +163,12 @@ Json wall_of(const Wall& wall, Index dimension) {
   };
   add(wall.point);
   add(wall.normal);
-  if (dimension == 3 || wall.plank()) json.push_back(drawn(wall.radius));
-  if (!wall.plank()) return json;
-  if (dimension == 3) add(wall.axis);
+  if (dimension == 3 || wall.radius != 0) json.push_back(drawn(wall.radius));
+  if (wall.half_length == 0) return json;
+  const bool plate = dimension == 3 && wall.plank();
+  if (plate) add(wall.axis);
   json.push_back(drawn(wall.half_length));
-  if (dimension == 3) json.push_back(drawn(wall.half_width));
+  if (plate) json.push_back(drawn(wall.half_width));
   return json;
 }
 

@@ -110,18 +110,18 @@ inline constexpr auto model_columns = [](auto&& visit) {
   visit("impulse_distance", "1", [](auto& model) { return &model.impulse_distance; });
 };
 
-/// `planks`: whether a system has planks, which have columns of their own.
-inline auto wall_columns(Index dimension, bool planks) {
-  return [space = dimension == 3, planks](auto&& visit) {
+/// `radii`, `lengths`: whether the walls of a system have any, and with them columns of their own; in space all have
+/// radii.
+inline auto wall_columns(Index dimension, bool radii, bool lengths) {
+  return [space = dimension == 3, radii, lengths](auto&& visit) {
     visit("point_x", "m", [](auto& wall) { return &wall.point[0]; });
     visit("point_y", "m", [](auto& wall) { return &wall.point[1]; });
     if (space) visit("point_z", "m", [](auto& wall) { return &wall.point[2]; });
     visit("normal_x", "1", [](auto& wall) { return &wall.normal[0]; });
     visit("normal_y", "1", [](auto& wall) { return &wall.normal[1]; });
     if (space) visit("normal_z", "1", [](auto& wall) { return &wall.normal[2]; });
-    if (space) visit("radius", "m", [](auto& wall) { return &wall.radius; });
-    if (!planks) return visit("boundary", "1", [](auto& wall) { return &wall.boundary; });
-    if (!space) visit("radius", "m", [](auto& wall) { return &wall.radius; });
+    if (space || radii) visit("radius", "m", [](auto& wall) { return &wall.radius; });
+    if (!lengths) return visit("boundary", "1", [](auto& wall) { return &wall.boundary; });
     visit("axis_x", "1", [](auto& wall) { return &wall.axis[0]; });
     visit("axis_y", "1", [](auto& wall) { return &wall.axis[1]; });
     if (space) visit("axis_z", "1", [](auto& wall) { return &wall.axis[2]; });

@@ -107,8 +107,11 @@ GranularSystem get_system(const Group& root) {
   system.radius = group.numbers<double>("radius");
   system.mass = group.numbers<double>("mass");
   for (const std::int32_t boundary : group.numbers<std::int32_t>("driven_by")) system.driven_by.push_back(boundary);
-  system.walls = get_structs<Wall>(group.group("walls"),
-                                   layout::wall_columns(system.dimension, group.group("walls").has("half_length")));
+  const Group walls = group.group("walls");
+  system.walls =
+      get_structs<Wall>(walls, layout::wall_columns(system.dimension, walls.has("radius"), walls.has("half_length")));
+  for (Wall& wall : system.walls)
+    if (system.dimension == 2 && wall.round()) wall.normal = {0, 0, 1};
   if (group.has("period")) {
     const std::vector<double> lengths = group.numbers<double>("period");
     if (lengths.size() != 2) fail("{}: expected two lengths, met {}", group.path() + "/period", lengths.size());

@@ -80,10 +80,11 @@ void put_system(const Group& root, const GranularSystem& system) {
   group.put<double>("mass", system.mass, {.attributes = {{"unit", "kg"}}});
   const std::vector<std::int32_t> driven(system.driven_by.begin(), system.driven_by.end());
   group.put<std::int32_t>("driven_by", driven, {.attributes = {{"unit", "1"}}});
-  const bool planks = std::ranges::any_of(system.walls, [](const Wall& wall) { return wall.plank(); });
+  const bool radii = std::ranges::any_of(system.walls, [](const Wall& wall) { return wall.radius != 0; });
+  const bool lengths = std::ranges::any_of(system.walls, [](const Wall& wall) { return wall.half_length > 0; });
   const auto walls = [](const GranularSystem& one) -> auto& { return one.walls; };
-  put_structs(group.make_group("walls"), std::span(&system, 1), walls, layout::wall_columns(system.dimension, planks),
-              {});
+  put_structs(group.make_group("walls"), std::span(&system, 1), walls,
+              layout::wall_columns(system.dimension, radii, lengths), {});
   std::string names;
   for (const Boundary& boundary : system.boundaries) names += boundary.name + "\n";
   group.put_text("boundaries", names);

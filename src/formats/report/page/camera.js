@@ -71,7 +71,7 @@ function normalTo([x, y, z]) {
   return [[a, b, c], [y * c - z * b, z * a - x * c, x * b - y * a]];
 }
 
-function outlinesOf([x, y, z, nx, ny, nz, radius], low, high) {
+function outlinesOf([x, y, z, nx, ny, nz, radius, half], low, high) {
   const [first, second] = normalTo([nx, ny, nz]);
   const height = (p) => (p[0] - x) * nx + (p[1] - y) * ny + (p[2] - z) * nz;
   const edges = edgesOf(low, high);
@@ -90,7 +90,7 @@ function outlinesOf([x, y, z, nx, ny, nz, radius], low, high) {
     points.sort((p, q) => angle(p) - angle(q));
     return [[...points, points[0]]];
   }
-  const heights = edges.flat().map(height), ends = [least(heights), most(heights)], parts = 48;
+  const heights = edges.flat().map(height), ends = half ? [-half, half] : [least(heights), most(heights)], parts = 48;
   const point = (k, h) => {
     const a = (2 * Math.PI * k) / parts, [c, s] = [Math.abs(radius) * Math.cos(a), Math.abs(radius) * Math.sin(a)];
     return [x, y, z].map((value, i) => value + c * first[i] + s * second[i] + h * [nx, ny, nz][i]);

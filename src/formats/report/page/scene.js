@@ -4,10 +4,10 @@
 // it costs no new shapes; turning the camera does.
 
 // What a picture has: space; x, y, z, radius; holders(i), the subdomains of a grain; colours of subdomains;
-// `special(i)` for grains of a boundary; walls as [x, y, nx, ny], in space [x, y, z, nx, ny, nz, radius], and planks
-// with more numbers: [x, y, nx, ny, radius, half length], in space [x, y, z, nx, ny, nz, radius, ax, ay, az, half
-// length, half width]; lines: groups {segments, width, dash, colour, fine, plain}, of which fine and plain ones are
-// left out where grains are small; arrows: {x, y, z, u, v, w}.
+// `special(i)` for grains of a boundary; walls as [x, y, nx, ny], circles with a radius behind, in space [x, y, z, nx,
+// ny, nz, radius], cylinders with ends with half their length behind, and planks [x, y, nx, ny, radius, half length],
+// in space [x, y, z, nx, ny, nz, radius, ax, ay, az, half length, half width]; lines: groups {segments, width, dash,
+// colour, fine, plain}, of which fine and plain ones are left out where grains are small; arrows: {x, y, z, u, v, w}.
 function createScene(canvas, picture) {
   const context = canvas.getContext('2d'), camera = createCamera(picture.space);
   const view = {x: 0, y: 0, scale: 1};
@@ -23,7 +23,7 @@ function createScene(canvas, picture) {
   };
   const plates = new WeakMap();  // paths of planks in space
   const plankFill = 'rgba(84,84,84,.3)', plateFill = 'rgba(0,60,120,.07)';
-  const isPlank = (wall) => wall.length > 7;  // in space
+  const isPlank = (wall) => wall.length > 8;  // in space
   let looks = null, seen = null, shapes = null, patterns = null, stamps = null, asked = false;
 
   function meanRadius() {
@@ -81,7 +81,8 @@ function createScene(canvas, picture) {
     return (picture.walls ?? []).flatMap((wall) => {
       if (isPlank(wall)) return plateOf(wall, low, high).lines.map(([point]) => point);
       const [x, y, nx, ny, radius, half] = wall;
-      if (camera.space || !half) return [];
+      if (camera.space || !radius) return [];
+      if (!half) return [[-1, -1], [1, 1]].map(([s, t]) => [near(x + s * radius, 0), near(y + t * radius, 1), 0]);
       return [[half, radius], [half, -radius], [-half, radius], [-half, -radius]].map(
           ([s, t]) => [near(x + s * ny + t * nx, 0), near(y - s * nx + t * ny, 1), 0]);
     });
@@ -326,6 +327,14 @@ function createScene(canvas, picture) {
     for (const [x, y, nx, ny, radius, half] of picture.walls ?? []) {
       if (half > 0) {
         paintPlank(x, y, nx, ny, radius, half, pixel);
+        continue;
+      }
+      if (radius) {  // a circle, with grains inside or outside
+        context.beginPath();
+        context.arc(x, y, Math.abs(radius), 0, 2 * Math.PI);
+        context.fillStyle = plankFill;
+        if (radius < 0) context.fill();
+        context.stroke();
         continue;
       }
       // The part of the line that is in sight.
