@@ -433,12 +433,6 @@ TEST_CASE_FIXTURE(Session, "export --lmgc90: what of spheres LMGC90 would comput
       "boundary 'left': expected a wall that turns about one axis");
   check_no_datbox(*this, replaced(spheres, "friction = 0.3", "law = \"cohesive\"\ncohesion = 1.0\nfriction = 0.3"),
                   "interaction.law: expected coulomb or frictionless, met cohesive");
-  file("drum.toml", spheres +
-                        "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\n"
-                        "from = [0, 0, 0]\nto = [0, 0, 1]\nradius = 9\n");
-  answer("simulate drum.toml --steps 1 -o drum.h5");
-  check_refused("export drum.h5 --lmgc90 new", {"LMGC90", "boundary 'drum'", "met a cylinder"});
-  CHECK(!has("new"));
 }
 
 TEST_CASE_FIXTURE(Session, "DATBOX: what is not modelled is refused with its file and line") {

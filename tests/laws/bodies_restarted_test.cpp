@@ -196,7 +196,7 @@ Simulation read_back(const DatboxTexts& texts, const Simulation& original) {
   Index grain = 0;
   for (const DatboxBody& body : datbox.bodies)
     for (const DatboxContactor& one : body.contactors) {
-      if (one.plank) continue;
+      if (!one.wall.empty()) continue;
       const std::size_t i = at(grain++);
       if (!made.system.free(static_cast<Index>(i))) continue;
       made.state.velocity_x[i] = body.velocity[0];

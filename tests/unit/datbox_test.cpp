@@ -218,7 +218,7 @@ TEST_CASE("DATBOX: what of spheres is not modelled or cannot be read is refused 
     check_error([&] { datbox_dynamics(read(texts)); }, names);
   };
   const auto bodies = &DatboxTexts::bodies, driven = &DatboxTexts::driven, initial = &DatboxTexts::initial;
-  refused(bodies, "SPHER      1  color  BLEUx", "CYLND      1  color  BLEUx", {"BODIES.DAT:10:", "SPHER"});
+  refused(bodies, "SPHER      1  color  BLEUx", "POINT      1  color  BLEUx", {"BODIES.DAT:10:", "SPHER"});
   refused(bodies, "RBDY3      2", "RBDY2      2", {"BODIES.DAT:14:", "RBDY3"});
   refused(bodies, "NO6xx      1", "NO3xx      1", {"BODIES.DAT:7:", "NO6xx"});
   refused(bodies, "gam1=-0.1000000D+01", "gam1=-0.9000000D+00", {"BODIES.DAT:22:", "axes"});

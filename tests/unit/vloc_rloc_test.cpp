@@ -184,8 +184,9 @@ TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
 
 TEST_CASE("vloc_rloc: a packing of other shapes is refused where it always was") {
   check_error([] { parse_datbox(square_on_plank().datbox, "box"); },
-              {"box/BODIES.DAT:8:", "DISKx, DISKb or JONCx", "POLYG"});
-  check_error([] { parse_datbox(box_on_plane().datbox, "box"); }, {"box/BODIES.DAT:9:", "SPHEb or PLANx", "POLYR"});
+              {"box/BODIES.DAT:8:", "DISKx, DISKb, JONCx or xKSID", "POLYG"});
+  check_error([] { parse_datbox(box_on_plane().datbox, "box"); },
+              {"box/BODIES.DAT:9:", "SPHEb, PLANx, DNLYC or CYLND", "POLYR"});
 }
 
 TEST_CASE("vloc_rloc: relative velocities of LMGC90's folders follow from the velocities of its bodies") {

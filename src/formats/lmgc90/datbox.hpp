@@ -30,11 +30,11 @@ struct DatboxSolid {
 
 /// A shape of a body.
 struct DatboxContactor {
-  /// JONCx, a plank with round ends, or PLANx in space; else a disk DISKx or a sphere SPHER (DISKb, SPHEb in a
-  /// cluster).
-  bool plank = false;
-  double radius = 0;                   ///< m, of a disk or sphere
-  double length = 0, thickness = 0;    ///< m, of a plank: half its length without the ends, half its thickness
+  /// JONCx, a plank with round ends, or PLANx in space; xKSID, a hollow disk; DNLYC, a hollow cylinder, or CYLND, a
+  /// full one, about the third axis of the body. Empty: a disk DISKx or a sphere SPHER (DISKb, SPHEb in a cluster).
+  std::string wall = {};
+  double radius = 0;                   ///< m, of a disk, sphere or cylinder
+  double length = 0, thickness = 0;    ///< m: half the length without round ends, half the thickness of a plank
   double width = 0;                    ///< m, of a plank in space: half its width
   Eigen::Vector3d shift{0, 0, 0};      ///< m, from the centre of the body, in its axes
   std::optional<DatboxSolid> solid{};  ///< of a POLYG or POLYR
@@ -79,7 +79,7 @@ struct DatboxBody {
   bool fully_driven(Index dimension) const {
     return std::all_of(drives.begin(), drives.begin() + (dimension == 2 ? 3 : 6), [](auto& one) { return one; });
   }
-  bool plank() const { return contactors[0].plank; }
+  const std::string& wall() const { return contactors[0].wall; }  ///< its kind; empty: grains
 };
 
 /// A contact law: IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, or one of them with a static friction (_DS_CLB, here
@@ -98,7 +98,7 @@ struct DatboxLaw {
 
 /// Contactors that see each other, and their law.
 struct DatboxSight {
-  /// Of candidate and antagonist; contactors are DISKx or JONCx, in space SPHER or PLANx.
+  /// Of candidate and antagonist; contactors are DISKx or SPHER, and those of walls.
   std::array<std::string, 2> contactors, colours;
   std::string law;
   double alert = 0;  ///< m
@@ -123,7 +123,6 @@ struct Datbox {
   double start = 0;  ///< s, time of DOF.INI and origin of the time of drives
 
   bool space() const { return dimension == 3; }
-  const char* plank() const { return space() ? "PLANx" : "JONCx"; }
   const char* grain() const { return space() ? "SPHER" : "DISKx"; }
 };
 
@@ -135,7 +134,7 @@ struct DatboxTexts {
 
 /// Which bodies are read.
 enum class DatboxShapes {
-  modelled,  ///< of the shapes of packings: disks, spheres and planks
+  modelled,  ///< of the shapes of packings: disks, spheres, planks and cylinders
   any,       ///< of all shapes but SPHEb; DatboxBody::unmodelled has the error that `modelled` throws
 };
 
@@ -186,7 +185,7 @@ bool is_free_grain(const DatboxBody& body, bool space);
 /// Whether a body has the inertia of its first contactor, a full disk or sphere.
 bool has_full_inertia(const DatboxBody& body, bool space);
 
-/// All other bodies: planks, and driven or free clusters. `coloured`: they get the colour of their first contactor.
+/// All other bodies: walls, and driven or free clusters. `coloured`: they get the colour of their first contactor.
 std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool coloured);
 
 /// Throws Error at `place` for a law that is not described, and for other laws than those of DatboxLaw.

@@ -23,7 +23,7 @@ void read_node(FixedColumns& lines, DatboxBody& body, Index dimension) {
   body.written_digit = half_digit(body.position, dimension);
 }
 
-// "localframe" after a PLANx: its axes, and the shift of its centre from the node.
+// "localframe" after a PLANx or CYLND: its axes, and the shift of its centre from the node.
 void read_frame(FixedColumns& lines, DatboxBody& body) {
   const DatboxPlace place = lines.place();
   Index k = 0;
@@ -38,23 +38,26 @@ void read_frame(FixedColumns& lines, DatboxBody& body) {
 
 DatboxContactor read_contactor(FixedColumns& lines, bool space, DatboxBody& body) {
   const std::string kind(lines.text(2, 6));
-  DatboxContactor contactor{
-      .plank = kind == (space ? "PLANx" : "JONCx"), .colour = std::string(lines.text(23, 27)), .place = lines.place()};
-  const bool cluster = kind == (space ? "SPHEb" : "DISKb");
-  if (contactor.plank && space) {
+  DatboxContactor contactor{.colour = std::string(lines.text(23, 27)), .place = lines.place()};
+  const bool cluster = kind == (space ? "SPHEb" : "DISKb"), cylinder = kind == "DNLYC" || kind == "CYLND";
+  if (space ? kind == "PLANx" || cylinder : kind == "JONCx" || kind == "xKSID") contactor.wall = kind;
+  if (contactor.wall == "PLANx") {
     contactor.length = lines.positive_number(35, "axe1");
     contactor.width = lines.positive_number(56, "axe2");
     contactor.thickness = lines.positive_number(77, "axe3");
-  } else if (contactor.plank) {
+  } else if (contactor.wall == "JONCx") {
     contactor.length = lines.positive_number(35, "ax1");
     contactor.thickness = lines.positive_number(56, "ax2");
-  } else if (cluster || kind == (space ? "SPHER" : "DISKx")) {
+  } else if (space && cylinder) {
+    contactor.length = lines.positive_number(35, "High");
+    contactor.radius = lines.positive_number(56, "byrd");
+  } else if (cluster || contactor.wall == "xKSID" || kind == (space ? "SPHER" : "DISKx")) {
     contactor.radius = lines.positive_number(35, "byrd");
   } else {
     if (body.unmodelled.empty())
-      body.unmodelled =
-          fmt::format("{}:{}: expected contactors {}: other shapes are not modelled, met {}", contactor.place.file,
-                      contactor.place.line, space ? "SPHER, SPHEb or PLANx" : "DISKx, DISKb or JONCx", kind);
+      body.unmodelled = fmt::format(
+          "{}:{}: expected contactors {}: other shapes are not modelled, met {}", contactor.place.file,
+          contactor.place.line, space ? "SPHER, SPHEb, PLANx, DNLYC or CYLND" : "DISKx, DISKb, JONCx or xKSID", kind);
     if (kind == (space ? "POLYR" : "POLYG") && lines.text(30, 38) == "nb_vertex")
       contactor.solid = read_solid(lines, space);
   }
@@ -111,7 +114,7 @@ void complete_cluster_in_plane(DatboxBody& body) {
 }
 
 // Computes, as LMGC90 does, the centre of a body (in the plane only if its node is at 0), and radii and inertia that
-// are 0 in BODIES.DAT. (Those of a plank, which is never free here, have no effect.)
+// are 0 in BODIES.DAT. (Those of walls but cylinders stay 0: such a wall is never free here.)
 void complete(DatboxBody& body, Index dimension) {
   if (body.contactors.size() == 1 && body.contactors[0].solid) return complete_solid(body, dimension);
   const bool single = body.contactors.size() == 1;
@@ -124,9 +127,15 @@ void complete(DatboxBody& body, Index dimension) {
   if (!single && dimension == 3 && body.unmodelled.empty()) complete_cluster(body);
   if (!single && dimension == 2 && body.unmodelled.empty() && body.average_radius * body.gyration_radius == 0)
     complete_cluster_in_plane(body);
-  if (!single) return;
+  if (!single || body.wall() == "xKSID") return;
   const double radius = body.contactors[0].radius;
-  if (dimension == 3) {
+  if (dimension == 3 && !body.wall().empty()) {
+    const double half = body.contactors[0].length, square = radius * radius,
+                 volume = 2 * half * std::numbers::pi * square;
+    if (body.average_radius == 0) body.average_radius = std::cbrt(0.75 * volume / std::numbers::pi);
+    const double across = volume * (square / 4 + half * half / 3);
+    if (body.inertia.isZero(0)) body.inertia = {across, across, volume * square / 2};
+  } else if (dimension == 3) {
     if (body.average_radius == 0) body.average_radius = radius;
     if (body.inertia.isZero(0))
       body.inertia.setConstant(0.4 * radius * radius * (4.0 / 3 * std::numbers::pi * radius * radius * radius));
@@ -148,7 +157,8 @@ void read_line(FixedColumns& lines, const std::string& section, Index dimension,
     read_node(lines, body, dimension);
   else if (section == "$nodty" && space && met[section] == 2)
     return;  // coo4 to coo6, which LMGC90 sets to 0
-  else if (section == "$tacty" && space && again && lines.text(30, 39) == "localframe" && body.plank())
+  else if (section == "$tacty" && space && again && lines.text(30, 39) == "localframe" &&
+           (body.wall() == "PLANx" || body.wall() == "CYLND"))
     read_frame(lines, body);
   else if (section == "$tacty" && lines.text(2, 6).empty() && !body.unmodelled.empty())
     return;  // more of a shape that is not modelled
@@ -195,8 +205,9 @@ DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first) {
   require_that(lines.key() == "$$$$$$", "a body that ends with $$$$$$, met one that does not");
   require_that(seen["$blmty"] > 0 && seen["$nodty"] > 0, "a body with a bulk element and a node, met one without");
   require_that(contactors > 0, "a body with a contactor, met one without");
-  require_that(contactors == 1 || std::ranges::none_of(body.contactors, &DatboxContactor::plank),
-               "a plank JONCx alone in its body, met one with other contactors");
+  for (const DatboxContactor& one : body.contactors)
+    require_that(contactors == 1 || one.wall.empty(),
+                 fmt::format("a contactor {} alone in its body, met one with others", one.wall));
   complete(body, dimension);
   return body;
 }

@@ -9,8 +9,22 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-void set_plank(const Datbox& datbox, const DatboxBody& body, BoundarySpec& plank) {
+// Ours has no ends: it goes on beyond those of DNLYC, where LMGC90 has contacts at wrong distances.
+void set_cylinder(const DatboxBody& body, BoundarySpec& cylinder) {
   const DatboxContactor& shape = body.contactors[0];
+  cylinder.shape = BoundaryShape::cylinder;
+  cylinder.radius = shape.radius;
+  cylinder.ends = shape.wall == "CYLND";
+  cylinder.side = cylinder.ends ? CylinderSide::outside : CylinderSide::inside;
+  const bool space = shape.wall != "xKSID";
+  const Vector3 middle(body.position[0], body.position[1], space ? body.position[2] : 0);
+  Vector3::Map(cylinder.from.data()) = middle - shape.length * body.frame.col(2);
+  Vector3::Map(cylinder.to.data()) = middle + shape.length * body.frame.col(2);
+}
+
+void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& plank) {
+  const DatboxContactor& shape = body.contactors[0];
+  if (shape.radius > 0) return set_cylinder(body, plank);
   plank.shape = BoundaryShape::plank;
   plank.radius = shape.thickness;
   if (datbox.space()) {
@@ -55,8 +69,8 @@ FreeBody free_body(const Datbox& datbox, const DatboxBody& body) {
                                            [](double one) { return one > 0; });
   if (!(result.mass > 0) || (turns && !inertia))
     refuse(body.place,
-           "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which only disks and spheres "
-           "replace",
+           "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which only disks, spheres "
+           "and cylinders in space replace",
            space ? "I1 to I3" : "gyrd");
   if (space && turns) result.axes = Eigen::Quaterniond(body.frame).normalized();
   result.load = datbox_load(body, datbox.start, datbox.dimension);
@@ -70,7 +84,7 @@ std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool colour
   Index grains = 0;
   for (std::size_t k = 0; k < datbox.bodies.size(); ++k) {
     const DatboxBody& body = datbox.bodies[k];
-    const Index own = body.plank() ? 0 : count(body.contactors), first = std::exchange(grains, grains + own);
+    const Index own = !body.wall().empty() ? 0 : count(body.contactors), first = std::exchange(grains, grains + own);
     if (is_free_grain(body, datbox.space())) continue;
     BoundarySpec& boundary = boundaries.emplace_back();
     boundary.name = fmt::format("body {}", k + 1);
@@ -79,8 +93,8 @@ std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool colour
     boundary.motion = datbox_motion(body, datbox.start, datbox.dimension);
     require_one_drive(body);
     if (!body.fully_driven(datbox.dimension)) boundary.body = free_body(datbox, body);
-    if (body.plank()) {
-      set_plank(datbox, body, boundary);
+    if (!body.wall().empty()) {
+      set_wall(datbox, body, boundary);
     } else {
       boundary.shape = BoundaryShape::grains;
       boundary.first = first;

@@ -35,7 +35,7 @@ void for_each_grain(const Datbox& datbox, DatboxGrains which, Visit visit) {
   Index number = 0;
   for (const DatboxBody& body : datbox.bodies)
     for (const DatboxContactor& contactor : body.contactors)
-      if (!contactor.plank && (which == DatboxGrains::all || !body.driven())) visit(body, contactor, number++);
+      if (contactor.wall.empty() && (which == DatboxGrains::all || !body.driven())) visit(body, contactor, number++);
 }
 
 // The initial velocities of grains, by their numbers in the packing.
@@ -75,7 +75,7 @@ bool has_full_inertia(const DatboxBody& body, bool space) {
 }
 
 bool is_free_grain(const DatboxBody& body, bool space) {
-  return !body.driven() && !body.force && body.contactors.size() == 1 && !body.plank() &&
+  return !body.driven() && !body.force && body.contactors.size() == 1 && body.wall().empty() &&
          body.contactors[0].shift.isZero(0) && has_full_inertia(body, space);
 }
 

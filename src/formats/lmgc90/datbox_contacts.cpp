@@ -45,12 +45,12 @@ std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const Traject
   const double h = first_.dynamics.time.step;
   const Place &a = places_[at(g.a)], &b = places_[at(g.b)];
   const bool of_boundary = system.is_boundary(g.a) || system.is_boundary(g.b);
+  const WallKind kind = wall ? wall_kind(at(g.b - system.grains())) : WallKind{"DISKx", "DKDKx"};
   return fmt::format(
              "$icdan  {}  {:7}\n cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus   iadj\n"
              " RBDY2  {:5}  DISKx  {:5}  {}  RBDY2  {:5}  {}  {:5}  {}  {:5}\n",
-             wall ? "DKJCx" : "DKDKx", number, a.body, a.contactor,
-             of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains, b.body, wall ? "JONCx" : "DISKx",
-             b.contactor, status_name(c.impulse, c.status), b.body) +
+             kind.contact, number, a.body, a.contactor, of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains,
+             b.body, kind.contactor, b.contactor, status_name(c.impulse, c.status), b.body) +
          datbox_three({"rlt/H", "rln/H", "rls/H"}, {-c.impulse.t / h, c.impulse.n / h, 0}) +
          datbox_three({"vlt =", "vln =", "vls ="}, {-v.t, v.n, 0}) + gap_line("gapTT", g.gap) +
          datbox_three("n({})=", {-g.normal[0], -g.normal[1], 0}) +
@@ -66,11 +66,12 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   const std::size_t plank = wall ? at(g.b - system.grains()) : 0;
   const Vector3 towards_b = datbox_vector(g.normal), n = -towards_b;
   Vector3 t = tangent_of(n);
-  if (wall) {  // the first axis of the plank, when the contact was found
+  const bool round = wall && system.walls[plank].round();
+  if (wall && !round) {  // the first axis of the plank, when the contact was found
     const Vector3 along = plank_node(plank, state.poses[at(system.walls[plank].boundary)]).frame.col(0);
     t = (along - along.dot(n) * n).normalized();
   }
-  const Vector3 s = t.cross(n);
+  const Vector3 s = round ? n.cross(t) : t.cross(n);  // as the sources of LMGC90 have them
   const std::vector<RigidVelocity> motions = boundary_velocities(system, state, state.time);
   const auto velocity = [&](Index body, double lever) -> Vector3 {
     const auto i = at(body);
@@ -87,26 +88,28 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   const double radius_a = system.radius[at(g.a)], radius_b = wall ? 0 : system.radius[at(g.b)];
   const Vector3 v = velocity(g.a, radius_a) - velocity(g.b, -radius_b);
   const Vector3 r = -datbox_vector(along_axes(g.normal, c.local<3>())) / first_.dynamics.time.step;  // on a
-  // The middle between the two surfaces, from the foot on a wall or the middle of two centres.
-  const Vector3 point = datbox_vector(g.point) + n * (wall ? 0.5 * g.gap : 0.5 * (radius_b - radius_a));
+  // The middle between the two surfaces, from the foot on a wall or the middle of two centres; at a cylinder the point
+  // of the sphere.
+  const Vector3 point = datbox_vector(g.point) + n * (round ? g.gap : wall ? g.gap / 2 : (radius_b - radius_a) / 2);
   const bool of_boundary = system.is_boundary(g.a) || system.is_boundary(g.b);
   const Place &a = places_[at(g.a)], &b = places_[at(g.b)];
+  const WallKind kind = wall ? wall_kind(plank) : WallKind{"SPHER", "SPSPx"};
   const int digits = wide ? 7 : 5;
   const std::string blanks(wide ? 4 : 2, ' ');
   std::string text =
       fmt::format("$icdan  {}  {:7}\n cdbdy{}numbr  cdtac{}numbr  CDVER  behav  anbdy{}numbr  antac{}numbr  sttus\n",
-                  wall ? "SPPLx" : "SPSPx", number, blanks, blanks, blanks, blanks);
+                  kind.contact, number, blanks, blanks, blanks, blanks);
   text += fmt::format(" RBDY3  {:{}}  SPHER  {:{}}         {}  RBDY3  {:{}}  {}  {:{}}  {}", a.body, digits,
                       a.contactor, digits, of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains, b.body,
-                      digits, wall ? "PLANx" : "SPHER", b.contactor, digits,
+                      digits, kind.contactor, b.contactor, digits,
                       c.status == ContactStatus::open    ? "noctc"
                       : c.status == ContactStatus::stick ? "stick"
                                                          : "slide");
   if (!wall) text += fmt::format("  {:{}}", b.body, digits);
   text += "\n" + datbox_three({"rls/H", "rlt/H", "rln/H"}, {r.dot(s), r.dot(t), r.dot(n)}) +
           datbox_three({"vls =", "vlt =", "vln ="}, {v.dot(s), v.dot(t), v.dot(n)}) + gap_line("gTT =", g.gap) +
-          datbox_three("s({})=", s) + datbox_three("t({})=", t) + datbox_three("n({})=", n) +
-          datbox_three("coo{}=", point) + "\n";
+          (round ? "" : datbox_three("s({})=", s)) + datbox_three("t({})=", t) + datbox_three("n({})=", n) +
+          (round ? datbox_three("s({})=", s) : "") + datbox_three("coo{}=", point) + "\n";
   return text;
 }
 
@@ -115,11 +118,17 @@ std::string DatboxWriter::vloc_rloc(const TrajectoryStep& step) const {
   const auto at_wall = [&](const TrajectoryContact& c) { return c.geometry.b >= first_.system.grains(); };
   constexpr Index most = 99'999;  // contacts of two spheres for which LMGC90 has narrow columns
   const bool wide = count(step.contacts) - std::ranges::count_if(step.contacts, at_wall) > most;
-  for (const bool wall : {false, true}) {
+  std::vector<WallKind> kinds = wall_kinds();
+  kinds.insert(kinds.begin(), WallKind{"", ""});  // of two grains
+  for (const WallKind& kind : kinds) {
     Index number = 0;
+    const auto is_own = [&](const TrajectoryContact& c) {
+      const std::string_view contact = at_wall(c) ? wall_kind(at(c.geometry.b - first_.system.grains())).contact : "";
+      return contact == kind.contact;
+    };
     for (const TrajectoryContact& c : step.contacts)
-      if (at_wall(c) == wall)
-        text += space_ ? sphere_contact(step, c, ++number, wide && !wall) : disk_contact(step, c, ++number);
+      if (is_own(c))
+        text += space_ ? sphere_contact(step, c, ++number, wide && !at_wall(c)) : disk_contact(step, c, ++number);
   }
   return text;
 }

@@ -144,9 +144,14 @@ std::string DatboxWriter::without_datbox() const {
     const Boundary& boundary = first_.system.boundaries[at(body.boundary)];
     if (const std::string reason = without_free(body); !reason.empty())
       return fmt::format("boundary '{}': {}", boundary.name, reason);
-    if (!turns(boundary.motion) || (body.wall >= 0 && first_.system.walls[at(body.wall)].plank())) continue;
+    const bool has_middle = body.wall >= 0 && first_.system.walls[at(body.wall)].radius != 0;
+    if (!turns(boundary.motion) && !(has_middle && boundary.body)) continue;
     const char* expected = nullptr;
-    if (body.wall >= 0 && !(planks_[at(body.wall)].thickness > 0))
+    const Pose& pose = first_.state.poses[at(body.boundary)];
+    const Eigen::Vector3d centre(pose.x, pose.y, pose.z);
+    if (has_middle && (node_of(body, first_.state).place - centre).norm() > 1e-7 * margin_)
+      expected = "a plank or cylinder that turns about its middle";
+    else if (body.wall >= 0 && !(planks_[at(body.wall)].thickness > 0))
       expected = "a wall that turns about a point on it or behind it, as a plank does";
     else if (body.wall < 0 && space_)
       expected = "spheres of boundaries that do not turn";
@@ -161,20 +166,22 @@ std::string DatboxWriter::without_datbox() const {
 
 std::string DatboxWriter::tact() const {
   const double alert = first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius);
-  const char *grain = space_ ? "SPHER" : "DISKx", *plank = space_ ? "PLANx" : "JONCx";
+  const char* grain = space_ ? "SPHER" : "DISKx";
   std::string text = "! File TACT_BEHAV\n\n" + law_texts(first_.dynamics);
   const auto add = [&](const char* own_colour, const char* contactor, const char* colour) {
     text += sight_text(kind(), grain, own_colour, contactor, colour, alert);
   };
   add(datbox_grains, grain, datbox_grains);
   add(datbox_grains, grain, datbox_boundaries);
-  add(datbox_grains, plank, datbox_boundaries);
+  const std::vector<WallKind> walls = wall_kinds();
+  for (const auto& [wall, contact] : walls) add(datbox_grains, wall, datbox_boundaries);
   if (first_.system.free_bodies.empty()) return text;
-  for (const char* colour : {datbox_grains, datbox_half_free})  // of planks that boundaries and others may touch
-    for (const char* own_colour : {datbox_grains, datbox_half_free, datbox_boundaries}) add(own_colour, plank, colour);
+  for (const auto& [wall, contact] : walls)
+    for (const char* colour : {datbox_grains, datbox_half_free})  // of walls that boundaries and others may touch
+      for (const char* own_colour : {datbox_grains, datbox_half_free, datbox_boundaries}) add(own_colour, wall, colour);
   for (const char* own_colour : {datbox_grains, datbox_half_free, datbox_boundaries})
     add(own_colour, grain, datbox_half_free);
-  add(datbox_half_free, plank, datbox_boundaries);
+  for (const auto& [wall, contact] : walls) add(datbox_half_free, wall, datbox_boundaries);
   return text;
 }
 

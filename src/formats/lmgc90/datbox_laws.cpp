@@ -5,7 +5,7 @@ namespace nscdd {
 namespace {
 
 struct Seen {
-  bool grain = false, moves = false;  // one that is no plank; one that is not driven in all directions
+  bool grain = false, moves = false;  // one that is no wall; one that is not driven in all directions
   Index free = 0;                     // contactors of free bodies
   bool boundary = false;              // one of another body
 };
@@ -15,8 +15,8 @@ std::map<std::string, Seen> colours_of(const Datbox& datbox) {
   for (const DatboxBody& body : datbox.bodies)
     for (const DatboxContactor& one : body.contactors) {
       Seen& seen = colours[colour_of(datbox, one)];
-      const bool boundary = body.driven();  // a plank that nothing drives is a free body
-      seen.grain = seen.grain || !one.plank;
+      const bool boundary = body.driven();  // a wall that nothing drives is a free body
+      seen.grain = seen.grain || one.wall.empty();
       seen.moves = seen.moves || !body.fully_driven(datbox.dimension);
       seen.free += !boundary;
       seen.boundary = seen.boundary || boundary;
@@ -56,7 +56,7 @@ const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const 
 }
 
 std::string colour_of(const Datbox& datbox, const DatboxContactor& contactor) {
-  return fmt::format("{} {}", contactor.plank ? datbox.plank() : datbox.grain(), contactor.colour);
+  return fmt::format("{} {}", contactor.wall.empty() ? datbox.grain() : contactor.wall, contactor.colour);
 }
 
 namespace {
@@ -88,7 +88,7 @@ std::vector<ColourSpec> runs_of_colours(const Datbox& datbox) {
   Index number = 0;
   for (const DatboxBody& body : datbox.bodies)
     for (const DatboxContactor& one : body.contactors) {
-      if (one.plank) continue;
+      if (!one.wall.empty()) continue;
       const Index grain = number++;
       const std::string colour = colour_of(datbox, one);
       if (runs.empty() || runs.back().name != colour || runs.back().last != grain - 1)

@@ -44,67 +44,6 @@ void DatboxWriter::number_bodies() {
   }
 }
 
-// Walls have no ends: a plank extends beyond all grains of the first step by the size of the packing. The middle of a
-// plank that does not turn faces that of the grains.
-void DatboxWriter::lay_plank(std::size_t wall, double beyond) {
-  const Wall& one = first_.system.walls[wall];
-  const Motion& motion = first_.system.boundaries[at(one.boundary)].motion;
-  Plank& plank = planks_[wall];
-  if (one.plank()) {
-    plank.thickness = one.radius;
-    plank.length = one.half_length;
-    plank.width = one.half_width;
-    plank.frame << datbox_vector(one.axis), datbox_vector(one.normal).cross(datbox_vector(one.axis)),
-        datbox_vector(one.normal);
-    return;
-  }
-  const Eigen::Vector3d normal = datbox_vector(one.normal);
-  if (space_) {
-    const Eigen::Vector3d along = datbox_vector(tangents_of(one.normal).first).normalized();
-    plank.frame << along, normal.cross(along), normal;
-  }
-  plank.thickness = margin_;
-  if (turns(motion)) {
-    // A wall that turns about a point on it is a plank whose thickness is lost in seven digits.
-    const double thin = 1e-7 * margin_, depth = (datbox_vector(one.point) - datbox_vector(motion.centre)).dot(normal);
-    plank.thickness = depth > -thin ? std::max(depth, thin) : 0;
-  }
-  const Node node = plank_node(wall, first_.state.poses[at(one.boundary)]);
-  Eigen::Vector3d from = Eigen::Vector3d::Constant(infinity), to = -from;
-  for (std::size_t i = 0; i < first_.system.radius.size(); ++i) {
-    const Eigen::Vector3d place = node.frame.transpose() * (centre(first_.state, i) - node.place);
-    from = from.cwiseMin(place);
-    to = to.cwiseMax(place);
-  }
-  if (!turns(motion)) {
-    plank.shift_along = (from[0] + to[0]) / 2;
-    plank.shift_across = (from[1] + to[1]) / 2;
-  }
-  plank.length = std::max(std::abs(from[0] - plank.shift_along), std::abs(to[0] - plank.shift_along)) + beyond;
-  plank.width = std::max(std::abs(from[1] - plank.shift_across), std::abs(to[1] - plank.shift_across)) + beyond;
-}
-
-// The wall is the front face of the plank. A plank that turns has its middle, and its node, at the point that it turns
-// about. The others are shifted along the wall, see lay_plank.
-DatboxWriter::Node DatboxWriter::plank_node(std::size_t wall, const Pose& pose) const {
-  const Plank& plank = planks_[wall];
-  const Motion& motion = first_.system.boundaries[at(first_.system.walls[wall].boundary)].motion;
-  const Wall& still = first_.system.walls[wall];
-  const Wall now = moved(still, motion, pose);
-  Node node{{pose.x, pose.y, pose.z}, pose.turn.toRotationMatrix() * plank.frame};
-  if (!space_) {
-    node.angle = std::atan2(-now.normal[0], now.normal[1]);
-    node.frame << Eigen::Vector3d(std::cos(node.angle), std::sin(node.angle), 0), Eigen::Vector3d::UnitZ(),
-        datbox_vector(now.normal);
-  }
-  if (still.plank())
-    node.place = datbox_vector(now.point);
-  else if (!turns(motion))
-    node.place = datbox_vector(now.point) - plank.thickness * node.frame.col(2) +
-                 plank.shift_along * node.frame.col(0) + plank.shift_across * node.frame.col(1);
-  return node;
-}
-
 const FreeBody* DatboxWriter::free_body(const Body& body) const {
   if (body.boundary < 0) return nullptr;
   const std::optional<FreeBody>& free = first_.system.boundaries[at(body.boundary)].body;

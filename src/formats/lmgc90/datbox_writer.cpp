@@ -2,7 +2,6 @@
 #include "formats/lmgc90/datbox_writer.hpp"
 
 #include "core/fail.hpp"
-#include "mechanics/contact_frame.hpp"
 
 #include <numbers>
 
@@ -11,6 +10,12 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
+
+std::string frame_text(const Matrix3& frame) {
+  return fmt::format("{:29}localframe\n", "") + datbox_three("alp{}=", frame.col(0)) +
+         datbox_three("bet{}=", frame.col(1)) + datbox_three("gam{}=", frame.col(2)) +
+         datbox_three("coo{}=", Vector3::Zero());
+}
 
 }  // namespace
 
@@ -44,9 +49,12 @@ DatboxWriter::DatboxWriter(const Simulation& first)
   const GranularSystem& system = first_.system;
   number_bodies();
   for (const Wall& wall : system.walls)
-    if (wall.radius != 0 && !wall.plank())
-      fail("LMGC90: boundary '{}': expected walls that are planes, met a cylinder, which is not written",
-           system.boundaries[at(wall.boundary)].name);
+    if (!space_ && wall.round() && wall.radius < 0)
+      fail(
+          "LMGC90: boundary '{}': expected a cylinder in the plane with grains inside, met one with grains outside, "
+          "which "
+          "is a driven grain there",
+          system.boundaries[at(wall.boundary)].name);
   double mass = 0, size = 0;
   Vector3 low = Vector3::Constant(infinity), high = -low;
   for (std::size_t i = 0; i < system.radius.size(); ++i) {
@@ -121,14 +129,19 @@ std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
   std::string text;
   if (body.wall >= 0) {
     const Plank& plank = planks_[at(body.wall)];
+    if (const Wall& wall = first_.system.walls[at(body.wall)]; wall.round()) {
+      text = fmt::format(" {}      1  color  {}", wall_kind(at(body.wall)).contactor, colour);
+      const double radius = std::abs(wall.radius);
+      if (!space_) return text + datbox_named({{"byrd=", radius}}) + "\n";
+      text += datbox_named({{"High=", plank.length}, {"byrd=", radius}}) + "\n";
+      return wall.radius > 0 ? text : text + frame_text(node.frame);  // the axes of DNLYC are those of DOF
+    }
     if (!space_)
       return fmt::format(" JONCx      1  color  {}{}\n", colour,
                          datbox_named({{"ax1 =", plank.length}, {"ax2 =", plank.thickness}}));
-    return fmt::format(" PLANx      1  color  {}{}\n{:29}localframe\n", colour,
-                       datbox_named({{"axe1=", plank.length}, {"axe2=", plank.width}, {"axe3=", plank.thickness}}),
-                       "") +
-           datbox_three("alp{}=", node.frame.col(0)) + datbox_three("bet{}=", node.frame.col(1)) +
-           datbox_three("gam{}=", node.frame.col(2)) + datbox_three("coo{}=", Vector3::Zero());
+    return fmt::format(" PLANx      1  color  {}{}\n", colour,
+                       datbox_named({{"axe1=", plank.length}, {"axe2=", plank.width}, {"axe3=", plank.thickness}})) +
+           frame_text(node.frame);
   }
   for (const std::size_t i : body.grains) {
     const bool cluster = space_ ? free_body(body) != nullptr : body.boundary >= 0;

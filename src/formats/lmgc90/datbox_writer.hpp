@@ -12,7 +12,8 @@ namespace nscdd {
 /// docs/formats.md describes bodies, contacts and axes.
 class DatboxWriter {
  public:
-  /// `first`: in its first state, the origin of displacements. Throws Error for too many bodies and for cylinders.
+  /// `first`: in its first state, the origin of displacements. Throws Error for too many bodies and for full disks that
+  /// are walls.
   explicit DatboxWriter(const Simulation& first);
 
   std::string bodies() const;  ///< BODIES.OUT
@@ -23,7 +24,8 @@ class DatboxWriter {
   std::string vloc_rloc(const TrajectoryStep& step) const;
 
   /// Why no DATBOX can describe this case; empty if one can. Reasons: a law that LMGC90 lacks, disks that do not turn
-  /// with their boundary, spheres that do, and a wall that turns about a point in front of it or about several axes.
+  /// with their boundary, spheres that do, and a wall that turns about a point in front of it or about several axes, or
+  /// one with a middle that turns about another point.
   std::string without_datbox() const;
   std::string tact() const;    ///< TACT_BEHAV.DAT: a law between grains, one at boundaries, and who sees whom
   std::string driven() const;  ///< DRV_DOF.DAT: velocities of the driven bodies, constant or by a table (evolution)
@@ -40,7 +42,11 @@ class DatboxWriter {
   struct Place {
     Index body = 0, contactor = 1;
   };
-  // A wall as a body, m.
+  // The names of a contactor and of its contacts with grains.
+  struct WallKind {
+    const char *contactor, *contact;
+  };
+  // A wall as a body, m. A cylinder has half its length, and a node that is shifted along its axis.
   struct Plank {
     Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  // at time 0, in space
     double thickness = 0, length = 0, width = 0;          // halves; thickness 0: no plank is possible
@@ -62,6 +68,8 @@ class DatboxWriter {
   };
 
   void number_bodies();
+  WallKind wall_kind(std::size_t wall) const;
+  std::vector<WallKind> wall_kinds() const;  // that there are
   void lay_plank(std::size_t wall, double beyond);
   Eigen::Vector3d centre(const GranularState& state, std::size_t grain) const;
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& point, const RigidVelocity& velocity, const Pose& pose) const;

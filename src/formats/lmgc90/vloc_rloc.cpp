@@ -85,12 +85,12 @@ std::vector<NetworkBody> network_bodies(const Datbox& datbox, double h, Index& r
   return bodies;
 }
 
-// From the centre of the body. That of a single disk or sphere is its radius along n, as in LMGC90.
+// From the centre of the body. That of a single disk, hollow disk or sphere is its radius along n, as in LMGC90.
 Vector3 lever_of(const DatboxContact& contact, const DatboxBody& body, bool candidate, bool space) {
   const DatboxContactor& shape = body.contactors[0];
   const Vector3 n = contact.frame.col(0), centre(body.position[0], body.position[1], space ? body.position[2] : 0);
   const Vector3 lever = contact.point - centre;
-  const bool single = body.contactors.size() == 1 && !shape.plank;
+  const bool single = body.contactors.size() == 1 && shape.wall.empty();
   const double reach = shape.solid ? shape.solid->reach : shape.radius;
   constexpr double margin = 1.5;  // places and points belong to instants one step apart
   if (single && reach > 0 && lever.norm() > margin * reach + std::abs(contact.gap))
@@ -98,6 +98,7 @@ Vector3 lever_of(const DatboxContact& contact, const DatboxBody& body, bool cand
            "expected a point of the {} within {} m of its centre, met one at {} m: an image in a periodic cell, whose "
            "period is in no file, is not modelled",
            candidate ? "candidate" : "antagonist", reach, lever.norm());
+  if (shape.wall == "xKSID") return -shape.radius * n;
   if (single && shape.radius > 0 && shape.shift.isZero(0)) return (candidate ? -shape.radius : shape.radius) * n;
   return contact.kind == "DKDKx" && !candidate ? Vector3(lever - contact.gap * n) : lever;  // the point is on the other
 }
