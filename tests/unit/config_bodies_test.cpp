@@ -142,6 +142,10 @@ TEST_CASE("bodies of a case: every error names file, line and key") {
   spoilt("mass = 3\n", "mass = 0\n", {"boundary[0].mass:", "> 0"});
   spoilt("centre = [0, 0]\n", "", {"boundary[0].centre:", "met none"});
   spoilt("inertia = 0.25", "inertia = [1, 2, 3]", {"boundary[0].inertia:", "numbers for the plane"});
+  spoilt("inertia = 0.25", "inertia = -0.25", {"c.toml:", "boundary[0].inertia:", ">= 0", "-0.25"});
+  spoilt("mass = 8\n", "mass = 8\ninertia = -1\n", {"boundary[1].inertia:", ">= 0"});  // although it does not turn
+  spoilt("inertia = 0.25\n", "inertia = 0.25\naxes = [1, 0, 0, 0]\n",
+         {"c.toml:", "boundary[0].axes:", "numbers for the plane", "for space"});
   spoilt("force = [1, -2]", "force = [1, -2, 3]", {"boundary[0].force:", "numbers for the plane"});
   spoilt("force = [1, -2]", "force = [1, inf]", {"boundary[0].force"});
   spoilt("force = [1, -2]", "load = [[0, 1, 2, 3]]", {"boundary[0].load:", "force and torque", "met both"});
@@ -168,6 +172,8 @@ TEST_CASE("bodies of a case: every error names file, line and key") {
   const Spoilt space{bodies_in_space, parse_bodies};
   space("axes = [0.6, 0, 0.8, 0]", "axes = [0.6, 0, 0.9, 0]", {"boundary[0].axes:", "unit quaternion"});
   space("axes = [0.6, 0, 0.8, 0]", "axes = [0.6, 0, 0.8]", {"boundary[0].axes:", "unit quaternion"});
+  space("inertia = [1, 2, 4]", "inertia = [1, 2, -4]", {"boundary[0].inertia:", ">= 0"});
+  space("mass = 5\n", "mass = 5\naxes = [1, 0, 0, 0]\n", {"boundary[2].axes:", "free rotations", "none"});
   space("inertia = [1, 2, 4]", "inertia = 1", {"boundary[0]", "numbers for"});
   space("axis = [0, 1, 0]\n", "", {"boundary[1].axis:", "met none"});
   space("axis = [0, 1, 0]", "axis = [0, 1, 1]", {"'board'", "axis", "across the normal"});
@@ -186,6 +192,10 @@ TEST_CASE("bodies of a case: what does not fit the packing or the directions is 
   refused_in(bodies_in_plane, "\"spin\", \"y\"]", "\"spin\", \"y\", \"z\"]", {"'clump'", "in the plane", "met z"});
   refused_in(bodies_in_plane, "velocity = [0.5, 0]", "velocity = [0.5, 1]", {"'top'", "free or driven", "y as both"});
   refused_in(bodies_in_plane, "[0.5, 0, -20, 0]]", "[0.5, 1, -20, 0]]", {"'top'", "free directions", "along x"});
+  refused_in(bodies_in_plane, "first = 0\nlast = 1\n", "first = 1\nlast = 0\n",
+             {"c.toml:", "boundary[0].first", "first <= last", "met 1 and 0", "'clump'"});  // no contactor
+  refused_in(case_text("hexagonal\ncolumns = 3\nrows = 3", "1, 1", "[dynamics]\nsteps = 3\n"), "[dynamics]",
+             "[contacts]\nperiod_x = 1.9\n[dynamics]", {"c.toml:", "contacts.period_x", "two diameters", "met 1.9"});
   refused_in(bodies_in_plane, "inertia = 0.25\n", "", {"'clump'", "moments of inertia > 0"});
   refused_in(bodies_in_plane, "first = 4\nlast = -1", "first = 4\nlast = 9",
              {"colour[1].first", "0..8", "met 4 and 9"});

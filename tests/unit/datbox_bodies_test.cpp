@@ -268,6 +268,9 @@ TEST_CASE("DATBOX: a velocity and a force of one degree of freedom are refused b
   texts.bodies =
       replaced(texts.bodies, "avrd= 0.1000000D+01  gyrd= 0.1000000D+01", "avrd= 0.0000000D+00  gyrd= 0.1000000D+01");
   check_error([&] { dynamics_of(texts); }, {"BODIES.DAT:14:", "avrd", "met 0"});
+  texts = small_datbox();
+  texts.bodies = replaced(texts.bodies, "$tacty\n DISKx      1  color  BLEUx  byrd= 0.2500000D+00\n", "");
+  check_error([&] { dynamics_of(texts); }, {"BODIES.DAT:4:", "a body with a contactor"});
 }
 
 TEST_CASE("DATBOX: colours that see each other by another friction, or not at all, are pairs") {

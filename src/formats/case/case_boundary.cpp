@@ -142,7 +142,11 @@ std::optional<FreeBody> read_body(StrictTable& section, BoundaryNumbers& numbers
   section.read("mass", body.mass, Field{.unit = "kg", .above = 0});
   if (const Index dimension = read_spin(section, "inertia", body.inertia); dimension > 0)
     numbers.take(section.node("inertia"), "inertia", dimension);
+  if (!std::ranges::all_of(body.inertia, [](double one) { return one >= 0; }))
+    section.fail("inertia", "moments of inertia >= 0", StrictTable::describe(*section.node("inertia")));
   if (section.has("axes")) {
+    numbers.take(section.node("axes"), "axes", 3);
+    if (!body.free(BodyDirection::spin)) section.fail("axes", "free rotations with them", "none");
     const toml::array* entries = section.node("axes")->as_array();
     std::vector<double> q;
     for (std::size_t k = 0; entries != nullptr && k < entries->size(); ++k)
