@@ -173,6 +173,7 @@ int run(const Options& options, const Context& context) {
     CaseSpec found = spec_of_file(path, true);
     apply(options, found);
     require_shared(found, context.machine);
+    if (std::holds_alternative<PackingFile>(found.packing)) found = resolve(found).spec;  // with its clumps
     if (options.restart && all.first()) check_restart(options.files.output, options.files.convergence, found);
     return found;
   });
@@ -219,7 +220,8 @@ Action declare_simulate(Command& command) {
   auto options = std::make_shared<Options>();
   command.required(
       "CASE", options->name,
-      "case file (.toml) with [dynamics], a known case, a folder DATBOX of LMGC90, or a record lmgc90.h5:ID_3");
+      "case file (.toml) with [dynamics], a known case, a packing file, whose grains and clumps fall freely, a folder "
+      "DATBOX of LMGC90, or a record lmgc90.h5:ID_3");
   command.add("--subdomains PARTITION", options->subdomains,
               "partition: NXxNY[xNZ] for a regular grid, metis:N for METIS");
   for (ParameterOption& one : options->parameters)

@@ -196,6 +196,8 @@ void check(const Packing& packing) {
   if (packing.size() == 0) throw Error("packing: expected at least one grain, met none");
   if (!packing.z.empty() && count(packing.z) != packing.size())
     fail("packing: expected a z for each of {} grains or for none, met {}", packing.size(), packing.z.size());
+  if (!packing.clump.empty() && count(packing.clump) != packing.size())
+    fail("packing: expected a clump for each of {} grains or for none, met {}", packing.size(), packing.clump.size());
   for (Index i = 0; i < packing.size(); ++i)
     if (std::ranges::any_of(packing.centre(i), [](double one) { return !std::isfinite(one); }))
       fail("grain {}: expected finite coordinates, met {}", i, place(packing, i));
@@ -227,6 +229,10 @@ void check(const Period& period, const std::vector<double>& radius) {
 
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection) {
   if (packing.size() == 0) return {.contacts = {}, .grains = 0, .dimension = packing.dimension()};
+  if (!packing.clump.empty())
+    throw Error(
+        "expected free grains, met clumps: only cases that move have them (nscdd simulate); without their numbers the "
+        "members are free grains");
   NearPairs pairs(packing, detection);
   // r_i + r_j + tolerance min(r_i, r_j) is at most stretch (r_i + r_j).
   const double stretch = 1 + 0.5 * pairs.reach();

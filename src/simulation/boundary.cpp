@@ -65,18 +65,16 @@ void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<doubl
   }
 }
 
+std::string grains_key(const BoundarySpec& spec, Index boundary) {
+  return fmt::format("boundary[{}].{}", boundary, spec.grains.empty() ? "first" : "grains");
+}
+
 void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index boundary, Index grains) {
-  const std::string key = fmt::format("boundary[{}].first", boundary);
-  const Index first = spec.first < 0 ? spec.first + grains : spec.first;
-  const Index last = spec.last < 0 ? spec.last + grains : spec.last;
-  if (first < 0 || last >= grains || first > last)
-    throw Error(key, fmt::format("expected grains first <= last in 0..{} (or negative, from the end), "
-                                 "met {} and {} of boundary '{}'",
-                                 grains - 1, spec.first, spec.last, spec.name));
-  for (Index i = first; i <= last; ++i) {
+  for (const Index i : grains_of(spec, boundary, grains)) {
     if (system.driven_by[at(i)] >= 0)
-      throw Error(key, fmt::format("expected grains driven once, met grain {} of boundaries '{}' and '{}'", i,
-                                   system.boundaries[at(system.driven_by[at(i)])].name, spec.name));
+      throw Error(grains_key(spec, boundary),
+                  fmt::format("expected grains driven once, met grain {} of boundaries '{}' and '{}'", i,
+                              system.boundaries[at(system.driven_by[at(i)])].name, spec.name));
     system.driven_by[at(i)] = boundary;
   }
 }
@@ -153,6 +151,30 @@ void require_dimension(const BoundarySpec& spec, Index dimension) {
   refuse(dimension == 2 ? "two components" : "three components", dimension == 2 ? "three" : "two");
 }
 
+std::vector<Index> grains_of(const BoundarySpec& spec, Index boundary, Index grains) {
+  const auto refuse = [&](const std::string& expected, const std::string& met) {
+    throw Error(grains_key(spec, boundary),
+                fmt::format("expected {} in 0..{} (or negative, from the end), met {} of boundary '{}'", expected,
+                            grains - 1, met, spec.name));
+  };
+  const auto number = [&](Index i) { return i < 0 ? i + grains : i; };
+  std::vector<Index> all;
+  if (spec.grains.empty()) {
+    const Index first = number(spec.first), last = number(spec.last);
+    if (first < 0 || last >= grains || first > last)
+      refuse("grains first <= last", fmt::format("{} and {}", spec.first, spec.last));
+    for (Index i = first; i <= last; ++i) all.push_back(i);
+  }
+  for (const Index i : spec.grains) {
+    all.push_back(number(i));
+    if (all.back() < 0 || all.back() >= grains) refuse("grains", std::to_string(i));
+  }
+  std::ranges::sort(all);
+  if (const auto twice = std::ranges::adjacent_find(all); twice != all.end())
+    refuse("different grains", fmt::format("grain {} twice", *twice));
+  return all;
+}
+
 void add_boundary(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
                   Index grains) {
   check(spec);
@@ -170,7 +192,8 @@ void add_boundary(GranularSystem& system, std::vector<double>& x, std::vector<do
 std::string to_toml(const BoundarySpec& spec) {
   std::string text = fmt::format("name = {}\nshape = \"{}\"\n", field_text(spec.name), to_string(spec.shape));
   if (spec.shape == BoundaryShape::grains) {
-    text += fmt::format("first = {}\nlast = {}\n", spec.first, spec.last);
+    text += spec.grains.empty() ? fmt::format("first = {}\nlast = {}\n", spec.first, spec.last)
+                                : fmt::format("grains = [{}]\n", fmt::join(spec.grains, ", "));
   } else if (is_plane_in_space(spec) || is_plank_in_space(spec)) {
     text += fmt::format("point = {}\n", components_text(spec.point, true));
     text += fmt::format("normal = {}\n", components_text(spec.normal, true));

@@ -34,9 +34,10 @@ struct BoundarySpec {
   double length = 0, width = 0;  ///< m, of the rectangle of a plank in space, along and across `axis`
   double radius = 0;             ///< m, disks and cylinder; of a plank half its thickness
   Choice<CylinderSide> side = CylinderSide::inside;  ///< of a cylinder
-  bool ends = false;           ///< of a cylinder in space with grains outside: `from` and `to` are its flat ends
-  double spacing = 0;          ///< m, largest distance of neighbouring centres, disks; 0: they touch (two radii)
-  Index first = 0, last = -1;  ///< grains; negative from the end
+  bool ends = false;               ///< of a cylinder in space with grains outside: `from` and `to` are its flat ends
+  double spacing = 0;              ///< m, largest distance of neighbouring centres, disks; 0: they touch (two radii)
+  Index first = 0, last = -1;      ///< grains; negative from the end
+  std::vector<Index> grains = {};  ///< in place of first ... last where they are not neighbours
   Motion motion;
   Choice<Orientation> orientation = Orientation::turning;  ///< disks and grains
   std::string colour = {};                                 ///< see ContactPairs
@@ -61,6 +62,10 @@ inline constexpr FunctionKeys keys_of_load{"force", "torque", "load", "load_osci
 
 /// Throws Error naming the boundary if it is not for that dimension.
 void require_dimension(const BoundarySpec& spec, Index dimension);
+
+/// Numbers of the grains of a packing that a boundary `boundary` of shape grains has. Throws Error with its key if the
+/// packing has no such grains or one is named twice.
+std::vector<Index> grains_of(const BoundarySpec& spec, Index boundary, Index grains);
 
 /// Adds a boundary to a system whose first `grains` are those of a packing; disks of the boundary come last, with their
 /// centres in x and y. Throws Error as scene.

@@ -215,3 +215,17 @@ TEST_CASE_FIXTURE(Session, "simulate: errors of disks and walls name the file, a
   refused("two.csv", "[[prescribed]]\ngrain = 7\nvelocity = [1, 0]\n",
           {"c.toml:10: prescribed[0].grain", "met grain 7"});
 }
+
+TEST_CASE_FIXTURE(Session, "simulate: a packing with clumps falls as it is, and goes on after a restart") {
+  file("c.txt", "#format x_y_z_r_clumpId\n0\t0\t0\t0.5\t3\n5\t0\t0\t0.5\t-1\n0.3\t0\t0.7\t0.5\t3\n");
+  const std::string options = " --set masses.density=1000 --set dynamics.step=0.01 -o ";
+  CHECK(contains(answer("simulate c.txt --steps 10" + options + "whole.h5"), "spheres: 1 free, 2 in 1 body"));
+  answer("simulate c.txt --steps 4" + options + "run.h5");
+  answer("simulate c.txt --steps 10 --restart" + options + "run.h5");
+  const nscdd::GranularState one = nscdd::read_last_step(path("whole.h5")).state,
+                             other = nscdd::read_last_step(path("run.h5")).state;
+  CHECK(one.z[1] == doctest::Approx(-9.81 * 0.01 / 2).epsilon(1e-13));
+  CHECK(one.z[2] == doctest::Approx(0.7 - 9.81 * 0.01 / 2).epsilon(1e-13));
+  CHECK(one.z == other.z);
+  CHECK(one.x == other.x);
+}

@@ -132,6 +132,14 @@ TEST_CASE("bodies of a case in space: principal axes, planks and loads, written 
   CHECK(simulation.system.walls.at(0).normal == std::array<double, 3>{0, 0, 1});
 }
 
+TEST_CASE("bodies of a case: grains that are not neighbours are listed, from the end as well") {
+  const CaseSpec one = parse_bodies(replaced(bodies_in_plane, "first = 0\nlast = 1\n", "grains = [-1, 0, 4]\n"));
+  CHECK(to_toml(parse_bodies(to_toml(one))) == to_toml(one));
+  const GranularSystem system = simulation_of(resolve(one)).system;
+  CHECK(system.driven_by == std::vector<Index>{0, -1, -1, -1, 0, -1, -1, -1, 0});
+  CHECK_FALSE(system.may_touch(0, 8));
+}
+
 TEST_CASE("bodies of a case: every error names file, line and key") {
   const Spoilt spoilt{bodies_in_plane, parse_bodies};
   spoilt("free = [\"x\", \"spin\", \"y\"]", "free = []", {"boundary[0].free:", "x, y, z, spin_x", "empty array"});
@@ -146,6 +154,10 @@ TEST_CASE("bodies of a case: every error names file, line and key") {
   spoilt("mass = 8\n", "mass = 8\ninertia = -1\n", {"boundary[1].inertia:", ">= 0"});  // although it does not turn
   spoilt("inertia = 0.25\n", "inertia = 0.25\naxes = [1, 0, 0, 0]\n",
          {"c.toml:", "boundary[0].axes:", "numbers for the plane", "for space"});
+  spoilt("first = 0\nlast = 1\ncolour", "grains = []\ncolour", {"boundary[0].grains:", "array of integers"});
+  spoilt("first = 0\nlast = 1\ncolour", "grains = [0, 1.5]\ncolour", {"boundary[0].grains:", "array of integers"});
+  spoilt("first = 0\nlast = 1\ncolour", "grains = 1\ncolour", {"boundary[0].grains:", "array of integers"});
+  spoilt("first = 0\n", "first = 0\ngrains = [0]\n", {"unknown key 'boundary[0].first'"});
   spoilt("force = [1, -2]", "force = [1, -2, 3]", {"boundary[0].force:", "numbers for the plane"});
   spoilt("force = [1, -2]", "force = [1, inf]", {"boundary[0].force"});
   spoilt("force = [1, -2]", "load = [[0, 1, 2, 3]]", {"boundary[0].load:", "force and torque", "met both"});
@@ -194,6 +206,10 @@ TEST_CASE("bodies of a case: what does not fit the packing or the directions is 
   refused_in(bodies_in_plane, "[0.5, 0, -20, 0]]", "[0.5, 1, -20, 0]]", {"'top'", "free directions", "along x"});
   refused_in(bodies_in_plane, "first = 0\nlast = 1\n", "first = 1\nlast = 0\n",
              {"c.toml:", "boundary[0].first", "first <= last", "met 1 and 0", "'clump'"});  // no contactor
+  refused_in(bodies_in_plane, "first = 0\nlast = 1\n", "grains = [0, 9]\n",
+             {"c.toml:", "boundary[0].grains", "0..8", "met 9", "'clump'"});
+  refused_in(bodies_in_plane, "first = 0\nlast = 1\n", "grains = [8, 0, -1]\n",
+             {"boundary[0].grains", "grain 8 twice"});
   refused_in(case_text("hexagonal\ncolumns = 3\nrows = 3", "1, 1", "[dynamics]\nsteps = 3\n"), "[dynamics]",
              "[contacts]\nperiod_x = 1.9\n[dynamics]", {"c.toml:", "contacts.period_x", "two diameters", "met 1.9"});
   refused_in(bodies_in_plane, "inertia = 0.25\n", "", {"'clump'", "moments of inertia > 0"});

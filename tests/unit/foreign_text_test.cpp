@@ -152,14 +152,31 @@ TEST_CASE("columns of YADE other than x, y, z and r are named") {
   const auto refused = [](const std::string& text, std::initializer_list<const char*> parts) {
     for (const char* part : parts) CHECK_THROWS_WITH_AS(parse_packing(text, "p.txt"), doctest::Contains(part), Error);
   };
-  refused("#format x_y_z_r_clumpId\n0 0 0 0.5 1\n1 0 0 0.5 1\n",
-          {"p.txt:2", "x_y_z_r_clumpId", "clumps", "not supported", "without the fifth column"});
-  refused("#format  x_y_z_r_clumpId\r\n# two spheres\r\n0 0 0 0.5 -1\r\n", {"p.txt:3", "clumps"});
-  refused("0 0 0 0.5 1\n1 0 0 0.5 1\n", {"p.txt:1", "met 5 numbers", "x_y_z_r_clumpId"});
+  refused("#format x_y_z_r_clumpId\n0 0 0 0.5\n", {"p.txt:2", "met 4 numbers", "x_y_z_r_clumpId"});
+  refused("0 0 0 0.5 1\n1 0 0 0.5 1\n", {"p.txt:1", "met 5 numbers", "'#format x_y_z_r_clumpId'"});
   refused("#format x_y_z_r_matId\n0 0 0 0.5 0\n", {"p.txt:2", "met 5 numbers", "x_y_z_r_matId"});
   refused("#format x_y_z_r_attrs\n0 0 0 0.5 0 1 2\n", {"met 7 numbers", "x_y_z_r_attrs"});
-  refused("x,y,z,radius,clumpId\n0,0,0,0.5,1\n", {"p.txt:1", "clumpId", "clumps", "not supported"});
+  refused("x,y,z,radius,clumpId\n0,0,0,0.5,1\n", {"p.txt:1", "clumpId", "#format x_y_z_r_clumpId"});
   CHECK(parse_packing("#format x_y_z_r\n0 0 0 0.5\n1 0 1 0.5\n", "p.txt").size() == 2);
+}
+
+TEST_CASE("clumps of YADE: numbers of bodies, -1 for a free grain") {
+  const auto clumps = [](const std::string& lines) {
+    return parse_packing("#format  x_y_z_r_clumpId\r\n# remark\r\n" + lines, "p.txt").clump;
+  };
+  CHECK(clumps("0 0 0 0.5 12\n1 0 1 0.5 -1\n2 0 0 0.5 12\n3 0 0 0.5 0\n4 0 0 0.5 0\n") ==
+        std::vector<Index>{12, -1, 12, 0, 0});
+  CHECK(clumps("0 0 0 0.5 12\n1 0 1 0.5 3\n2 0 0 0.5 3\n") == std::vector<Index>{-1, 3, 3});
+  CHECK(clumps("0 0 0 0.5 12\n1 0 1 0.5 -1\n").empty());  // bodies of one grain
+  const auto refused = [&](const std::string& lines, const char* message) {
+    CHECK_THROWS_WITH_AS(clumps(lines), doctest::Contains(message), Error);
+  };
+  refused("0 0 0 0.5 1\n1 0 1 0.5 -2\n", "p.txt:4: clumpId: expected a finite number >= -1, met -2");
+  refused("0 0 0 0.5 1\n1 0 1 0.5 1.23457e+06\n", "p.txt:4: clumpId: expected an integer");  // six digits of more
+  refused("0 0 0 0.5 1\n1 0 1 0.5\n", "p.txt:4: expected 5 numbers");
+  Packing packing{.x = {0, 1}, .y = {0, 0}, .radius = {0.5, 0.5}, .mass = {}};
+  packing.clump = {1};
+  CHECK_THROWS_WITH_AS(check(packing), doctest::Contains("expected a clump for each of 2 grains"), Error);
 }
 
 TEST_CASE("what a message quotes is text, whatever a file holds") {

@@ -16,10 +16,10 @@ std::optional<PackingFormat> packing_format(const std::string& path);
 bool is_text_packing(std::string_view text);
 
 /// Packing from CSV text with columns x, y, radius (m) and optionally z (m) and mass (kg), in any order; or from lines
-/// "x y radius" or "x y z radius" (see is_text_packing). A column z makes a packing in space; so does z in lines,
-/// unless it is equal for all grains. Throws Error "name:line: ..." for a missing, unknown or repeated column, a value
-/// that is not a number, not finite or, although required, not positive, a line with another number of values than the
-/// first, and a file without grains.
+/// "x y radius" or "x y z radius" (see is_text_packing), below "#format x_y_z_r_clumpId" with the number of a clump or
+/// -1 in a fifth column. A column z makes a packing in space; so does z in lines, unless it is equal for all grains.
+/// Throws Error "name:line: ..." for a missing, unknown or repeated column, a value that is not a number, not finite
+/// or, although required, not positive, a line with another number of values than the first, and a file without grains.
 Packing parse_packing(std::string_view text, const std::string& name);
 
 /// Packing from the bytes of an HDF5 file: datasets x, y, radius and optionally z and mass of the group `packing`.

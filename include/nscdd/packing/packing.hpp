@@ -13,6 +13,8 @@ struct Packing {
   std::vector<double> z = {};  ///< of centres, m; empty in the plane
   /// Half of the last digit of the coordinates, m, if the reader knows it; 0: inferred from the numbers, see Precision.
   double half_digit = 0;
+  /// Number of the clump of a grain, a rigid body of all grains with that number; -1: none. Empty: there are no clumps.
+  std::vector<Index> clump = {};
 
   Index size() const { return count(x); }
   Index dimension() const { return z.empty() ? 2 : 3; }
@@ -20,8 +22,8 @@ struct Packing {
   std::array<double, 3> centre(Index grain) const { return {x[at(grain)], y[at(grain)], z.empty() ? 0 : z[at(grain)]}; }
 };
 
-/// Throws Error for a packing without grains or with z for some grains only, and, naming the grain, for a coordinate
-/// that is not finite, and a radius or given mass that is not finite and positive.
+/// Throws Error for a packing without grains or with z or clumps for some grains only, and, naming the grain, for a
+/// coordinate that is not finite, and a radius or given mass that is not finite and positive.
 void check(const Packing& packing);
 
 /// Model of the masses of grains.
@@ -124,7 +126,7 @@ void check(const Period& period, const std::vector<double>& radius);
 
 /// Detects all contacts by a cell grid, in O(N), in a periodic cell also across its ends. Coordinates rounded more
 /// coarsely than the tolerances raise them, see RoundingDoubt. Throws Error naming both grains of a pair that overlaps
-/// too much or shares a centre.
+/// too much or shares a centre, and for clumps: their members are no free grains.
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection = {});
 
 /// Number of contacts of each grain.

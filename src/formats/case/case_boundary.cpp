@@ -154,7 +154,8 @@ std::optional<FreeBody> read_body(StrictTable& section, BoundaryNumbers& numbers
     const double size = q.size() == 4 ? std::hypot(std::hypot(q[0], q[1], q[2]), q[3]) : 0;
     if (!(std::abs(size - 1) < 1e-6))
       section.fail("axes", "a unit quaternion [w, x, y, z] of the principal axes", "another value");
-    body.axes = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+    body.axes = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+    if (std::abs(size - 1) > 1e-15) body.axes.normalize();  // else a case that is written and read has other bits
   }
   read_function(section, numbers, keys_of_load, body.load);
   return body;
@@ -169,6 +170,15 @@ void read_ends(StrictTable& section, BoundaryNumbers& numbers, BoundarySpec& spe
   if ((spec.shape == BoundaryShape::wall || spec.shape == BoundaryShape::plank) && numbers.dimension() == 3)
     section.fail("from", fmt::format("point and normal of a {} in space", to_string(spec.shape)), "from and to");
   if (spec.from == spec.to) section.fail("to", "another point than from", "the same");
+}
+
+void read_grains(StrictTable& section, std::vector<Index>& grains) {
+  const toml::node* found = section.node("grains");
+  const toml::array* numbers = found->as_array();
+  for (std::size_t k = 0; numbers != nullptr && k < numbers->size(); ++k)
+    if (const auto* number = (*numbers)[k].as_integer()) grains.push_back(static_cast<Index>(**number));
+  if (numbers == nullptr || grains.empty() || grains.size() != numbers->size())
+    section.fail("grains", "an array of integers, in place of first and last", StrictTable::describe(*found));
 }
 
 // A trajectory holds one name per line.
@@ -202,9 +212,13 @@ BoundarySpec read_boundary(StrictTable section) {
   section.read("shape", spec.shape);
   BoundaryNumbers numbers(section);
   if (spec.shape == BoundaryShape::grains) {
-    section.require_keys({"first", "last"});
-    section.read("first", spec.first);
-    section.read("last", spec.last);
+    if (section.has("grains")) {
+      read_grains(section, spec.grains);
+    } else {
+      section.require_keys({"first", "last"});
+      section.read("first", spec.first);
+      section.read("last", spec.last);
+    }
   } else if ((spec.shape == BoundaryShape::wall || spec.shape == BoundaryShape::plank) &&
              (section.has("point") || section.has("normal"))) {
     section.require_keys({"point", "normal"});

@@ -7,6 +7,7 @@
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/lmgc90/record.hpp"
 #include "formats/lmgc90/vloc_rloc.hpp"
+#include "simulation/clumps.hpp"
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/formats/read_model.hpp>
 
@@ -244,7 +245,17 @@ CaseSpec spec_of_file(const std::string& path, bool moving) {
     spec.packing = ContactProblemFile{path};
   else
     spec.packing = PackingFile{path};
+  if (moving && !problem) spec.dynamics.emplace();
   return spec;
+}
+
+void add_clumps(Case& one) {
+  if (!one.spec.dynamics || one.packing.clump.empty()) return;
+  try {
+    add_clumps(one.spec.dynamics->boundaries, with_masses(one.packing, one.spec.masses), one.spec.contacts.period());
+  } catch (const Error& error) {
+    throw located(one.spec, error);
+  }
 }
 
 Case resolve(CaseSpec spec) {
@@ -258,6 +269,7 @@ Case resolve(CaseSpec spec) {
       const bool moves = one.spec.dynamics.has_value() && holds_datbox(path);
       return moves ? datbox_packing(read_datbox(path), DatboxGrains::all) : read_packing(path);
     });
+  add_clumps(one);
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
     one.problem =
         at_key(one.spec, "problem.file", [&] { return read_global_problem(beside(file->path), &one.points); });

@@ -23,11 +23,16 @@ BoundarySpec read_boundary(StrictTable section);
 Index read_spin(StrictTable& section, std::string_view key, std::array<double, 3>& spin);
 
 /// The case of a file or folder: a case file (.toml), a packing, a contact problem, or a folder DATBOX of LMGC90, whose
-/// laws and boundaries are read only if `moving`. Throws Error for another ending, and as the readers of these files.
+/// laws and boundaries are read only if `moving`. A packing moves with all defaults and without boundaries. Throws
+/// Error for another ending, and as the readers of these files.
 CaseSpec spec_of_file(const std::string& path, bool moving = false);
 
-/// The case with its packing or contact problem. Names of files are relative to the folder of the case file. Throws
-/// Error "file:line: packing.file: ..." for an unusable file, and for a packing that must be settled first.
+/// Adds the clumps of its packing to the boundaries of a case that moves, see add_clumps. Throws Error as it.
+void add_clumps(Case& one);
+
+/// The case with its packing, bodies of its clumps, or contact problem. Names of files are relative to the folder of
+/// the case file. Throws Error "file:line: packing.file: ..." for an unusable file, and for a packing that must be
+/// settled first.
 Case resolve(CaseSpec spec);
 
 /// Reads the case that a study names ("disks4", or a path).

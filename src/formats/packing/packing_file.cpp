@@ -8,6 +8,7 @@
 #include <nscdd/formats/packing_file.hpp>
 
 #include <filesystem>
+#include <map>
 
 namespace nscdd {
 namespace {
@@ -109,39 +110,53 @@ class Lines {
   std::string_view line_, format_;
 };
 
-// Throws Error for a first line other than "x y radius" and "x y z radius".
+constexpr std::string_view clump_format = "x_y_z_r_clumpId";
+
+// Throws Error for a first line other than "x y radius", "x y z radius" and, with that format, "x y z radius clump".
 [[noreturn]] void refuse_columns(const std::string& name, const Lines& lines, std::size_t numbers) {
   const std::string where = fmt::format("{}:{}: expected lines 'x y radius' or 'x y z radius'", name, lines.number());
-  const bool clumps = lines.format().empty() ? numbers == 5 : lines.format().find("clumpId") != std::string_view::npos;
-  if (clumps)
-    fail(
-        "{}, met {} numbers{}: clumps of YADE (x_y_z_r_clumpId) are not supported; without the fifth column their "
-        "members are read as free grains",
-        where, numbers, lines.format().empty() ? ", the fifth one as of a clump" : "");
+  if (lines.format().empty() && numbers == 5)
+    fail("{}, met {} numbers; a fifth one is that of a clump if a line '#format {}' is before it", where, numbers,
+         clump_format);
   if (!lines.format().empty()) fail("{}, met {} numbers, the format '{}' of YADE", where, numbers, lines.format());
   fail("{}, met {} numbers", where, numbers);
+}
+
+// A grain that is alone in its clump moves as a free grain.
+void free_single_grains(std::vector<Index>& clump) {
+  std::map<Index, Index> members;
+  for (const Index number : clump) ++members[number];
+  for (Index& number : clump)
+    if (members[number] == 1) number = -1;
+  if (std::ranges::count(clump, -1) == count(clump)) clump.clear();
 }
 
 Packing parse_text_packing(std::string_view text, const std::string& name) {
   Packing packing;
   Lines lines(text);
   std::vector<const PackingColumn*> columns;
-  std::size_t first_line = 0;
+  std::size_t first_line = 0, numbers = 0;
   while (lines.next()) {
     const std::vector<std::string_view> words = lines.words();
     if (columns.empty()) {
       first_line = lines.number();
-      if (words.size() != 3 && words.size() != 4) refuse_columns(name, lines, words.size());
+      numbers = words.size();
+      if (lines.format() == clump_format ? numbers != 5 : numbers != 3 && numbers != 4)
+        refuse_columns(name, lines, numbers);
       columns = {find_column("x"), find_column("y"), find_column("z"), find_column("radius")};
-      if (words.size() == 3) columns.erase(columns.begin() + 2);
+      if (numbers == 3) columns.erase(columns.begin() + 2);
     }
-    if (words.size() != columns.size())
-      fail("{}:{}: expected {} numbers as in line {}, met {}", name, lines.number(), columns.size(), first_line,
-           words.size());
+    if (words.size() != numbers)
+      fail("{}:{}: expected {} numbers as in line {}, met {}", name, lines.number(), numbers, first_line, words.size());
     for (std::size_t k = 0; k < columns.size(); ++k)
       (packing.*(columns[k]->values)).push_back(packing_value(words[k], *columns[k], name, lines.number()));
+    if (numbers < 5) continue;
+    const std::string where = fmt::format("{}:{}: clumpId", name, lines.number());
+    packing.clump.push_back(parse_integer(words[4], where));
+    check_bounds(packing.clump.back(), Field{.minimum = -1}, where);
   }
   if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
+  free_single_grains(packing.clump);
   // Plane packings are exchanged with one z for all grains.
   if (std::ranges::all_of(packing.z, [&](double z) { return z == packing.z.front(); })) packing.z.clear();
   return packing;
@@ -178,11 +193,10 @@ Packing parse_packing(std::string_view text, const std::string& name) {
   std::vector<const PackingColumn*> meaning;
   for (const std::string& column : reader.columns()) {
     meaning.push_back(find_column(column));
-    if (column == "clumpId")
-      fail("{}: met '{}': clumps of YADE are not supported; without this column their members are read as free grains",
-           header, column);
     if (meaning.back() == nullptr)
-      fail("{}: expected columns x, y, radius and optionally z and mass, met '{}'", header, column);
+      fail("{}: expected columns x, y, radius and optionally z and mass, met '{}'{}", header, column,
+           column == "clumpId" ? fmt::format(": clumps are read from lines of numbers below '#format {}'", clump_format)
+                               : "");
   }
   require_columns(meaning, header, "column");
   Packing packing;
