@@ -12,7 +12,7 @@ namespace nscdd::python {
 namespace {
 
 std::shared_ptr<Packing> packing_of(const py::object& x, const py::object& y, const py::object& radius,
-                                    const py::object& mass, const py::object& z) {
+                                    const py::object& mass, const py::object& z, const py::object& clump) {
   const bool with_masses = !mass.is_none(), in_space = !z.is_none();
   const auto given = [](const py::object& values, const char* name) {
     return values.is_none() ? std::vector<double>() : numbers(values, name);
@@ -25,6 +25,11 @@ std::shared_ptr<Packing> packing_of(const py::object& x, const py::object& y, co
     fail("packing: expected arrays of one length, met x of {}, y of {}, radius of {}{}{}", n, packing->y.size(),
          packing->radius.size(), with_masses ? fmt::format(", mass of {}", packing->mass.size()) : "",
          in_space ? fmt::format(", z of {}", packing->z.size()) : "");
+  for (const double number : given(clump, "clump")) {
+    if (!(number >= -1 && number <= 1e15 && number == std::floor(number)))
+      fail("clump: expected integers >= -1, met {}", number);
+    packing->clump.push_back(static_cast<Index>(number));
+  }
   check(*packing);
   return packing;
 }
@@ -36,6 +41,10 @@ py::object optional_view(const std::shared_ptr<Packing>& packing, const std::vec
 }
 py::object masses(const std::shared_ptr<Packing>& packing) { return optional_view(packing, packing->mass); }
 py::object depths(const std::shared_ptr<Packing>& packing) { return optional_view(packing, packing->z); }
+py::object clumps(const std::shared_ptr<Packing>& packing) {
+  if (packing->clump.empty()) return py::none();
+  return view(packing, packing->clump);
+}
 
 std::string shown(const Packing& packing) {
   return fmt::format("<nscdd.Packing of {} {}, {} masses>", packing.size(),
@@ -141,9 +150,9 @@ void bind_packing(py::module_& module) {
                               "(x[i], y[i], z[i]): m, m, m, kg and m. Without `mass` every grain has 1 kg where a mass "
                               "is needed. Arrays are copied in; those that come out cannot be written to and copy "
                               "nothing. Raises Error naming the grain where a coordinate is not finite or a radius or "
-                              "mass is not finite and positive.")
+                              "mass is not finite and positive, and for clumps that are no integers from -1 on.")
       .def(py::init(&packing_of), py::arg("x"), py::arg("y"), py::arg("radius"), py::arg("mass") = py::none(),
-           py::arg("z") = py::none())
+           py::arg("z") = py::none(), py::arg("clump") = py::none())
       .def_property_readonly(
           "x", [](const Shared& p) { return view(p, p->x); }, "centres, m")
       .def_property_readonly(
@@ -152,16 +161,22 @@ void bind_packing(py::module_& module) {
           "radius", [](const Shared& p) { return view(p, p->radius); }, "m")
       .def_property_readonly("mass", &masses, "kg, or None where no masses were given")
       .def_property_readonly("z", &depths, "centres, m, or None in the plane")
+      .def_property_readonly(
+          "clump", &clumps,
+          "number of the clump of each grain, -1 for a free one, or None: nscdd.simulate moves grains "
+          "of one number as a rigid body, of mass m = sum m_i and inertia sum m_i (k r_i^2 1 + "
+          "|d_i|^2 1 - d_i d_i^T) about its centre, k = 1/2, in space 2/5")
       .def_property_readonly("dimension", &Packing::dimension, "2 for disks in the plane, 3 for spheres in space")
       .def("__len__", [](const Packing& p) { return p.size(); })
       .def("__repr__", &shown)
       .def(py::pickle(
           [](const Shared& p) {
-            return py::make_tuple(view(p, p->x), view(p, p->y), view(p, p->radius), masses(p), depths(p),
-                                  p->half_digit);
+            return py::make_tuple(view(p, p->x), view(p, p->y), view(p, p->radius), masses(p), depths(p), p->half_digit,
+                                  clumps(p));
           },
           [](const py::tuple& state) {
-            auto packing = packing_of(state[0], state[1], state[2], state[3], state[4]);
+            auto packing = packing_of(state[0], state[1], state[2], state[3], state[4],
+                                      state.size() > 6 ? py::object(state[6]) : py::none());
             if (state.size() > 5) packing->half_digit = state[5].cast<double>();
             return packing;
           }));

@@ -58,6 +58,39 @@ py::object impulses_of(const Step& step) {
   return array;
 }
 
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// A row of numbers for each boundary.
+template <class Get>
+Rows of_boundaries(const Step& step, Index columns, Get get) {
+  Rows rows(count(step.system->boundaries), columns);
+  for (Index k = 0; k < rows.rows(); ++k) {
+    const std::vector<double> numbers = get(at(k));
+    rows.row(k) = Vector::Map(numbers.data(), columns).transpose();
+  }
+  return rows;
+}
+
+Rows body_velocities(const Step& step) {
+  const std::vector<RigidVelocity> all = boundary_velocities(*step.system, *step.state, step.state->time);
+  if (step.system->dimension == 2)
+    return of_boundaries(step, 3, [&](std::size_t k) { return std::vector{all[k].x, all[k].y, all[k].spin}; });
+  return of_boundaries(step, 6, [&](std::size_t k) {
+    const RigidVelocity& v = all[k];
+    return std::vector{v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
+  });
+}
+
+Rows body_poses(const Step& step) {
+  const std::vector<Pose>& all = step.state->poses;
+  if (step.system->dimension == 2)
+    return of_boundaries(step, 3, [&](std::size_t k) { return std::vector{all[k].x, all[k].y, all[k].angle}; });
+  return of_boundaries(step, 7, [&](std::size_t k) {
+    const Pose& p = all[k];
+    return std::vector{p.x, p.y, p.z, p.turn.w(), p.turn.x(), p.turn.y(), p.turn.z()};
+  });
+}
+
 py::dict report_of(const Step& step) {
   py::dict report;
   const std::vector<Column> columns = headings(step_columns());
@@ -75,7 +108,9 @@ Case case_of(const std::string& path, const Packing* packing, const std::optiona
   for (const auto& [key, value] : settings) require_effect(*spec.dynamics, key, key);
   if (packing == nullptr) return resolve(std::move(spec));
   spec.packing = PackingFile{"packing"};
-  return {.spec = std::move(spec), .packing = *packing};
+  Case one{.spec = std::move(spec), .packing = *packing};
+  add_clumps(one);
+  return one;
 }
 
 std::shared_ptr<Run> simulated(const std::string& path, const Packing* packing,
@@ -102,7 +137,8 @@ std::shared_ptr<Run> simulated(const std::string& path, const Packing* packing,
     sinks.monitor = [&, monitor = work.monitor()](Index done, Index total) { return monitor(done, total) && wanted; };
     run->outcome = run_simulation(simulation, sinks);
     run->last = step_at(simulation, run->reports.empty() ? Row() : run->reports.back());
-    run->packing = std::make_shared<Packing>(free_grains(simulation.system, simulation.state, packing_of(one).size()));
+    run->packing =
+        std::make_shared<Packing>(free_grains(simulation.system, simulation.state, packing_of(one).size(), 0, true));
     return run;
   });
 }
@@ -136,6 +172,25 @@ void bind_step(py::module_& module) {
       .def_property_readonly(
           "driven_by", [](const S& s) { return view(s.system, s.system->driven_by); },
           "boundary that moves a disk, -1 for a free one")
+      .def_property_readonly(
+          "boundaries",
+          [](const S& s) {
+            std::vector<std::string> names;
+            for (const Boundary& one : s.system->boundaries) names.push_back(one.name);
+            return names;
+          },
+          "names of the boundaries, bodies included, by number; those of a clump file come last")
+      .def_property_readonly(
+          "body_velocities", &body_velocities,
+          "velocities of the boundaries at the end of the step: of the reference point c, for a body "
+          "its centre of mass, m/s, and the spin w, rad/s. A point p of a boundary has v + w x (p - "
+          "c). Rows (vx, vy, w), in space (vx, vy, vz, wx, wy, wz). Along free directions they are "
+          "solved for, along the others prescribed")
+      .def_property_readonly(
+          "body_poses", &body_poses,
+          "places of these reference points, m, and the turns since the beginning. Rows (x, y, "
+          "angle), rad, in space (x, y, z, qw, qx, qy, qz) with the unit quaternion qw + qx i + qy j "
+          "+ qz k")
       .def_property_readonly(
           "contact_a",
           [](const S& s) {

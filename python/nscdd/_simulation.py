@@ -21,7 +21,8 @@ class Run:
         self.end = core.end  #: "completed", "at rest", "stopped" or "broke down"
         self.reason = core.reason  #: of a breakdown: the step, and the grain or contact
         self.last = core.last  #: the last good step
-        self.packing = core.packing  #: the free grains at the end, with their masses
+        #: the grains at the end, with their masses: free ones and those of bodies that move freely, which are its clumps
+        self.packing = core.packing
 
     def __repr__(self) -> str:
         return f"<nscdd.Run of {self.steps.rows} steps, {self.end}{': ' * bool(self.reason)}{self.reason}>"
@@ -31,8 +32,8 @@ def simulate(case: str | os.PathLike[str], *, packing: Packing | None = None,
              subdomains: str | tuple[int, int] | tuple[int, int, int] | None = None,
              settings: Mapping[str, object] | None = None,
              callback: StepObserver = None, progress: _arguments.Progress = None, threads: int = 0) -> Run:
-    """Takes the steps of a case file with [dynamics] (docs/cases.md), or of a folder DATBOX of LMGC90, in memory: nothing
-    is written.
+    """Takes the steps of a case file with [dynamics] (docs/cases.md), of a packing file without boundaries, or of a folder
+    DATBOX of LMGC90, in memory: nothing is written. Clumps of the packing move as rigid bodies.
 
     packing     replaces the packing of the case, such as the `packing` of a run that settled it
     subdomains  (columns, rows), in space (columns, rows, layers), or "metis:N"; replaces those of the case

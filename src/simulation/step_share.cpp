@@ -190,7 +190,9 @@ Packing free_grains(const GranularSystem& system, const GranularState& state, In
     if (system.dimension == 3) packing.z.push_back(place(state.z, state.velocity_z, i));
     packing.radius.push_back(system.radius[at(i)]);
     packing.mass.push_back(system.mass[at(i)]);
+    if (bodies) packing.clump.push_back(system.free(i) || system.is_boundary(i) ? -1 : system.driven_by[at(i)]);
   }
+  if (std::ranges::all_of(packing.clump, [](Index number) { return number < 0; })) packing.clump.clear();
   return packing;
 }
 

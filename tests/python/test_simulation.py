@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs in memory, against the trajectories of the program and against what falls and rests."""
 import os
+import pickle
 import subprocess
 
 import h5py
@@ -81,6 +82,64 @@ def test_a_disk_falls_and_rests(tmp_path):
     assert (run.last.contact_a[0], run.last.contact_b[0]) == (0, 1)  # the disk and the wall behind all disks
     assert run.last.y[0] == pytest.approx(-1.5, abs=0.1) and abs(run.last.velocity_y[0]) < 1e-12
     assert steps[0].y[0] != run.last.y[0] and not steps[0].y.flags.writeable  # steps stay as they were
+
+
+def test_a_clump_flies_as_a_rigid_body_and_goes_on_from_the_packing_of_its_run(tmp_path):
+    """A dumbbell falls g t^2 / 2 with its grains, next to a free sphere and a floor that rises."""
+    (tmp_path / "c.txt").write_text("#format x_y_z_r_clumpId\n0 0 8 0.5 7\n9 0 8 0.5 -1\n0.5 0 8.5 0.5 7\n")
+    (tmp_path / "c.toml").write_text("""[packing]
+file = "c.txt"
+[masses]
+density = 1000
+[partition]
+grid = [1, 1]
+[dynamics]
+step = 0.01
+steps = 10
+[[boundary]]
+name = "floor"
+shape = "wall"
+point = [0, 0, 0]
+normal = [0, 0, 1]
+velocity = [0, 0, 0.5]
+""")
+    run = nscdd.simulate(tmp_path / "c.toml")
+    step, t = run.last, 0.1
+    fall = 9.81 * t**2 / 2
+    assert step.boundaries == ["floor", "clump 7"] and list(step.driven_by) == [1, -1, 1]
+    np.testing.assert_allclose(step.body_velocities, [[0, 0, 0.5, 0, 0, 0], [0, 0, -9.81 * t, 0, 0, 0]], atol=1e-12)
+    np.testing.assert_allclose(
+        step.body_poses, [[0, 0, 0.05, 1, 0, 0, 0], [0.25, 0, 8.25 - fall, 1, 0, 0, 0]], atol=1e-12)
+    np.testing.assert_allclose(step.z, [8 - fall, 8 - fall, 8.5 - fall], atol=1e-12)
+    found = run.packing
+    assert len(found) == 3 and np.array_equal(found.z, step.z) and list(found.clump) == [1, -1, 1]
+    assert list(pickle.loads(pickle.dumps(found)).clump) == [1, -1, 1]
+    again = nscdd.simulate(tmp_path / "c.toml", packing=found)  # from rest
+    assert again.last.boundaries == ["floor", "clump 1"]
+    np.testing.assert_allclose(again.last.z, found.z - fall, atol=1e-12)
+    with pytest.raises(nscdd.Error, match="free grains, met clumps"):
+        nscdd.contacts(found)
+    with pytest.raises(nscdd.Error, match="clump: expected integers"):
+        nscdd.Packing([0], [0], [1], clump=[0.5])
+
+
+def test_bodies_in_the_plane(tmp_path):
+    """A body that spins freely: its angle is spin times time."""
+    (tmp_path / "s.toml").write_text(FALL.replace("grains = 1", "grains = 2") + """[[boundary]]
+name = "pair"
+shape = "grains"
+first = 0
+last = 1
+centre = [0.25, 0.5]
+free = ["x", "y", "spin"]
+mass = 3
+inertia = 2
+initial_velocity = [1, 0]
+initial_spin = 4
+""")
+    step = nscdd.simulate(tmp_path / "s.toml", settings={"dynamics.steps": 5}).last
+    np.testing.assert_allclose(step.body_velocities, [[0, 0, 0], [1, -0.5, 4]], atol=1e-12)
+    np.testing.assert_allclose(step.body_poses[1], [0.3, 0.5 - 5 * 0.05**2, 0.2], atol=1e-12)
 
 
 def test_a_packing_in_place_of_that_of_the_case():
