@@ -2,6 +2,7 @@
 #include "app/case_options.hpp"
 #include "app/export_steps.hpp"
 #include "app/shared_work.hpp"
+#include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/report/report_page.hpp"
 #include "study/linear/values.hpp"
 
@@ -68,8 +69,13 @@ int report_of_packing(const Options& options, const Context& context) {
   require_writable(options.output, options.force);
   const Model model = build(one, progress("generate"));
   if (wanted.contact_sets.empty()) wanted.contact_sets = contact_sets_of(model);
-  require_geometry(model, "report");
-  require_drawable(model.name, model.grains(), "grains");
+  std::optional<ProblemReport> problem;
+  if (!model.has_geometry()) {
+    const std::string path = files_behind(one.spec).back().string();
+    problem = report_problem(model, read_contact_problem(path), path);
+  }
+  const std::string_view bodies = problem ? "bodies" : "grains";
+  require_drawable(model.name, model.grains(), bodies);
   Interruption interruption;
   const auto report = report_packing(model, wanted, interruption.watch("report " + model.name, 0, "spectrum"));
   if (!report || interruption.stopped()) return interrupted(nothing_written, options.output);
@@ -79,9 +85,11 @@ int report_of_packing(const Options& options, const Context& context) {
   Index modes = 0;
   for (const RadiusGrid& grid : report->grids) modes += count(grid.modes);
   write(options.output,
-        packing_page(model, *report, {model.name, context.command_line, to_toml(one.spec), libraries()}), options.force,
-        fmt::format("{} grains, {} radii, {} modes", model.grains(), count(report->grids) * point_count(wanted.sweep),
-                    modes));
+        packing_page(model, *report, problem ? &*problem : nullptr,
+                     {model.name, context.command_line, to_toml(one.spec), libraries()}),
+        options.force,
+        fmt::format("{} {}, {} radii, {} modes", model.grains(), bodies,
+                    count(report->grids) * point_count(wanted.sweep), modes));
   return 0;
 }
 
@@ -117,8 +125,8 @@ int run(const Options& options, const Command& command, const Context& context) 
   for (const Option& option : command.options)
     if (option.given && !is_of(of_both, option) && is_of(of_runs, option) != trajectory)
       fail("{}: expected {} as CASE with it, met {}{}", option.names,
-           trajectory ? "a packing" : "the trajectory of a run (.h5)", trajectory ? "the trajectory " : "",
-           options.one.name);
+           trajectory ? "a packing or contact problem" : "the trajectory of a run (.h5)",
+           trajectory ? "the trajectory " : "", options.one.name);
   return trajectory ? report_of_run(options, context) : report_of_packing(options, context);
 }
 
@@ -126,7 +134,7 @@ int run(const Options& options, const Command& command, const Context& context) 
 
 Action declare_report(Command& command) {
   auto options = std::make_shared<Options>();
-  options->one.declare(command, false);
+  options->one.declare(command);
   command.options.front().help.insert(0, "trajectory of nscdd simulate (.h5), or ");
   command.required("-o,--output FILE", options->output, "the page, .html");
   command.add("--force", options->force, "replace an existing page");
@@ -149,7 +157,9 @@ Action declare_report(Command& command) {
   command.footer =
       R"(One page that a browser opens without a network. Of a packing: its grains, subdomains, active contacts and
 slowest modes, and the radius over all pairs of epsilon and eta. That takes the time of a sweep over these
-pairs and of nscdd optimum; modes are kept up to 4 MB. Of a run: criteria, force chains and energies.
+pairs and of nscdd optimum; modes are kept up to 4 MB. Of a contact problem with M and H: the same with its
+ranks, W and guesses, and a picture if the file has the points of its contacts. Of a run: criteria, force
+chains and energies.
 Examples:
   nscdd report disks12 -o disks12.html
   nscdd report mine.csv --subdomains 2x1 --epsilon 0,1e-2:1e2:3W --eta 1e-2:1e2:9W,inf -o mine.html

@@ -2,25 +2,13 @@
 // nscdd report: the data of its pages against the tables of other verbs, refusals, and that a page stands alone.
 // What a browser makes of the pages is tested in tests/report/.
 #include "formats/report/run_report.hpp"
-#include "session.hpp"
-
-#include <doctest/doctest.h>
-#include <nlohmann/json.hpp>
+#include "page_data.hpp"
 
 #include <cmath>
-#include <cstring>
 
 using namespace nscdd::testing;
 
 namespace {
-
-using Json = nlohmann::json;
-
-Json data_of(const std::string& page) {
-  const std::string open = "<script type=\"application/json\" id=\"data\">";
-  const std::size_t start = page.find(open) + open.size();
-  return Json::parse(page.substr(start, page.find("</script>", start) - start));
-}
 
 const Json& column(const Json& table, const std::string& name) {
   for (const Json& one : table)
@@ -102,26 +90,6 @@ TEST_CASE_FIXTURE(Session, "report: names with signs of HTML do not leave their 
 TEST_CASE_FIXTURE(Session, "report: an empty interface is said and shown") {
   ended(0, "report disks4 --subdomains 1x1 --epsilon 1 --eta inf -o page.html", {"the interface is empty"});
   CHECK(data_of(read("page.html"))["grids"][0]["points"][0]["radius"] == 0);
-}
-
-// What a page has as a packed array.
-template <class Value>
-std::vector<Value> unpacked(const Json& array) {
-  static const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::vector<unsigned char> bytes;
-  unsigned gathered = 0;
-  int bits = 0;
-  for (const char letter : array["data"].get<std::string>()) {
-    if (letter == '=') break;
-    gathered = (gathered << 6 | static_cast<unsigned>(letters.find(letter))) & 0xFFFFU;
-    bits += 6;
-    if (bits < 8) continue;
-    bits -= 8;
-    bytes.push_back(static_cast<unsigned char>(gathered >> bits & 0xFFU));
-  }
-  std::vector<Value> values(bytes.size() / sizeof(Value));
-  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(Value));
-  return values;
 }
 
 TEST_CASE_FIXTURE(Session, "report: spheres have their z, radii of the sweep, and modes of three components") {

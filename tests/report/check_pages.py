@@ -601,6 +601,43 @@ def check_bodies(browser, folder):
         page.quiet(f"bodies in {name}")
 
 
+BOX = """[packing]
+generator = "deposit"
+grains = 30
+width = 3.0
+radius_max = 0.198
+[masses]
+density = 2500
+[partition]
+grid = [1, 1]
+[dynamics]
+steps = 12
+""" + "".join(f"[[boundary]]\nname = \"{name}\"\nshape = \"wall\"\nfrom = {start}\nto = {end}\n"
+              for name, start, end in (("floor", [0, 0], [1, 0]), ("right", [3, 0], [3, 1]), ("left", [0, 1], [0, 0])))
+
+
+def check_problems(browser, folder):
+    """Contact problems: a network of LMGC90 is drawn, a file of FCLIB without places is not."""
+    Path(folder, "box.toml").write_text(BOX, encoding="utf-8")
+    nscdd(folder, "simulate", "box.toml", "-o", "box.h5")
+    nscdd(folder, "export", "box.h5", "--lmgc90", "box")
+    nscdd(folder, "export", "box.h5", "--fclib", "12", "-o", "box.hdf5")
+    grid = ["--epsilon", "1", "--eta", "1,inf"]
+    page = reported(browser, folder, "network.html", "box/OUTBOX/Vloc_Rloc.OUT.12", "--subdomains", "2x1", *grid)
+    check("30 bodies" in page.text("lead") and page.by_id("picture").is_displayed(), "network: bodies are drawn")
+    facts = page.text("facts")
+    check(all(word in facts for word in ("Friction", "Rank of W", "Impulses, guess 1")), f"network: facts {facts[:80]}")
+    page.js("document.getElementById('scene').focus()")
+    page.keys("n")
+    check(page.text("grain").startswith("Body 0: "), f"network: a body has its name {page.text('grain')}")
+    check((0x56, 0xb4, 0xe9) in {one[:3] for one in page.pixels()[2]}, "network: bodies are coloured")
+    page.quiet("network")
+    page = reported(browser, folder, "problem.html", "box.hdf5", "--subdomains", "metis:2", *grid)
+    check("no picture" in page.text("lead") and not page.by_id("picture").is_displayed(), "problem: has no picture")
+    check(number(page.text("rho")) > 0, f"problem: has a radius {page.text('rho')}")
+    page.quiet("problem")
+
+
 def main():
     browser = open_browser()
     try:
@@ -611,6 +648,7 @@ def main():
             check_criterion(browser, folder)
             check_pages_in_space(browser, folder)
             check_bodies(browser, folder)
+            check_problems(browser, folder)
     finally:
         browser.quit()
     if FAILED:

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/report/report_page.hpp"
 
-#include <nlohmann/json.hpp>
-
-#include <bit>
+#include "formats/report/page_json.hpp"
 
 namespace nscdd {
 namespace page {
@@ -12,123 +10,6 @@ extern const std::string_view page, style;
 extern const std::span<const std::string_view> program;  // in the order of the page
 }  // namespace parts
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-// An array as {"type": "float32", "data": "..."}: little-endian numbers in base 64, a half to a third of the size of
-// text. Types are those of the arrays of a browser.
-Json packed_bytes(const char* type, std::span<const std::byte> bytes) {
-  static constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve(4 * (bytes.size() / 3 + 1));
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t there = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      three = three << 8 | (k < there ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= there ? letters[three >> (18 - 6 * k) & 63U] : '=';
-  }
-  return {{"type", type}, {"data", std::move(text)}};
-}
-
-// `get` of each value, as an array of `To`.
-template <class To, class Values, class Get = std::identity>
-Json packed(const Values& values, Get get = {}) {
-  static_assert(std::endian::native == std::endian::little, "bytes are written as they lie in memory");
-  constexpr const char* type = std::is_same_v<To, float>          ? "float32"
-                               : std::is_same_v<To, std::int16_t> ? "int16"
-                               : std::is_same_v<To, std::uint8_t> ? "uint8"
-                                                                  : "uint32";
-  std::vector<To> numbers;
-  for (const auto& value : values) numbers.push_back(static_cast<To>(std::invoke(get, value)));
-  return packed_bytes(type, std::as_bytes(std::span(numbers)));
-}
-
-// A number with the seven digits that a picture needs.
-Json drawn(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  return std::stod(fmt::format("{:.7g}", value));
-}
-
-// What `get` makes of each item.
-template <class Items, class Get>
-Json list_of(const Items& items, Get get) {
-  Json all = Json::array();
-  for (const auto& item : items) all.push_back(get(item));
-  return all;
-}
-
-Json grains_of(const Model& model) {
-  const Packing& packing = model.packing;
-  Json json{{"x", packed<float>(packing.x)},
-            {"y", packed<float>(packing.y)},
-            {"radius", packed<float>(packing.radius)},
-            {"mass", packed<float>(packing.mass)}};
-  if (packing.dimension() == 3) json["z"] = packed<float>(packing.z);
-  return json;
-}
-
-// The copies of grain i are those from start[i] up to start[i + 1].
-Json copies_of(const Model& model) {
-  const Interface& interface = model.parts.interface;
-  std::vector<Index> start{0}, subdomain;
-  for (Index i = 0; i < interface.grains(); ++i) {
-    for (const GrainCopy& copy : interface.copies(i)) subdomain.push_back(copy.subdomain);
-    start.push_back(count(subdomain));
-  }
-  return {{"start", packed<std::uint32_t>(start)}, {"subdomain", packed<std::uint32_t>(subdomain)}};
-}
-
-Json contacts_of(const Model& model, const Vector& impulses) {
-  const std::vector<Contact>& contacts = model.network.contacts;
-  return {{"a", packed<std::uint32_t>(contacts, &Contact::a)},
-          {"b", packed<std::uint32_t>(contacts, &Contact::b)},
-          {"subdomain", packed<std::uint32_t>(model.partition.subdomain_of_contact)},
-          {"impulse", impulses.size() > 0 ? packed<float>(impulses) : Json(nullptr)}};
-}
-
-Json point_of(const SweepResult& point) {
-  const SpectralRadius& r = point.radius;
-  Json json{{"radius", r.value},           {"subdominant", r.subdominant},
-            {"unit", r.unit_multiplicity}, {"low", r.subdominant_min},
-            {"high", r.subdominant_max},   {"residual", r.residual},
-            {"converged", r.converged},    {"solver", r.solver}};
-  if (!r.converged) json["failure"] = r.failure;
-  if (r.certified) json["certified"] = {{"low", r.interval_min}, {"high", r.interval_max}};
-  return json;
-}
-
-Json best_of(const OptimumResult& result) {
-  const Optimum& best = result.best;
-  return {{"status", std::string(to_string(best.status))},
-          {"eta", best.eta},
-          {"radius", best.radius},
-          {"generic_radius", best.generic_radius},
-          {"convergent_from", best.convergent_from},
-          {"better_from", best.better_from},
-          {"residual", best.residual}};
-}
-
-// Velocities are within [-1, 1], scaled to 16-bit integers.
-Json mode_of(const KeptMode& mode) {
-  constexpr float full = 32767;
-  return {{"epsilon", mode.epsilon},
-          {"eta", mode.eta},
-          {"side", std::string(to_string(mode.side))},
-          {"eigenvalue", mode.eigenvalue},
-          {"velocities", packed<std::int16_t>(mode.velocities, [](float v) { return std::lround(full * v); })}};
-}
-
-Json grid_of(const RadiusGrid& grid) {
-  return {{"contacts", std::string(to_string(grid.contacts))},
-          {"rule", grid.choice.rule},
-          {"certain", grid.choice.certain},
-          {"active", packed<std::uint8_t>(grid.choice.active)},
-          {"points", list_of(grid.points, point_of)},
-          {"best", list_of(grid.best, best_of)},
-          {"modes_asked", grid.modes_asked},
-          {"modes", list_of(grid.modes, mode_of)}};
-}
 
 Json table_of(const std::vector<Series>& columns) {
   return list_of(columns, [](const Series& column) {
@@ -183,37 +64,7 @@ Json step_of(const DrawnStep& step, Index dimension) {
   return json;
 }
 
-Json json_of(const Model& model, const PackingReport& report) {
-  const Inspection& found = report.inspection;
-  Json shared = Json::array();
-  for (const auto& [multiplicity, grains] : found.interface_grains)
-    shared.push_back({{"multiplicity", multiplicity}, {"grains", grains}});
-  // JSON has no infinity.
-  const auto eta_of = [](double value) { return std::isinf(value) ? Json("inf") : Json(value); };
-  return {{"kind", "packing"},
-          {"dimension", model.packing.dimension()},
-          {"subdomains", model.partition.subdomains},
-          {"counts",
-           {{"grains", model.grains()},
-            {"contacts", model.contacts()},
-            {"interface", found.interface_dofs},
-            {"why_empty", why_empty(model)},
-            {"shared", std::move(shared)},
-            {"isolated", found.isolated_grains},
-            {"rattlers", found.rattlers},
-            {"coordination", found.coordination_number},
-            {"solid_fraction", found.solid_fraction.box}}},
-          {"scale", report.scale},
-          {"grains", grains_of(model)},
-          {"copies", copies_of(model)},
-          {"contacts", contacts_of(model, report.impulses)},
-          {"period", {model.network.period.x, model.network.period.y}},
-          {"epsilon", report.epsilon},
-          {"eta", list_of(report.eta, eta_of)},
-          {"grids", list_of(report.grids, grid_of)}};
-}
-
-Json json_of(const RunReport& report) {
+Json json_of_run(const RunReport& report) {
   const GranularSystem& system = report.header.system;
   Json provenance = Json::array();
   for (const auto& [key, text] : report.header.provenance)
@@ -291,12 +142,13 @@ std::string filled(const PageOrigin& origin, const Json& data, const char* title
 
 }  // namespace page
 
-std::string packing_page(const Model& model, const PackingReport& report, const PageOrigin& origin) {
-  return page::filled(origin, page::json_of(model, report), ": nscdd report");
+std::string packing_page(const Model& model, const PackingReport& report, const ProblemReport* problem,
+                         const PageOrigin& origin) {
+  return page::filled(origin, page::json_of(model, report, problem), ": nscdd report");
 }
 
 std::string run_page(const RunReport& report, const PageOrigin& origin) {
-  return page::filled(origin, page::json_of(report), ": nscdd report of a run");
+  return page::filled(origin, page::json_of_run(report), ": nscdd report of a run");
 }
 
 }  // namespace nscdd

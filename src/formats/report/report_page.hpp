@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "formats/report/problem_report.hpp"
 #include "formats/report/run_report.hpp"
 #include "study/linear/packing_report.hpp"
 
@@ -14,7 +15,9 @@ struct PageOrigin {
   std::string libraries;     ///< a line for each, with its version
 };
 
-std::string packing_page(const Model& model, const PackingReport& report, const PageOrigin& origin);
+/// `problem`: of a contact problem, null for a packing.
+std::string packing_page(const Model& model, const PackingReport& report, const ProblemReport* problem,
+                         const PageOrigin& origin);
 std::string run_page(const RunReport& report, const PageOrigin& origin);
 
 }  // namespace nscdd

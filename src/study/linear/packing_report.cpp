@@ -26,18 +26,17 @@ std::vector<Index> spread_places(Index size, Index number, bool last) {
   return places;
 }
 
-// Velocities of every copy, by grain and subdomain, relative to the largest speed.
-std::vector<float> relative_velocities(const Interface& interface, const std::vector<Vector>& velocities,
+// Velocities of every copy without its spins, by grain and subdomain, relative to the largest speed.
+std::vector<float> relative_velocities(const Interface& interface, const std::vector<Vector>& velocities, Index dofs,
                                        Index dimension) {
   double largest = 0;
   for (const Vector& v : velocities)
-    for (Index k = 0; k + dimension <= v.size(); k += dimension)
-      largest = std::max(largest, v.segment(k, dimension).norm());
+    for (Index k = 0; k + dofs <= v.size(); k += dofs) largest = std::max(largest, v.segment(k, dimension).norm());
   std::vector<float> all;
   for (Index grain = 0; grain < interface.grains(); ++grain)
     for (const GrainCopy& copy : interface.copies(grain))
       for (Index k = 0; k < dimension; ++k) {
-        const double v = velocities[at(copy.subdomain)][dimension * copy.grain + k];
+        const double v = velocities[at(copy.subdomain)][dofs * copy.grain + k];
         all.push_back(static_cast<float>(largest > 0 ? v / largest : 0));
       }
   return all;
@@ -45,7 +44,7 @@ std::vector<float> relative_velocities(const Interface& interface, const std::ve
 
 // Adds the slowest mode at a point of the grid, if there is one.
 void keep_mode(RadiusGrid& grid, Index row, Index column, const SweepResult& result, const Decomposition& stage_one,
-               StageOneAnswers& answers) {
+               Index dimension, StageOneAnswers& answers) {
   const SpectralRadius& radius = result.radius;
   const SpectrumSide side = slowest_side(radius);
   const bool low = side == SpectrumSide::low;
@@ -53,7 +52,7 @@ void keep_mode(RadiusGrid& grid, Index row, Index column, const SweepResult& res
   if (f.size() == 0 || f.isZero(0) || !radius.converged) return;
   const auto velocities = answers.velocities(result.point.epsilon, mode_sign(f) * f);
   grid.modes.push_back({row, column, side, low ? radius.subdominant_min : radius.subdominant_max,
-                        relative_velocities(stage_one.interface, velocities, stage_one.dofs_per_grain())});
+                        relative_velocities(stage_one.interface, velocities, stage_one.dofs_per_grain(), dimension)});
 }
 
 void fill(RadiusGrid& grid, const Model& model, const PackingReportParameters& parameters, const ModePlaces& places,
@@ -69,7 +68,7 @@ void fill(RadiusGrid& grid, const Model& model, const PackingReportParameters& p
     grid.points.push_back(result);
     SpectralRadius& radius = grid.points.back().radius;
     radius.mode_min = radius.mode_max = {};
-    if (places.hold(row, column)) keep_mode(grid, row, column, result, stage_one, answers);
+    if (places.hold(row, column)) keep_mode(grid, row, column, result, stage_one, model.problem.dimension, answers);
   };
   const Monitor on = [&](Index, Index) { return progress.advance(); };
   sweep(model, selection, asked, take, on);
@@ -100,19 +99,26 @@ ModePlaces mode_places(Index rows, Index columns, Index most) {
   return {spread_places(rows, first, false), spread_places(columns, second, true)};
 }
 
+namespace {
+
+bool has_active_contacts(const Model& model) {
+  return model.problem.columns_per_contact == 1 && !model.problem.arriving_velocity.isZero(0);
+}
+
+}  // namespace
+
 std::vector<ContactSet> contact_sets_of(const Model& model) {
   std::vector<ContactSet> sets{ContactSet::all};
-  if (!model.problem.arriving_velocity.isZero(0)) sets.push_back(ContactSet::active);
+  if (has_active_contacts(model)) sets.push_back(ContactSet::active);
   return sets;
 }
 
 std::optional<PackingReport> report_packing(const Model& model, const PackingReportParameters& parameters,
                                             const Monitor& monitor) {
-  require_geometry(model, "report");
   const SweepParameters& sweep = parameters.sweep;
   PackingReport report;
   report.scale = flexibility_scale(model);
-  report.inspection = inspect(model, 0);
+  report.inspection = inspect(model, model.has_geometry() ? 0 : ranks_up_to_by_default);
   report.epsilon = in_units(sweep.epsilon, sweep.relative_epsilon, report.scale);
   report.eta = in_units(sweep.eta, sweep.relative_eta, report.scale);
   for (const ContactSet contacts : parameters.contact_sets) {
@@ -121,7 +127,7 @@ std::optional<PackingReport> report_packing(const Model& model, const PackingRep
     grid.choice = choose_contacts(model, contacts);
     if (contacts == ContactSet::active) report.impulses = grid.choice.impulses;
   }
-  if (report.impulses.size() == 0 && !model.problem.arriving_velocity.isZero(0))
+  if (report.impulses.size() == 0 && has_active_contacts(model))
     report.impulses = choose_contacts(model, ContactSet::active).impulses;
   Index copies = 0;
   for (Index grain = 0; grain < model.grains(); ++grain) copies += model.parts.interface.multiplicity(grain);

@@ -38,15 +38,16 @@ struct RadiusGrid {
 struct PackingReport {
   std::vector<double> epsilon, eta;  ///< of the grid, 1/kg
   double scale = 1;                  ///< flexibility_scale of the case, 1/kg
-  Inspection inspection;             ///< without ranks
+  Inspection inspection;             ///< of packings without ranks
   Vector impulses;                   ///< of the contacts in the linear rigid problem, kg m/s; empty without a load
   std::vector<RadiusGrid> grids;
 };
 
-/// The sets of contacts that a model allows: all, and with a load those that are active by the paper's rule.
+/// The sets of contacts that a model allows: all, and with a load those that are active by the paper's rule, which is
+/// that of frictionless contacts.
 std::vector<ContactSet> contact_sets_of(const Model& model);
 
-/// Computes the report. None if the monitor stops it. Throws Error for a model without geometry and as choose_contacts.
+/// Computes the report. None if the monitor stops it. Throws Error as choose_contacts.
 std::optional<PackingReport> report_packing(const Model& model, const PackingReportParameters& parameters,
                                             const Monitor& monitor = {});
 

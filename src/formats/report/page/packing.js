@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page of one packing: radii over a grid of flexibilities, and the slowest mode at its points.
+// The page of one packing or contact problem: radii over a grid of flexibilities, and the slowest mode at its points.
 
 function showPacking() {
-  const {counts, scale, epsilon, contacts: network} = data;
+  const {counts, scale, epsilon, contacts: network, problem} = data;
   const eta = data.eta.map((value) => (value === 'inf' ? Infinity : value));
   const grains = Object.fromEntries(Object.entries(data.grains).map(([key, array]) => [key, unpacked(array)]));
-  const space = data.dimension === 3;
+  const space = data.dimension === 3, drawn = grains.x.length > 0;
+  const Grain = problem ? 'Body' : 'Grain', grainsText = (n) => problem ? plural(n, 'body', 'bodies') : plural(n, 'grain');
   grains.z ??= new Float32Array(grains.x.length);
   const start = unpacked(data.copies.start), subdomainOfCopy = unpacked(data.copies.subdomain);
   const [first, second] = [unpacked(network.a), unpacked(network.b)];
+  const points = network.point && unpacked(network.point), support = 2 ** 32 - 1;
   const impulses = network.impulse && unpacked(network.impulse);
   const holders = (i) => Array.from(subdomainOfCopy.subarray(start[i], start[i + 1]));
   const colours = coloursOf(data.subdomains, grains.x.length, holders);
@@ -16,7 +18,7 @@ function showPacking() {
   const velocities = new Map();  // of modes, unpacked once
 
   byId('figures').append(byId('packing').content);
-  const [picture, scene] = makePicture();
+  const [picture, scene] = drawn ? makePicture() : [];
 
   const grid = () => data.grids[state.grid];
   const pointAt = (e, h) => grid().points[e * eta.length + h];
@@ -32,7 +34,7 @@ function showPacking() {
     const made = {...grains, space, holders, colours, special: () => false, lines: [], arrows: null};
     const canvas = byId('scene');
     canvas.setAttribute(
-        'aria-label', `Picture of ${plural(counts.grains, 'grain')} in ` + plural(data.subdomains, 'subdomain'));
+        'aria-label', `Picture of ${grainsText(counts.grains)} in ` + plural(data.subdomains, 'subdomain'));
     return [made, createScene(canvas, made)];
   }
 
@@ -41,15 +43,21 @@ function showPacking() {
     const where = held.length === 0 ? 'touches nothing' :
         held.length === 1           ? `subdomain ${held[0]}` :
                                       `shared by subdomains ${held.join(', ')}`;
-    return `Grain ${i}: mass ${told(grains.mass[i])} kg, radius ${told(grains.radius[i])} m, ${where}`;
+    const size = problem ? '' : `mass ${told(grains.mass[i])} kg, radius ${told(grains.radius[i])} m, `;
+    return `${Grain} ${i}: ${size}${where}`;
   }
 
-  // Contacts of Stage 1 and the others. Thickness is the impulse of the linear rigid problem where there is a load.
+  // Contacts of Stage 1 and the others. Thickness is the impulse of the linear rigid problem where there is a load, or
+  // that of the file of a contact problem, where a contact goes from body to body by its point.
   function showContacts() {
+    if (!drawn) return;
     const active = unpacked(grid().active);
     const numbers = Array.from(first.keys());
     const place = (i) => [grains.x[i], grains.y[i], grains.z[i]];
-    const ends = (k) => [...place(first[k]), ...nearest(place(first[k]), place(second[k]))];
+    const pointOf = (k) => [...points.subarray(data.dimension * k, data.dimension * (k + 1)), 0].slice(0, 3);
+    const ends = (k) => !points ? [...place(first[k]), ...nearest(place(first[k]), place(second[k]))] :
+        second[k] === support   ? [...place(first[k]), ...pointOf(k)] :
+                                  [...place(first[k]), ...pointOf(k), ...pointOf(k), ...place(second[k])];
     const sorted = impulses ? Array.from(impulses, Math.abs).sort((a, b) => a - b) : [];
     const full = sorted.length ? sorted[Math.floor(0.99 * (sorted.length - 1))] || 1 : 1;
     const size = (k) => (impulses ? Math.abs(impulses[k]) / full : 0.3);
@@ -70,6 +78,7 @@ function showPacking() {
   }
 
   function showMode() {
+    if (!drawn) return;
     const mode = nearestMode();
     const exact = mode && mode.epsilon === state.epsilon && mode.eta === state.eta;
     byId('mode-text').textContent = !mode ?
@@ -240,10 +249,30 @@ function showPacking() {
     });
   }
 
+  function addFactsOfProblem(list) {
+    const {ranks} = problem, range = ([from, to]) => from === to ? told(from) : `${told(from)} to ${told(to)}`;
+    if (problem.title) fact(list, 'Title', problem.title);
+    fact(list, 'Velocities of bodies', String(problem.velocities));
+    fact(list, 'Links', `${problem.links}, the normal and ${space ? 'two tangents' : 'the tangent'} of each contact`);
+    fact(list, 'Friction', range(problem.friction));
+    fact(list, 'W_nn', `${range(problem.normal_delassus)} 1/kg`);
+    fact(list, 'Entries of W', String(problem.entries));
+    fact(list, 'Connected pieces', String(problem.pieces));
+    fact(
+        list, 'Rank of W',
+        !ranks ? 'not computed: too many contacts' :
+                 `${ranks.rank}, with ${plural(ranks.rigid_modes, 'rigid mode')} and hyperstaticity ` +
+                `${ranks.hyperstaticity}, ${ranks.unit} of it across the interface`);
+    for (const one of problem.impulses)
+      fact(
+          list, `Impulses, ${one.name}`,
+          `natural map ${told(one.residual, 3)}; ${one.open} contacts open, ${one.stick} stick, ${one.slide} slide`);
+  }
+
   function addFacts() {
     const list = byId('facts'),
-          sharedText = counts.shared.map((s) => `${plural(s.grains, 'grain')} by ${s.multiplicity}`).join(', ');
-    fact(list, 'Grains', `${counts.grains}, ${counts.isolated} of them touch nothing`);
+          sharedText = counts.shared.map((s) => `${grainsText(s.grains)} by ${s.multiplicity}`).join(', ');
+    fact(list, problem ? 'Bodies' : 'Grains', `${counts.grains}, ${counts.isolated} of them touch nothing`);
     fact(list, 'Contacts', `${counts.contacts}, coordination number ${told(counts.coordination, 3)}`);
     for (const {contacts, active, rule, certain} of data.grids)
       if (contacts !== 'all')
@@ -252,10 +281,14 @@ function showPacking() {
             `${unpacked(active).reduce((sum, one) => sum + one, 0)}, ${rule}` +
                 (certain ? '' : '; impulses were not found to 10⁻⁸, so the choice is uncertain'));
     fact(list, 'Subdomains', String(data.subdomains));
-    fact(list, 'Shared grains', sharedText || 'none');
+    fact(list, problem ? 'Shared bodies' : 'Shared grains', sharedText || 'none');
     fact(list, 'Interface unknowns', String(counts.interface));
-    fact(list, 'Rattlers', String(counts.rattlers));
-    fact(list, 'Solid fraction', told(counts.solid_fraction, 3));
+    if (problem) {
+      addFactsOfProblem(list);
+    } else {
+      fact(list, 'Rattlers', String(counts.rattlers));
+      fact(list, 'Solid fraction', told(counts.solid_fraction, 3));
+    }
     fact(list, 'W, mean of W_nn', `${told(scale)} 1/kg, the scale of ε and η`);
     const kept = data.grids.reduce((sum, g) => sum + g.modes.length, 0);
     const asked = data.grids.reduce((sum, g) => sum + g.modes_asked, 0);
@@ -268,6 +301,7 @@ function showPacking() {
   }
 
   function addLayers() {
+    if (!drawn) return;
     const sample = (colour) => element('circle', {cx: 17, cy: 9, r: 8, fill: colour, stroke: ink});
     const stroke = (width, dash) => element(
         'line', {x1: 1, y1: 9, x2: 34, y2: 9, stroke: ink, 'stroke-width': width, 'stroke-dasharray': dash ?? 'none'});
@@ -283,9 +317,12 @@ function showPacking() {
     byId('layers').after(element('p', {id: 'mode-text', role: 'status'}));
     const shared = sample(palette[0]);
     shared.setAttribute('stroke-width', 3);
-    addToLegend('grain, coloured and hatched by subdomain', sample(palette[0]));
     addToLegend(
-        'shared grain: thick rim, a part for each copy', shared,
+        problem ? 'body, at the mean of the points of its contacts, coloured and hatched by subdomain' :
+                  'grain, coloured and hatched by subdomain',
+        sample(palette[0]));
+    addToLegend(
+        `shared ${Grain.toLowerCase()}: thick rim, a part for each copy`, shared,
         element('path', {d: 'M17,1a8,8 0 0 1 0,16z', fill: palette[1]}));
     addToLegend(impulses ? 'contact of Stage 1 in compression, thick as its impulse' : 'contact of Stage 1', stroke(4));
     if (impulses) addToLegend('the same in tension', stroke(3, '6 3'));
@@ -297,14 +334,17 @@ function showPacking() {
         element('path', {d: 'M34,9l-10,-5v10z', fill: modeInk}));
   }
 
-  byId('picture-title').textContent = 'The packing';
-  byId('lead').textContent = `${plural(counts.grains, 'grain')}, ${plural(counts.contacts, 'contact')}, ` +
+  byId('picture-title').textContent = problem ? 'The contact network' : 'The packing';
+  byId('picture').hidden = !drawn;
+  if (problem) byId('whole').textContent = 'Whole network';
+  byId('lead').textContent = `${grainsText(counts.grains)}, ${plural(counts.contacts, 'contact')}, ` +
       `${plural(data.subdomains, 'subdomain')}: the spectral radius ρ of the contraction operator of the two-stage ` +
-      'domain decomposition, and the error that it is slowest to remove.';
+      'domain decomposition, and the error that it is slowest to remove.' +
+      (drawn ? '' : ' The file of this contact problem has no places of bodies or contacts: there is no picture.');
   addSets();
   addFacts();
   addLayers();
-  listen(scene, byId('scene'), describe);
+  if (drawn) listen(scene, byId('scene'), describe);
   for (const id of ['epsilon', 'eta'])
     byId(id).addEventListener('input', (event) => go({[id]: Number(event.target.value)}));
   byId('go-best').addEventListener('click', () => {
@@ -315,5 +355,5 @@ function showPacking() {
   byId('picture').addEventListener('submit', (event) => event.preventDefault());
   new ResizeObserver(drawCurves).observe(byId('figures'));
   go({grid: 0, epsilon: Math.floor(epsilon.length / 2)});
-  scene.whole();
+  if (drawn) scene.whole();
 }
