@@ -229,6 +229,7 @@ TEST_CASE("shared: a matrix after a singular one is factorised") {
 
 TEST_CASE("shared: operations are counted, each once, and along the longest way") {
   const Processes all = mpi::processes_of(MPI_COMM_WORLD);
+  int side_by_side = 0;
   const int visited = for_shared_packings({all, {}, {}}, 400, [&](const Model& whole, const Model& own) {
     const auto alone = std::make_shared<WorkCount>(), here = std::make_shared<WorkCount>();
     const auto solve = [](const Model& model, const InertiaMethod& method) {
@@ -245,8 +246,10 @@ TEST_CASE("shared: operations are counted, each once, and along the longest way"
     CHECK(path <= sum);
     CHECK(all.maximum(path) == path);  // all of them know it
     if (all.alone()) CHECK(flops == path);
+    side_by_side += path < 0.9 * sum;
   });
   CHECK(visited > 0);
+  CHECK((side_by_side > 0) == !all.alone());
 }
 
 TEST_CASE("shared: solutions with X_eta are those of the undivided packing, in all processes alike") {
