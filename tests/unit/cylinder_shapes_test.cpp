@@ -157,7 +157,7 @@ TEST_CASE("Vloc_Rloc: the lever of a hollow disk is its radius against n, as LMG
   contact.point = {1.5, 1.5, 0};  // on the disk
   contact.frame << 0, 1, 0, 1, 0, 0, 0, 0, 1;
   contact.gap = 0.25;
-  const FclibFile file = contact_problem_of(datbox, {1, 0.5, {contact}}, "Vloc_Rloc.INI");
+  const FclibFile file = contact_problem_of(datbox, {.step = 1, .time = 0.5, .contacts = {contact}}, "Vloc_Rloc.INI");
   const Matrix h = std::get<GlobalFrictionProblem>(file.problem).h.toDense();
   REQUIRE(h.rows() == 6);
   CHECK(h(1, 0) == 1);
