@@ -158,7 +158,10 @@ std::vector<double> features(const Simulation& simulation, const std::string& ca
   for (const auto values : numbers_of_grains(system.dimension)) add(state.*values);
   add(system.radius);
   add(system.mass);
-  for (const auto& one : state.impulses) add(one.impulse);
+  for (const auto& one : state.impulses) {
+    add(one.impulse);
+    add(std::array{one.slid});
+  }
   for (const auto& one : state.gluing) add(one.impulse);
   const std::string text = fingerprint(case_text + fingerprint(std::span<const double>(numbers)));
   return {text.begin(), text.end()};

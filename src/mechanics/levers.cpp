@@ -73,9 +73,7 @@ std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configu
     return node < 0 ? 0 : system.inverse_mass(node);
   };
   const Sliding sliding = sliding_of(levers, inverse_mass(c.a), inverse_mass(c.b));
-  const Interaction& interaction = start.interaction;
-  if (sliding == Sliding::tied &&
-      std::max({interaction.friction, interaction.friction_of(true, true), interaction.friction_of(false, false)}) > 0)
+  if (sliding == Sliding::tied && std::max(friction_of(start, c, false), friction_of(start, c, true)) > 0)
     fail(
         "contact of {} and {}: expected bodies that move across and along the surface independently, or no friction, "
         "met one that its free directions tie to the other",

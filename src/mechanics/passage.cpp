@@ -17,11 +17,16 @@ double least_height(const Wall& wall, const Place& from, const Place& move) {
   return height((low + high) / 2);
 }
 
-// Grain a and body b at each place of a path.
+// Grain a and body b at each place of a path; in a periodic cell an image of a, the same all along: its steps from a.
 class Pair {
  public:
-  Pair(const Path& path, Index a, Index b)
-      : path_(path), a_(at(a)), b_(at(b)), wall_(b - path.system.grains()), radius_(path.system.radius[a_]) {
+  Pair(const Path& path, Index a, Index b, const Place& steps)
+      : path_(path),
+        a_(at(a)),
+        b_(at(b)),
+        wall_(b - path.system.grains()),
+        radius_(path.system.radius[a_]),
+        steps_(steps) {
     if (wall_ >= 0)
       boundary_ = path.places.back().walls[at(wall_)].boundary;
     else
@@ -38,14 +43,14 @@ class Pair {
   // From a to b, or to the axis of b, seen from the boundary.
   Place line(std::size_t place) const {
     const Configuration& where = path_.places[place];
-    if (wall_ < 0) return seen(place, path_.system.apart(where.centre(a_), where.centre(b_)));
-    const auto [foot, normal, height] = nearest_point(path_.system, wall(where), where.centre(a_));
+    if (wall_ < 0) return seen(place, difference(where.centre(b_), centre(where)));
+    const auto [foot, normal, height] = nearest_point(wall(where), centre(where));
     return seen(place, moved_along({}, wall(where).radius - height, normal));
   }
   // Of a flat or hollow body.
   double gap(std::size_t place) const {
     const Configuration& where = path_.places[place];
-    return nearest_point(path_.system, wall(where), where.centre(a_)).height - radius_;
+    return nearest_point(wall(where), centre(where)).height - radius_;
   }
   // The overlap of a grain whose centre goes through the middle of a plank on its way, or the largest with a cylinder
   // that has ends, m; else -infinity. `from`, `to`: of place_at_wall.
@@ -66,13 +71,12 @@ class Pair {
   Place place_at_wall(std::size_t place) const {
     const Configuration& where = path_.places[place];
     const Pose& pose = where.poses[at(boundary_)];
-    const Place centre{pose.x, pose.y, pose.z};
-    return seen(place, wall(where).radius != 0 ? path_.system.apart(centre, where.centre(a_))
-                                               : difference(where.centre(a_), centre));
+    return seen(place, difference(centre(where), {pose.x, pose.y, pose.z}));
   }
 
  private:
   const Wall& wall(const Configuration& where) const { return where.walls[at(wall_)]; }
+  Place centre(const Configuration& where) const { return moved_along(where.centre(a_), 1, steps_); }
   // A vector fixed to the boundary, turned to the end of the path.
   Place seen(std::size_t place, const Place& arm) const {
     if (boundary_ < 0) return arm;
@@ -87,7 +91,20 @@ class Pair {
   std::size_t a_, b_;
   Index wall_, boundary_ = -1;
   double radius_;
+  Place steps_;
 };
+
+// The steps from a to its image that is nearest to b at a place of a path.
+Place steps_to_image(const Path& path, std::size_t place, Index a, Index b) {
+  const GranularSystem& system = path.system;
+  if (!system.period.any()) return {};
+  const Configuration& where = path.places[place];
+  const Place centre = where.centre(at(a));
+  if (b >= system.grains())
+    return moved_along({}, -1, image_step(system, where.walls[at(b - system.grains())], centre));
+  const Place other = where.centre(at(b));
+  return difference(difference(other, centre), system.apart(centre, other));
+}
 
 struct Followed {
   double before = 0, deepest = 0, path = 0, reached = infinity;
@@ -161,14 +178,13 @@ std::optional<double> part_until(const Place& from, const Place& move, double en
   return part <= most ? std::optional(part) : std::nullopt;
 }
 
-Passage Passage::of(const Path& path, Index a, Index b, double gap) {
+namespace {
+
+// `steps`: to the image of grain a that is followed; `gap`: of that image at the end, m.
+Passage of_image(const Path& path, Index a, Index b, double gap, const Place& steps) {
   const double small = path.system.smaller_radius(a, b), limit = largest_overlap * small;
   Passage passage;
-  if (!path.followed()) {
-    if (gap < -limit) passage.deep = {.a = a, .b = b, .overlap = -gap, .before = -gap};
-    return passage;
-  }
-  const Pair pair(path, a, b);
+  const Pair pair(path, a, b, steps);
   std::optional<Place> met;
   const Followed found =
       pair.round() ? follow_line(path, pair, safe_part * limit, met) : follow_gap(path, pair, safe_part * limit);
@@ -186,6 +202,22 @@ Passage Passage::of(const Path& path, Index a, Index b, double gap) {
   if (!(dot(line, *met) < std::cos(largest_turn) * now * then)) return passage;
   passage.normal.emplace();
   for (std::size_t k = 0; k < 3; ++k) (*passage.normal)[k] = (*met)[k] / then;
+  return passage;
+}
+
+}  // namespace
+
+Passage Passage::of(const Path& path, Index a, Index b, double gap) {
+  if (!path.followed()) {
+    Passage passage;
+    if (gap < -largest_overlap * path.system.smaller_radius(a, b))
+      passage.deep = {.a = a, .b = b, .overlap = -gap, .before = -gap};
+    return passage;
+  }
+  const Place last = steps_to_image(path, path.places.size() - 1, a, b), first = steps_to_image(path, 0, a, b);
+  Passage passage = of_image(path, a, b, gap, last);
+  const bool leaves = path.system.length(difference(last, first)) > path.system.smaller_radius(a, b);
+  if (leaves && !passage.deep) passage.deep = of_image(path, a, b, infinity, first).deep;
   return passage;
 }
 

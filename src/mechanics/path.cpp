@@ -46,11 +46,16 @@ WallPoint nearest_point(const Wall& wall, const Place& centre) {
   return {foot, outwards, inwards * (distance - radius)};
 }
 
+Place image_step(const GranularSystem& system, const Wall& wall, const Place& centre) {
+  if (wall.radius == 0 || !system.period.any()) return {};
+  return difference(difference(centre, wall.point), system.apart(wall.point, centre));
+}
+
 WallPoint nearest_point(const GranularSystem& system, const Wall& wall, const Place& centre) {
-  if (wall.radius == 0 || !system.period.any()) return nearest_point(wall, centre);
-  const Place image = moved_along(wall.point, 1, system.apart(wall.point, centre));
-  WallPoint found = nearest_point(wall, image);
-  found.foot = moved_along(found.foot, 1, difference(centre, image));
+  if (!system.period.any()) return nearest_point(wall, centre);
+  const Place step = image_step(system, wall, centre);
+  WallPoint found = nearest_point(wall, difference(centre, step));
+  found.foot = moved_along(found.foot, 1, step);
   return found;
 }
 

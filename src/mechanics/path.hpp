@@ -31,6 +31,8 @@ struct WallPoint {
 WallPoint nearest_point(const Wall& wall, const Place& centre);
 /// The same in a periodic cell: of a plank or cylinder the image counts that is nearest to the grain.
 WallPoint nearest_point(const GranularSystem& system, const Wall& wall, const Place& centre);
+/// The steps of periods from a wall to that image; 0 of a plane, which has none.
+Place image_step(const GranularSystem& system, const Wall& wall, const Place& centre);
 /// The nearest point of the segment or rectangle of a plank.
 Place nearest_in_plank(const Wall& plank, const Place& p);
 

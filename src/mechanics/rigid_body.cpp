@@ -86,6 +86,12 @@ Place velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const P
           velocity.z + (velocity.spin_x * dy - velocity.spin_y * dx)};
 }
 
+bool turns(const Motion& motion) {
+  const auto spins = [](const RigidVelocity& v) { return v.spin_x != 0 || v.spin_y != 0 || v.spin != 0; };
+  return std::ranges::any_of(motion.velocity, spins) ||
+         std::ranges::any_of(motion.oscillations, spins, &Oscillation::amplitude);
+}
+
 double& along(RigidVelocity& velocity, BodyDirection direction) {
   const std::array<double*, 6> numbers{&velocity.x,      &velocity.y,      &velocity.z,
                                        &velocity.spin_x, &velocity.spin_y, &velocity.spin};

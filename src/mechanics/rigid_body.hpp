@@ -60,6 +60,9 @@ struct Motion {
   RigidVelocity at(double t) const;
 };
 
+/// Whether a motion ever turns its body.
+bool turns(const Motion& motion);
+
 /// How grains of a boundary follow its turn.
 enum class Orientation {
   turning,  ///< they turn with it, as parts of one rigid body

@@ -63,9 +63,9 @@ class ContactSearch {
   }
 
  private:
-  Place velocity(Index body, const Place& point) const {
-    if (body < system_.grains()) return velocity_of(free_motion(start_, motions_, body));
-    return where_.velocity(where_.walls[at(body - system_.grains())], point);
+  Place velocity_of_second(const StepContact& c) const {
+    if (c.b < system_.grains()) return velocity_of(free_motion(start_, motions_, c.b));
+    return where_.velocity(where_.walls[at(c.b - system_.grains())], contact_point(system_, where_, c, c.b));
   }
 
   void visit_pairs() {
@@ -115,7 +115,7 @@ class ContactSearch {
     if (overlap) considered_.deep.push_back(*overlap);
     if (met) return visit({c.a, c.b, *met, c.point, std::min(gap, 0.0)});
     if (gap > alert_) {
-      const Place move = difference(velocity(c.b, c.point), velocity(c.a, c.point));
+      const Place move = difference(velocity_of_second(c), velocity_of(free_motion(start_, motions_, c.a)));
       if (gap + step * dot(c.normal, move) > alert_) return;
       if (!start_.interaction.on_velocity() && c.b < system_.grains() &&
           step * system_.length(move) > far_in_a_step * system_.smaller_radius(c.a, c.b)) {
@@ -162,7 +162,7 @@ class ContactSearch {
     if (start_.interaction.on_velocity() && c.gap > 0 && !(pulls_ && hold(system_, start_.interaction, c))) return;
     ++considered_.number;
     if (c.b >= system_.grains() && system_.is_boundary(c.b))
-      considered_.boundary_speed = std::max(considered_.boundary_speed, system_.length(velocity(c.b, c.point)));
+      considered_.boundary_speed = std::max(considered_.boundary_speed, system_.length(velocity_of_second(c)));
     visit_(c);
   }
 
@@ -184,8 +184,16 @@ ConsideredContacts for_each_step_contact(const StepStart& start, const std::func
 }
 
 Place contact_point(const GranularSystem& system, const Configuration& where, const StepContact& c, Index body) {
-  if (body >= system.grains()) return c.point;
+  if (body >= system.grains())
+    return difference(c.point, image_step(system, where.walls[at(body - system.grains())], where.centre(at(c.a))));
   return moved_along(where.centre(at(body)), (body == c.a ? 1 : -1) * system.radius[at(body)], c.normal);
+}
+
+double friction_of(const StepStart& start, const StepContact& c, bool slid) {
+  const PairRule* const rule = start.system.pairs.of(c.a, c.b);
+  if (rule != nullptr && rule->static_friction && !slid) return *rule->static_friction;
+  if (rule != nullptr && rule->friction) return *rule->friction;
+  return start.interaction.friction_of(start.system.is_boundary(c.a) || start.system.is_boundary(c.b), slid);
 }
 
 bool hold(const GranularSystem& system, const Interaction& interaction, const StepContact& contact) {

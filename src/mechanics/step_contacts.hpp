@@ -29,8 +29,11 @@ struct ConsideredContacts {
 /// check_overlaps.
 ConsideredContacts for_each_step_contact(const StepStart& start, const std::function<void(const StepContact&)>& visit);
 
-/// The point of the surface of one of its bodies where a contact acts, m.
+/// The point of the surface of one of its bodies where a contact acts, m; in a periodic cell the image at its body.
 Place contact_point(const GranularSystem& system, const Configuration& where, const StepContact& contact, Index body);
+
+/// Coulomb's coefficient of a contact, by the rule of its colours if there is one. `slid`: in the last step.
+double friction_of(const StepStart& start, const StepContact& contact, bool slid);
 
 /// Whether the bodies of a contact hold each other under a law that pulls: they touch, see touching_gap, or are within
 /// Interaction::cohesion_range.

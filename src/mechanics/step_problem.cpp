@@ -39,7 +39,8 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
     bodies.push_back({a, count(problem.free)});
     const Wall& wall = where.walls[at(c.b - system.grains())];
     const std::size_t k = at(wall.boundary);
-    const Place before = velocity_of_point(first[k], where.poses[k], c.point), now = where.velocity(wall, c.point);
+    const Place point = contact_point(system, where, c, c.b);
+    const Place before = velocity_of_point(first[k], where.poses[k], point), now = where.velocity(wall, point);
     problem.free.push_back(with_motion<D>({now[0], now[1], now[2]}, 0));
     problem.start.push_back(with_motion<D>({before[0], before[1], before[2]}, 0));
   }
@@ -48,29 +49,24 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
   return bodies;
 }
 
-// Coulomb's coefficient of a contact, by the rule of its colours if there is one.
-double friction_of(const Interaction& interaction, bool at_boundary, const PairRule* rule, bool slid) {
-  if (rule != nullptr && rule->static_friction && !slid) return *rule->static_friction;
-  return rule != nullptr && rule->friction ? *rule->friction : interaction.friction_of(at_boundary, slid);
-}
-
 template <int D>
-GrainContact<D> solver_contact(const StepContact& c, const std::array<Index, 2>& bodies, const StepProblem<D>& problem,
-                               const Interaction& interaction, double correction, double push,
-                               std::shared_ptr<const Levers<D>> levers, bool boundary, const PairRule* rule,
+GrainContact<D> solver_contact(const StepStart& start, const StepContact& c, const std::array<Index, 2>& bodies,
+                               const StepProblem<D>& problem, double push, std::shared_ptr<const Levers<D>> levers,
                                bool slid) {
   const GrainVelocity<D>&a = problem.free[at(bodies[0])], &b = problem.free[at(bodies[1])];
-  const bool driven = boundary || a.inverse_mass == 0 || b.inverse_mass == 0;
+  const Interaction& interaction = start.interaction;
+  const double correction = start.scheme.penetration_correction;
   GrainContact<D> k{.a = static_cast<std::int32_t>(bodies[0]),
                     .b = static_cast<std::int32_t>(bodies[1]),
                     .normal = narrowed<D>(c.normal),
                     .inverse_mass_a = a.inverse_mass,
                     .inverse_mass_b = b.inverse_mass,
                     .bias = {c.gap > 0 ? c.gap / problem.h : std::max(correction * c.gap / problem.h, -push), {}},
-                    .friction = problem.rubs ? friction_of(interaction, driven, rule, slid) : 0,
+                    .friction = problem.rubs ? friction_of(start, c, slid) : 0,
                     .levers = std::move(levers)};
   if (k.levers != nullptr && !k.levers->rubs()) k.friction = 0;
   if (interaction.on_velocity() || problem.tangential_bias) {
+    const PairRule* const rule = start.system.pairs.of(c.a, c.b);
     const auto own = [&](auto restitution) {
       return rule != nullptr && rule->*restitution ? *(rule->*restitution) : std::optional<double>();
     };
@@ -142,11 +138,9 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
     const StepContact& c = problem.geometry[k];
-    problem.contacts.push_back(solver_contact<D>(c, bodies[k], problem, interaction, scheme.penetration_correction,
-                                                 push_speed(scheme, system.smaller_radius(c.a, c.b), boundary_speed),
-                                                 levers ? levers_of<D>(start, where, c) : nullptr,
-                                                 system.is_boundary(c.a) || system.is_boundary(c.b),
-                                                 system.pairs.of(c.a, c.b), known[k] != nullptr && known[k]->slid));
+    problem.contacts.push_back(solver_contact<D>(
+        start, c, bodies[k], problem, push_speed(scheme, system.smaller_radius(c.a, c.b), boundary_speed),
+        levers ? levers_of<D>(start, where, c) : nullptr, known[k] != nullptr && known[k]->slid));
     if (problem.pulls && hold(system, interaction, c)) problem.contacts.back().pull = pull;
     if (warm_start && known[k] != nullptr)
       problem.contacts.back().impulse = recalled<D>(known[k]->impulse, problem.contacts.back().normal);

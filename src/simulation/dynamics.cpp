@@ -127,8 +127,42 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics, const Peri
   return result;
 }
 
+namespace {
+
+// Half the length of a plank or cylinder along x or y, m.
+double half_length_along(const Wall& wall, std::size_t k) {
+  const double radius = std::abs(wall.radius);
+  if (wall.plank())
+    return std::abs(wall.axis[k]) * wall.half_length + std::abs(cross(wall.normal, wall.axis)[k]) * wall.half_width +
+           radius;
+  const double along = std::abs(wall.normal[k]);
+  if (wall.has_ends()) return along * wall.half_length + std::sqrt(std::max(0.0, 1 - along * along)) * radius;
+  constexpr double rounding = 1e-12;  // an unbounded one may lie along the cell or across it
+  return along > 1 - rounding ? 0 : along > rounding ? infinity : radius;
+}
+
+// Of a plank or cylinder grains see only the nearest image.
+void check_length(const GranularSystem& system, const Wall& wall) {
+  if (wall.radius == 0) return;
+  const Boundary& boundary = system.boundaries[at(wall.boundary)];
+  const bool turning = turns(boundary.motion) || (boundary.body && boundary.body->free(BodyDirection::spin));
+  const double all_around = std::hypot(wall.half_length, wall.half_width) + std::abs(wall.radius);
+  const std::array periods{system.period.x, system.period.y};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double length = 2 * (turning && wall.half_length > 0 ? all_around : half_length_along(wall, k));
+    if (periods[k] > 0 && length > periods[k])
+      fail(
+          "boundary '{}': expected a {} that is shorter than the periodic cell along {}, met one of {} m in a cell of "
+          "{} m",
+          boundary.name, wall.plank() ? "plank" : "cylinder", k == 0 ? "x" : "y", length, periods[k]);
+  }
+}
+
+}  // namespace
+
 void complete(GranularSystem& system, const GranularState& first, const Dynamics& dynamics, Index grains) {
   number_bodies(system);
+  for (const Wall& wall : system.walls) check_length(system, wall);
   for (Index i = 0; i < system.grains(); ++i) {
     const Index k = system.driven_by[at(i)];
     if (k < 0 || !system.boundaries[at(k)].body) continue;

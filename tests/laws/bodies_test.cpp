@@ -292,6 +292,18 @@ TEST_CASE("a plate that is free along y alone rubs on no slope: without friction
         doctest::Approx(2 * g * std::sqrt(2.0)).epsilon(1e-9));
   simulation.dynamics.interaction.friction = 0.3;
   CHECK_THROWS_WITH_AS(advance(simulation), doctest::Contains("along the surface independently"), Error);
+  // The friction is that of the contact, by its colours.
+  dynamics.colours = {{"plate", 0, 0}};
+  dynamics.boundaries[0].colour = "slope";
+  for (const double friction : {0.0, 0.3}) {
+    dynamics.interaction.friction = 0.3 - friction;
+    dynamics.pairs = {{{"slope", "plate"}, {.friction = friction}}};
+    Simulation coloured = simulation_of(std::vector<Grain>{{.x = 0, .y = touch}}, dynamics);
+    if (friction == 0)
+      advance(coloured);
+    else
+      CHECK_THROWS_WITH_AS(advance(coloured), doctest::Contains("along the surface independently"), Error);
+  }
 }
 
 TEST_CASE("clumps that collide keep momentum and angular momentum, and lose the energy that contacts dissipate") {

@@ -79,6 +79,15 @@ TEST_CASE("near pairs of a periodic cell are those of all pairs by their shortes
       }
 }
 
+TEST_CASE("two grains of a short cell have one contact, though they are in reach of each other at both ends") {
+  Dynamics dynamics = tight();
+  dynamics.time.alert = 0.5;
+  const Simulation simulation = in_cell({{.x = 0.1}, {.x = 1.1}}, dynamics, 2.1);
+  const StepProblem<2> problem = prepare_step<2>(start_of(simulation), false);
+  REQUIRE(problem.geometry.size() == 1);
+  CHECK(problem.geometry[0].normal[0] == doctest::Approx(1));
+}
+
 TEST_CASE("a closed row and a closed lattice of touching disks have contacts across the ends of the cell") {
   Packing row;
   for (Index k = 0; k < 5; ++k) row.x.push_back(0.5 + static_cast<double>(k));
@@ -181,4 +190,102 @@ TEST_CASE("the grains of a clump are beside its centre, and no clump meets itsel
   CHECK(simulation.system.boundaries[0].body->reach == doctest::Approx(0.7).epsilon(1e-12));
   CHECK_THROWS_WITH_AS(clump_in_cell(2.2, {{.x = 4.2}, {.x = 4.9}, {.x = 5.6}}),
                        doctest::Contains("shorter than the periodic cell"), Error);
+}
+
+namespace {
+
+BoundarySpec drum_at(double x, double spin, bool is_free) {
+  BoundarySpec spec;
+  spec.name = "drum";
+  spec.dimension = 2;
+  spec.shape = BoundaryShape::cylinder;
+  spec.side = CylinderSide::outside;
+  spec.from = spec.motion.centre = {x, 0, 0};
+  spec.radius = 0.3;
+  if (!is_free) {
+    spec.motion.time = {0};
+    spec.motion.velocity = {{.spin = spin}};
+    return spec;
+  }
+  spec.motion.initial = RigidVelocity{.spin = spin};
+  spec.body.emplace();
+  spec.body->directions[5] = true;
+  spec.body->mass = 1;
+  spec.body->inertia[2] = 40;
+  return spec;
+}
+
+BoundarySpec spinning_plank(double x, double spin) {
+  BoundarySpec spec = wall("plank", {x - 0.1, 0}, {x + 0.1, 0});
+  spec.shape = BoundaryShape::plank;
+  spec.radius = 0.3;
+  spec.motion.centre = {x, 0, 0};
+  spec.motion.time = {0};
+  spec.motion.velocity = {{.spin = spin}};
+  return spec;
+}
+
+}  // namespace
+
+TEST_CASE("a wall that turns drags grains across the end of its cell as it does elsewhere") {
+  const auto dragged = [](const BoundarySpec& wall, double x, double period) {
+    Dynamics dynamics = tight({wall});
+    dynamics.interaction.friction = 0.5;
+    dynamics.time.step = 0.002;
+    Simulation simulation = in_cell({{.x = x, .y = 0.372, .radius = 0.1}}, dynamics, period);
+    advance(simulation, 25);
+    const GranularState& s = simulation.state;
+    return std::array{s.velocity_x[0], s.velocity_y[0], s.spin[0], s.body_velocities[0].spin, s.body_velocities[0].x};
+  };
+  const auto check_same_drag = [&](const BoundarySpec& open, const BoundarySpec& across, double x, double image) {
+    const auto expected = dragged(open, x, 0), met = dragged(across, image, 1.2);
+    CHECK(std::abs(expected[2]) > 0.1);
+    for (std::size_t k = 0; k < met.size(); ++k) CHECK(met[k] == doctest::Approx(expected[k]).epsilon(1e-9));
+  };
+  for (const bool is_free : {false, true}) {
+    CAPTURE(is_free);
+    check_same_drag(drum_at(1.1, 1, is_free), drum_at(1.1, 1, is_free), 1.25, 0.05);
+    check_same_drag(drum_at(1.1, 1, is_free), drum_at(-0.1, 1, is_free), 1.25, 0.05);
+  }
+  check_same_drag(spinning_plank(1.1, 1), spinning_plank(1.1, 1), 1.25, 0.05);
+}
+
+TEST_CASE("a grain passes from one image of a wall to the next, and through none") {
+  const auto end_of = [](double velocity, double y) {
+    Dynamics dynamics = tight({drum_at(0.5, 0, false)});
+    dynamics.time.gravity = {0, 0};
+    dynamics.time.step = 0.05;
+    Simulation simulation = in_cell({{.x = 0.04, .y = y, .radius = 0.05, .velocity_x = velocity}}, dynamics, 1);
+    advance(simulation, 2);
+    return simulation.state.x[0];
+  };
+  CHECK(end_of(-1, 0) == doctest::Approx(1 - 0.06).epsilon(1e-12));  // 0.09 from the next image
+  CHECK(end_of(-2, 0.5) == doctest::Approx(1 - 0.16).epsilon(1e-12));
+  CHECK_THROWS_WITH_AS(end_of(-9, 0), doctest::Contains("dynamics.step"), Error);  // through the next image
+  CHECK_THROWS_WITH_AS(end_of(9, 0), doctest::Contains("dynamics.step"), Error);
+}
+
+TEST_CASE("walls that do not fit their cell are refused") {
+  const auto refused = [](BoundarySpec spec, double period, const char* part) {
+    CHECK_THROWS_WITH_AS(in_cell({{.x = 0.1, .y = 3, .radius = 0.01}}, tight({spec}), period), doctest::Contains(part),
+                         Error);
+  };
+  refused(drum_at(0.5, 0, false), 0.55, "boundary 'drum': expected a cylinder that is shorter");
+  BoundarySpec plank = spinning_plank(0.5, 0);
+  plank.radius = 0.01;
+  in_cell({{.x = 0.1, .y = 3, .radius = 0.01}}, tight({plank}), 0.23);
+  refused(plank, 0.21, "boundary 'plank': expected a plank that is shorter");
+  plank.from = {0.5, -0.1, 0};
+  plank.to = {0.5, 0.1, 0};  // across the cell
+  plank.motion = {};
+  in_cell({{.x = 0.1, .y = 3, .radius = 0.01}}, tight({plank}), 0.1);
+  plank.motion = spinning_plank(0.5, 1).motion;
+  refused(plank, 0.1, "0.22 m in a cell of 0.1 m");
+  Packing packing{{0.1}, {0.1}, {0.01}, {1}, {3}};
+  BoundarySpec rod = drum_at(0.5, 0, false);
+  rod.dimension = 3;
+  rod.to = {1.5, 0, 1};
+  CHECK_THROWS_WITH_AS(scene(packing, tight({rod}), {.x = 1}), doctest::Contains("expected a cylinder"), Error);
+  rod.to = {0.5, 0, 1};
+  scene(packing, tight({rod}), {.x = 1});
 }

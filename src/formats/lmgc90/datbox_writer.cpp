@@ -26,10 +26,6 @@ std::vector<Vector3> spins_of(const Motion& motion) {
   return spins;
 }
 
-bool turns(const Motion& motion) {
-  return std::ranges::any_of(spins_of(motion), [](const Vector3& spin) { return spin != Vector3::Zero(); });
-}
-
 std::string datbox_three(const std::array<std::string, 3>& names, const Vector3& values) {
   return fmt::format("{:27}{}\n", "",
                      datbox_named({{names[0], values[0]}, {names[1], values[1]}, {names[2], values[2]}}));

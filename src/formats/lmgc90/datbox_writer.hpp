@@ -122,8 +122,7 @@ inline constexpr const char *datbox_law_of_grains = "CLB_G", *datbox_law_of_boun
 
 inline Eigen::Vector3d spin_vector(const RigidVelocity& v) { return {v.spin_x, v.spin_y, v.spin}; }
 
-/// Spins of the entries and oscillations of a motion, and whether it ever has one.
+/// Spins of the entries and oscillations of a motion.
 std::vector<Eigen::Vector3d> spins_of(const Motion& motion);
-bool turns(const Motion& motion);
 
 }  // namespace nscdd
