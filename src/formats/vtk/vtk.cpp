@@ -24,8 +24,8 @@ struct Scene {
   bool in_space() const { return system.dimension == 3; }
   bool on_wall(const TrajectoryContact& contact) const { return contact.geometry.b >= system.grains(); }
   Place image(const StepContact& c) const {
-    const Place from = centre_of(state, at(c.a));
-    return moved_along(from, 1, system.apart(from, centre_of(state, at(c.b))));
+    const Place from = centre_of(state, at(c.a)), to = centre_of(state, at(c.b));
+    return moved_along(to, 1, difference(system.apart(from, to), difference(to, from)));
   }
   bool has_foot(const TrajectoryContact& contact) const {
     if (on_wall(contact) || !system.period.any()) return on_wall(contact);
