@@ -300,9 +300,9 @@ TEST_CASE("bodies: the contact problem of a step, and of each subdomain, is solv
       std::vector<double> expected;
       for (const Index body : bodies) {
         const auto rims = before.system.rims(body);
-        const GrainUnknowns<D> v = unknowns(velocities[at(body)]);
+        const GrainUnknowns<D> whole = unknowns(velocities[at(body)]);
         for (Index k = 0; k < unknowns_of_grain<D>; ++k)
-          expected.push_back(v[at(k)] / (k < D ? 1 : rims[at(D == 2 ? k : k - D)]));
+          expected.push_back(whole[at(k)] / (k < D ? 1 : rims[at(D == 2 ? k : k - D)]));
       }
       REQUIRE(part.solution->v.size() == count(expected));
       CHECK((part.solution->v - Vector::Map(expected.data(), count(expected))).norm() < 1e-5);

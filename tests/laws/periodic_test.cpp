@@ -228,14 +228,15 @@ BoundarySpec spinning_plank(double x, double spin) {
 }  // namespace
 
 TEST_CASE("a wall that turns drags grains across the end of its cell as it does elsewhere") {
-  const auto dragged = [](const BoundarySpec& wall, double x, double period) {
-    Dynamics dynamics = tight({wall});
+  const auto dragged = [](const BoundarySpec& spec, double x, double period) {
+    Dynamics dynamics = tight({spec});
     dynamics.interaction.friction = 0.5;
     dynamics.time.step = 0.002;
     Simulation simulation = in_cell({{.x = x, .y = 0.372, .radius = 0.1}}, dynamics, period);
     advance(simulation, 25);
     const GranularState& s = simulation.state;
-    return std::array{s.velocity_x[0], s.velocity_y[0], s.spin[0], s.body_velocities[0].spin, s.body_velocities[0].x};
+    return std::array{s.velocity_x[0], s.velocity_y[0], s.spin[0],
+                      s.body_velocities.empty() ? 0 : s.body_velocities[0].spin};
   };
   const auto check_same_drag = [&](const BoundarySpec& open, const BoundarySpec& across, double x, double image) {
     const auto expected = dragged(open, x, 0), met = dragged(across, image, 1.2);
