@@ -71,7 +71,8 @@ int report_of_packing(const Options& options, const Context& context) {
   if (wanted.contact_sets.empty()) wanted.contact_sets = contact_sets_of(model);
   std::optional<ProblemReport> problem;
   if (!model.has_geometry()) {
-    const std::string path = files_behind(one.spec).back().string();
+    const std::string& name = std::get<ContactProblemFile>(one.spec.packing).path;  // with :ID_k of a record
+    const std::string path = (std::filesystem::path(one.spec.source).parent_path() / name).string();
     problem = report_problem(model, read_contact_problem(path), path);
   }
   const std::string_view bodies = problem ? "bodies" : "grains";

@@ -10,6 +10,7 @@
 #include "formats/case/case_file.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/lmgc90/vloc_rloc.hpp"
+#include "formats/report/problem_report.hpp"
 
 #include <doctest/doctest.h>
 
@@ -51,7 +52,9 @@ RecordArrays arrays_of(const DatboxTexts& texts, const std::string& contacts, co
     const auto cd = static_cast<std::int32_t>(one.candidate + 1), an = static_cast<std::int32_t>(one.antagonist + 1);
     const auto law = static_cast<std::int32_t>(std::ranges::find(laws, one.law) - laws.begin() + 1);
     const std::int32_t kind = moved.space() ? 2 : 1;
-    for (const std::int32_t number : {7, 1, cd, an, kind, kind, cd, an, 3, 4, 1, 1, 1, 1, 1, 1, law, 0, one.slid ? 6 : 4, 0, 0, 0})
+    const std::int32_t id = one.kind == "DKDKx" ? 1 : one.kind == "DKKDx" ? 2 : 7;  // as in mod_parameters.f90
+    for (const std::int32_t number :
+         {id, 1, cd, an, kind, kind, cd, an, 3, 4, 1, 1, 1, 1, 1, 1, law, 0, one.slid ? 6 : 4, 0, 0, 0})
       arrays.numbers.push_back(number);
     const auto n_second = [&](const Eigen::Vector3d& v) {  // (t, n), or (t, n, s)
       append(arrays.contacts, {v[1], v[0]});
@@ -170,6 +173,58 @@ TEST_CASE("record: a contact problem in space is that of Vloc_Rloc") {
   RecordArrays arrays = arrays_of(texts.datbox, texts.contacts, {"iqsc0"});
   arrays.step = 0.005;  // the default of a text of step 0
   check_same(read_contact_problem(write_run(folder, texts.datbox, {{"ID_1", arrays}})), problem_of_texts(texts));
+}
+
+TEST_CASE("record: levers of disks, of hollow disks and of clusters are those of Vloc_Rloc") {
+  const TemporaryFolder folder;
+  DatboxTexts texts = small_datbox();
+  texts.bodies = replaced(texts.bodies, "JONCx      1  color  WALLx  ax1 = 3.0000000E+00  ax2 = 5.0000000E-01",
+                          "xKSID      1  color  WALLx  byrd= 0.3000000D+01");
+  texts.driven.clear();
+  texts.initial = "$steps       10              time= 0.1000000D+00\n";
+  std::string contacts = texts.initial;
+  const auto add = [&](const std::string& kind, const std::string& candidate, const std::string& antagonist) {
+    contacts += "$icdan  " + kind +
+                "        1\n cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus  iadj\n RBDY2      " +
+                candidate + "      1  iqsc1  RBDY2      " + antagonist + R"(      1  stick     1
+                             rlt/H 0.4000000D+01  rln/H 0.1200000D+02  rls/H 0.0000000D+00
+                             vlt = 0.1000000D+00  vln = 0.2000000D+00  vls = 0.0000000D+00
+                             gapTT 0.5000000D+00
+                             n(1)= 0.0000000D+00  n(2)= 0.1000000D+01  n(3)= 0.0000000D+00
+                             coo1= 0.1000000D+01  coo2= 0.1750000D+01  coo3= 0.0000000D+00
+)";
+  };
+  add("DKKDx", "1  DISKx", "2  xKSID");
+  add("DKKDx", "3  DISKb", "2  xKSID");
+  add("DKDKx", "1  DISKx", "3  DISKb");
+  RecordArrays arrays = arrays_of(texts, contacts, {"iqsc0", "other", "iqsc1"});
+  arrays.step = 0.01;
+  const FclibFile expected = problem_of_texts({texts, contacts});
+  check_same(read_contact_problem(write_run(folder, texts, {{"ID_1", arrays}})), expected);
+  const Matrix h = std::get<GlobalFrictionProblem>(expected.problem).h.toDense();
+  REQUIRE(h.rows() == 9);
+  CHECK(h(2, 1) == doctest::Approx(0.25));             // -r n x t of the disk
+  CHECK(h(5, 1) == doctest::Approx(-3));               // of the hollow disk
+  CHECK(h(8, 3) == doctest::Approx(20 - 1.75));        // of the cluster, to the point
+  CHECK(h(8, 5) == doctest::Approx(1.75 - 0.5 - 20));  // to its own surface
+}
+
+TEST_CASE("record: the page of a contact problem has the contacts of the record that is named, not of the last one") {
+  const TemporaryFolder folder;
+  const NetworkTexts texts = network_in_plane();
+  RecordArrays first = arrays_of(texts.datbox, texts.contacts, {"zqsc0", "rstc0"}), last = first;
+  first.step = 0.02;
+  last.numbers.resize(last.numbers.size() - 22);
+  last.contacts.resize(last.contacts.size() / (first.numbers.size() / 22) * (last.numbers.size() / 22));
+  const std::string file = write_run(folder, texts.datbox, {{"ID_1", first}, {"ID_2", last}});
+  const Outcome run = run_program(folder / "run", {"report", "lmgc90.h5:ID_1", "--epsilon", "1", "--eta", "inf",
+                                                   "--no-optimum", "-o", "page.html"});
+  CHECK(run.exit_code == 0);
+  CHECK(run.standard_error.starts_with("nscdd: run: "));  // the name of the folder
+  CHECK(read_file(folder / "run/page.html").find("the next step with h = 0.02 s\"") != std::string::npos);
+  const Model model = build(resolve(spec_of_file(file + ":ID_1")));
+  check_error([&] { report_problem(model, read_contact_problem(file), "last"); },
+              {"last: expected the 2 contacts of the model, met 1"});
 }
 
 TEST_CASE("record: the initial state of a case that moves, in place of DOF.INI") {

@@ -244,7 +244,10 @@ TEST_CASE("vloc_rloc: a file is read with the state of its step beside it and th
   const FclibFile file = read_contact_problem(output);
   CHECK(Matrix(std::get<GlobalFrictionProblem>(file.problem).h) ==
         Matrix(std::get<GlobalFrictionProblem>(problem_of(texts).problem).h));
-  CHECK(datbox_name((folder / "run/OUTBOX").string()) == "run");
+  for (const char* name : {"run/OUTBOX", "run/DATBOX/", "run", "run/OUTBOX/.."})
+    CHECK(datbox_name((folder / name).string()) == "run");
+  const std::string here = std::filesystem::current_path().filename().string();
+  for (const char* name : {"lmgc90.h5:ID_2", "DATBOX", "."}) CHECK(datbox_name(name) == here);
   // Without DOF.INI the state is that of time 0.
   check_error([&] { read_contact_problem((folder / "run").string()); }, {"Vloc_Rloc.INI:", "DOF.INI", "0 s", "0.1 s"});
 }

@@ -222,7 +222,7 @@ CaseSpec spec_of_file(const std::string& path, bool moving) {
   if (extension == ".toml") return read_case(path);
   CaseSpec spec;
   if (record || has_vloc_rloc_name(path)) {
-    spec.name = datbox_name(std::filesystem::path(path).parent_path().string());
+    spec.name = datbox_name(std::filesystem::absolute(path).parent_path().string());
     spec.packing = ContactProblemFile{path};
     return spec;
   }

@@ -43,8 +43,8 @@ Vector6 masses_of(const Datbox& datbox, const DatboxBody& body) {
   mass << m, m, (datbox.space() ? m : m * gyration * gyration), density * body.inertia;
   if (!(mass.head(datbox.space() ? 6 : 3).minCoeff() > 0))
     refuse(body.place,
-           "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which only disks, spheres, and "
-           "a single POLYG or POLYR replace",
+           "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which only disks, spheres, "
+           "cylinders in space, and a single POLYG or POLYR replace",
            datbox.space() ? "I1 to I3" : "gyrd");
   return mass;
 }
@@ -218,7 +218,8 @@ bool has_vloc_rloc_name(const std::string& path) {
 
 std::string datbox_name(const std::string& folder) {
   const auto record = record_at(folder);
-  fs::path path = (record ? fs::path(record->file).parent_path() : fs::path(folder)).lexically_normal();
+  fs::path path = (record ? fs::absolute(record->file).parent_path() : fs::absolute(folder)).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();  // of "." and of names that end in a slash
   if ((path.filename() == "DATBOX" || path.filename() == "OUTBOX") && path.has_parent_path()) path = path.parent_path();
   return path.filename().string();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/report/problem_report.hpp"
 
+#include "core/fail.hpp"
 #include "study/linear/inspection.hpp"
 
 #include <fmt/format.h>
@@ -47,6 +48,8 @@ Packing drawn_bodies(const Model& model, const ProblemReport& report) {
 
 ProblemReport report_problem(const Model& model, const FclibFile& file, const std::string& name) {
   const LocalFrictionProblem local = reduce(std::get<GlobalFrictionProblem>(file.problem), name);
+  if (local.contacts() != model.contacts())
+    fail("{}: expected the {} contacts of the model, met {}", name, model.contacts(), local.contacts());
   ProblemReport report;
   report.title = file.info.title.value_or("");
   report.entries = local.w.nonZeros();

@@ -7,7 +7,7 @@
 
 namespace nscdd {
 
-/// What the page of a contact problem shows beside that of its linear study.
+/// What the page of a contact problem shows in addition to its linear study.
 struct ProblemReport {
   std::string title;                        ///< of the file; may be empty
   std::array<double, 2> friction{};         ///< least and largest coefficient
@@ -23,7 +23,8 @@ struct ProblemReport {
   Packing bodies;
 };
 
-/// `file`: the global problem that the model is made of. Throws Error, beginning with `name`, as `reduce`.
+/// `file`: the global problem that the model is made of. Throws Error, beginning with `name`, for another number of
+/// contacts, and as `reduce`.
 ProblemReport report_problem(const Model& model, const FclibFile& file, const std::string& name);
 
 }  // namespace nscdd
