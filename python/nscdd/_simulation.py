@@ -21,7 +21,8 @@ class Run:
         self.end = core.end  #: "completed", "at rest", "stopped" or "broke down"
         self.reason = core.reason  #: of a breakdown: the step, and the grain or contact
         self.last = core.last  #: the last good step
-        #: the grains at the end, with their masses: free ones and those of bodies that move freely, which are its clumps
+        #: the grains at the end: free ones and, as clumps, those of bodies that are free along all directions. The
+        #: masses of the grains of a clump are scaled to that of the body; its inertia is then that of its grains
         self.packing = core.packing
 
     def __repr__(self) -> str:
@@ -32,8 +33,8 @@ def simulate(case: str | os.PathLike[str], *, packing: Packing | None = None,
              subdomains: str | tuple[int, int] | tuple[int, int, int] | None = None,
              settings: Mapping[str, object] | None = None,
              callback: StepObserver = None, progress: _arguments.Progress = None, threads: int = 0) -> Run:
-    """Takes the steps of a case file with [dynamics] (docs/cases.md), of a packing file without boundaries, or of a folder
-    DATBOX of LMGC90, in memory: nothing is written. Clumps of the packing move as rigid bodies.
+    """Takes the steps of a case file with [dynamics] (docs/cases.md), of a packing file without boundaries, or of a
+    folder DATBOX of LMGC90, in memory: nothing is written. Clumps of the packing move as rigid bodies.
 
     packing     replaces the packing of the case, such as the `packing` of a run that settled it
     subdomains  (columns, rows), in space (columns, rows, layers), or "metis:N"; replaces those of the case

@@ -229,7 +229,7 @@ void check(const Period& period, const std::vector<double>& radius) {
 
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection) {
   if (packing.size() == 0) return {.contacts = {}, .grains = 0, .dimension = packing.dimension()};
-  if (!packing.clump.empty())
+  if (std::ranges::any_of(packing.clump, [](Index number) { return number >= 0; }))
     throw Error(
         "expected free grains, met clumps: only cases that move have them (nscdd simulate); without their numbers the "
         "members are free grains");

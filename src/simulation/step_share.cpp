@@ -182,15 +182,21 @@ Packing free_grains(const GranularSystem& system, const GranularState& state, In
   const auto place = [&](const std::vector<double>& x, const std::vector<double>& velocity, Index i) {
     return later == 0 ? x[at(i)] : x[at(i)] + later * velocity[at(i)];
   };
+  const auto in_body = [&](Index i) { return bodies && !system.free(i) && !system.is_boundary(i); };
+  std::vector<double> sums(system.boundaries.size(), 0);  // of the masses of the grains of each
+  for (Index i = 0; i < grains; ++i)
+    if (in_body(i)) sums[at(system.driven_by[at(i)])] += system.mass[at(i)];
   Packing packing;
   for (Index i = 0; i < grains; ++i) {
-    if (!(bodies ? system.moves(i) : system.free(i))) continue;
+    if (!system.free(i) && !in_body(i)) continue;
+    const Index body = system.driven_by[at(i)];
     packing.x.push_back(place(state.x, state.velocity_x, i));
     packing.y.push_back(place(state.y, state.velocity_y, i));
     if (system.dimension == 3) packing.z.push_back(place(state.z, state.velocity_z, i));
     packing.radius.push_back(system.radius[at(i)]);
-    packing.mass.push_back(system.mass[at(i)]);
-    if (bodies) packing.clump.push_back(system.free(i) || system.is_boundary(i) ? -1 : system.driven_by[at(i)]);
+    const double scale = in_body(i) ? system.boundaries[at(body)].body->mass / sums[at(body)] : 1;
+    packing.mass.push_back(scale * system.mass[at(i)]);
+    if (bodies) packing.clump.push_back(body);
   }
   if (std::ranges::all_of(packing.clump, [](Index number) { return number < 0; })) packing.clump.clear();
   return packing;

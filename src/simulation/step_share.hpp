@@ -51,7 +51,8 @@ bool decomposes_afresh(const Simulation& simulation, Index step);
 Partition partition_step(const Simulation& simulation, const std::vector<StepContact>& contacts);
 
 /// The packing of the free ones among the first `grains`, now or, at their velocities, after the time `later`, s; with
-/// `bodies` also of those that belong to bodies with free directions; a body that is free along all of them is a clump.
+/// `bodies` also of bodies that are free along all directions, as clumps: the masses of their grains are scaled to
+/// those of the bodies.
 Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains, double later = 0,
                     bool bodies = false);
 

@@ -127,4 +127,7 @@ TEST_CASE_FIXTURE(Session, "texts of other systems: line ends, encodings, and no
   CHECK(bad.standard_error == "nscdd: error: packing.file: bad.csv:2: y: expected a number, met '\\x1B[31m\\x00'\n");
   file("clumps.txt", "#format x_y_z_r_clumpId\n0 0 0 0.5 1\n1 0 0 0.5 1\n");
   check_refused("inspect clumps.txt", {"clumps.txt", "expected free grains, met clumps", "nscdd simulate"});
+  for (const char* output : {"new.csv", "new.h5", "-"})
+    check_refused(std::string("generate clumps.txt -o ") + output,
+                  {"clumps.txt: expected free grains, met clumps, which have no column in CSV and HDF5"});
 }

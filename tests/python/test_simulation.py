@@ -137,9 +137,26 @@ inertia = 2
 initial_velocity = [1, 0]
 initial_spin = 4
 """)
-    step = nscdd.simulate(tmp_path / "s.toml", settings={"dynamics.steps": 5}).last
-    np.testing.assert_allclose(step.body_velocities, [[0, 0, 0], [1, -0.5, 4]], atol=1e-12)
-    np.testing.assert_allclose(step.body_poses[1], [0.3, 0.5 - 5 * 0.05**2, 0.2], atol=1e-12)
+    run = nscdd.simulate(tmp_path / "s.toml", settings={"dynamics.steps": 5})
+    np.testing.assert_allclose(run.last.body_velocities, [[0, 0, 0], [1, -0.5, 4]], atol=1e-12)
+    np.testing.assert_allclose(run.last.body_poses[1], [0.3, 0.5 - 5 * 0.05**2, 0.2], atol=1e-12)
+    # The clump of the packing has the mass of the body, in proportion to the masses of its grains.
+    assert list(run.packing.clump) == [1, 1]
+    np.testing.assert_allclose(run.packing.mass, [1.5, 1.5], rtol=1e-14)
+
+
+def test_grains_of_a_body_that_is_driven_along_some_direction_are_not_in_the_packing(tmp_path):
+    (tmp_path / "p.toml").write_text(FALL.replace("grains = 1", "grains = 3") + """[[boundary]]
+name = "piston"
+shape = "grains"
+first = 0
+last = 1
+centre = [0, 0]
+free = ["x"]
+mass = 3
+""")
+    run = nscdd.simulate(tmp_path / "p.toml", settings={"dynamics.steps": 1})
+    assert len(run.packing) == 1 and run.packing.clump is None
 
 
 def test_a_packing_in_place_of_that_of_the_case():

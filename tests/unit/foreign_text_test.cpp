@@ -175,6 +175,8 @@ TEST_CASE("clumps of YADE: numbers of bodies, -1 for a free grain") {
   refused("0 0 0 0.5 1\n1 0 1 0.5 1.23457e+06\n", "p.txt:4: clumpId: expected an integer");  // six digits of more
   refused("0 0 0 0.5 1\n1 0 1 0.5\n", "p.txt:4: expected 5 numbers");
   Packing packing{.x = {0, 1}, .y = {0, 0}, .radius = {0.5, 0.5}, .mass = {}};
+  packing.clump = {-1, -1};  // as Python may give them: no clump
+  CHECK(detect_contacts(packing, {}).contacts.size() == 1);
   packing.clump = {1};
   CHECK_THROWS_WITH_AS(check(packing), doctest::Contains("expected a clump for each of 2 grains"), Error);
 }
