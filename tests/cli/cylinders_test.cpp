@@ -124,4 +124,22 @@ TEST_CASE_FIXTURE(Session, "export --lmgc90: what of cylinders LMGC90 has not, o
   answer("simulate off.toml --steps 1 -o off.h5");
   ended(0, "export off.h5 --lmgc90 off",
         {"no DATBOX is written: boundary 'drum': expected a plank or cylinder that turns about its middle"});
+  // 2 h pi r^2 (r^2/4 + h^2/3) and 2 h pi r^2 r^2/2 with r = 0.1, h = 0.25, and 2500 kg/m^3.
+  const std::string free = "free = [\"x\", \"y\", \"z\", \"spin_x\", \"spin_y\", \"spin\"]\nmass = 39.269908\n";
+  const auto rod = [&](const std::string& more) {
+    file("rod.toml", replaced(cylinders_in_space, "velocity = [0.1, 0, 0]\n", free + more));
+    answer("simulate rod.toml --steps 1 -o rod.h5 --force");
+  };
+  rod("centre = [0.2, 0.2, -0.2]\ninertia = [0.9162979, 0.19634954, 0.9162979]\n");
+  answer("export rod.h5 --lmgc90 rod");
+  const BoundarySpec written = datbox_dynamics(read_datbox(path("rod"))).boundaries.at(0);  // before the others
+  REQUIRE(written.body.has_value());
+  CHECK(written.body->mass == doctest::Approx(39.269908).epsilon(1e-6));
+  CHECK(written.body->inertia[2] == doctest::Approx(0.19634954).epsilon(1e-6));  // about its axis
+  rod("centre = [0.2, 0.2, -0.2]\ninertia = [0.9162979, 0.2, 0.9162979]\n");
+  ended(0, "export rod.h5 --lmgc90 two",
+        {"boundary 'rod': expected the inertia of a full cylinder with the density of grains, 0.916", "0.196"});
+  rod("centre = [0.2, 0.1, -0.2]\ninertia = [0.9162979, 0.19634954, 0.9162979]\n");
+  ended(0, "export rod.h5 --lmgc90 three",
+        {"boundary 'rod': expected its centre to be the middle of its plank or cylinder"});
 }

@@ -135,6 +135,11 @@ TEST_CASE("DATBOX: cylinders lie along the third axis of their body; the full on
   CHECK(body.inertia[1] == doctest::Approx(body.inertia[0]));
   CHECK(body.inertia[2] == doctest::Approx(mass * 49 / 2));
   CHECK((body.axes * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitX()).norm() < 1e-12);
+  texts.bodies = replaced(texts.bodies, "HARDx  avrd= 0.0000000D+00\n$nodty\n NO6xx      1                coo1= 0.5",
+                          "HARDx  avrd= 0.0000000D+00\n" + std::string(29, ' ') +
+                              "I1  = 0.1000000D+01  I2  = 0.2000000D+01  I3  = 0.3000000D+01\n$nodty\n NO6xx      1" +
+                              std::string(16, ' ') + "coo1= 0.5");
+  CHECK(cylinder_dynamics(texts).boundaries.at(0).body->inertia == body.inertia);  // as LMGC90, not of the file
   // A hollow one has no frame of its own, and no ends here.
   texts = full_cylinder();
   texts.bodies = replaced(texts.bodies, "CYLND", "DNLYC");

@@ -113,8 +113,9 @@ void complete_cluster_in_plane(DatboxBody& body) {
   body.gyration_radius = std::sqrt(moment / square);
 }
 
-// Computes, as LMGC90 does, the centre of a body (in the plane only if its node is at 0), and radii and inertia that
-// are 0 in BODIES.DAT. (Those of walls but cylinders stay 0: such a wall is never free here.)
+// Computes, as LMGC90 does, the centre of a body (in the plane only if its node is at 0), the inertia of a cylinder,
+// and radii and inertia that are 0 in BODIES.DAT. (Those of planks and hollow disks stay 0; if such a body is free, 0
+// is refused later.)
 void complete(DatboxBody& body, Index dimension) {
   if (body.contactors.size() == 1 && body.contactors[0].solid) return complete_solid(body, dimension);
   const bool single = body.contactors.size() == 1;
@@ -129,12 +130,12 @@ void complete(DatboxBody& body, Index dimension) {
     complete_cluster_in_plane(body);
   if (!single || body.wall() == "xKSID") return;
   const double radius = body.contactors[0].radius;
-  if (dimension == 3 && !body.wall().empty()) {
+  if (dimension == 3 && radius > 0 && !body.wall().empty()) {
     const double half = body.contactors[0].length, square = radius * radius,
                  volume = 2 * half * std::numbers::pi * square;
     if (body.average_radius == 0) body.average_radius = std::cbrt(0.75 * volume / std::numbers::pi);
     const double across = volume * (square / 4 + half * half / 3);
-    if (body.inertia.isZero(0)) body.inertia = {across, across, volume * square / 2};
+    body.inertia = {across, across, volume * square / 2};
   } else if (dimension == 3) {
     if (body.average_radius == 0) body.average_radius = radius;
     if (body.inertia.isZero(0))

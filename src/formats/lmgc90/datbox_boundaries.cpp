@@ -9,7 +9,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-// Ours has no ends: it goes on beyond those of DNLYC, where LMGC90 has contacts at wrong distances.
+// A hollow one has no ends here. LMGC90 has contacts at wrong distances beyond the ends of a DNLYC.
 void set_cylinder(const DatboxBody& body, BoundarySpec& cylinder) {
   const DatboxContactor& shape = body.contactors[0];
   cylinder.shape = BoundaryShape::cylinder;

@@ -89,7 +89,7 @@ std::string datbox_named(std::initializer_list<std::pair<std::string_view, doubl
 }
 
 // LMGC90 takes the centre of spheres, weighted by volume, moments along the axes of a body, and as the inertia of a
-// single contactor that of a full sphere or box.
+// single contactor that of a full sphere, box or cylinder.
 std::string DatboxWriter::without_free(const Body& body) const {
   const FreeBody* free = free_body(body);
   if (!space_ || free == nullptr) return {};
@@ -107,21 +107,28 @@ std::string DatboxWriter::without_free(const Body& body) const {
     middle += (centre(first_.state, i) - middle) * (own / (volume += own));
   }
   if ((middle - Eigen::Vector3d(pose.x, pose.y, pose.z)).norm() > tolerance * (margin_ + middle.norm()))
-    return fmt::format("expected its centre to be that of {}",
-                       body.wall < 0 ? "its spheres, weighted by volume" : "its plank");
+    return fmt::format("expected its centre to be {}", body.wall < 0 ? "that of its spheres, weighted by volume"
+                                                                     : "the middle of its plank or cylinder");
   if (body.grains.size() > 1 || !free->free(BodyDirection::spin)) return {};
   Eigen::Vector3d expected = Eigen::Vector3d::Ones();
+  const char* shape = "sphere";
   if (body.wall < 0) {
     expected *= 0.4 * volume * radius[body.grains[0]] * radius[body.grains[0]];
+  } else if (const Wall& wall = first_.system.walls[at(body.wall)]; wall.round()) {
+    shape = "cylinder";
+    const double half = planks_[at(body.wall)].length, square = wall.radius * wall.radius;
+    const double across = square / 4 + half * half / 3;
+    expected = 2 * half * std::numbers::pi * square * Eigen::Vector3d(across, across, square / 2);
   } else {
+    shape = "box";
     const auto& [frame, c, a, b, along, across] = planks_[at(body.wall)];
     expected = 8 * a * b * c / 3 * Eigen::Vector3d(b * b + c * c, a * a + c * c, a * a + b * b);
   }
   expected *= density_;
   const Eigen::Matrix3d excess = inertia_in(*free, body, node.frame) - Eigen::Matrix3d(expected.asDiagonal());
   if (excess.cwiseAbs().maxCoeff() <= tolerance * expected.maxCoeff()) return {};
-  return fmt::format("expected the inertia of a full {} with the density of grains, {}, {} and {} kg m^2",
-                     body.wall < 0 ? "sphere" : "box", expected[0], expected[1], expected[2]);
+  return fmt::format("expected the inertia of a full {} with the density of grains, {}, {} and {} kg m^2", shape,
+                     expected[0], expected[1], expected[2]);
 }
 
 std::string DatboxWriter::without_datbox() const {
@@ -145,7 +152,8 @@ std::string DatboxWriter::without_datbox() const {
     if (const std::string reason = without_free(body); !reason.empty())
       return fmt::format("boundary '{}': {}", boundary.name, reason);
     const bool has_middle = body.wall >= 0 && first_.system.walls[at(body.wall)].radius != 0;
-    if (!turns(boundary.motion) && !(has_middle && boundary.body)) continue;
+    const bool spins = boundary.body && boundary.body->free(BodyDirection::spin);
+    if (!turns(boundary.motion) && !(has_middle && spins)) continue;
     const char* expected = nullptr;
     const Pose& pose = first_.state.poses[at(body.boundary)];
     const Eigen::Vector3d centre(pose.x, pose.y, pose.z);

@@ -24,8 +24,8 @@ class DatboxWriter {
   std::string vloc_rloc(const TrajectoryStep& step) const;
 
   /// Why no DATBOX can describe this case; empty if one can. Reasons: a law that LMGC90 lacks, disks that do not turn
-  /// with their boundary, spheres that do, and a wall that turns about a point in front of it or about several axes, or
-  /// one with a middle that turns about another point.
+  /// with their boundary, spheres that do, a wall that turns about a point in front of it or about several axes, and a
+  /// plank or cylinder that turns about another point than its middle.
   std::string without_datbox() const;
   std::string tact() const;    ///< TACT_BEHAV.DAT: a law between grains, one at boundaries, and who sees whom
   std::string driven() const;  ///< DRV_DOF.DAT: velocities of the driven bodies, constant or by a table (evolution)
