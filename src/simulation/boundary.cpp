@@ -216,7 +216,8 @@ std::string to_toml(const BoundarySpec& spec) {
   if (!spec.colour.empty()) text += fmt::format("colour = {}\n", field_text(spec.colour));
   const Motion& motion = spec.motion;
   const bool space = spec.dimension == 3;
-  if (spec.body || motion.centre != default_centre(spec))  // free bodies need one
+  // Free bodies need one; of cylinders the default has changed since version 0.2.
+  if (spec.body || spec.shape == BoundaryShape::cylinder || motion.centre != default_centre(spec))
     text += fmt::format("centre = {}\n", components_text(motion.centre, space));
   text += function_lines(motion, keys_of_motion, space);
   if (spec.body) text += body_lines(*spec.body, space);
