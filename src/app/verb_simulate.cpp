@@ -170,19 +170,22 @@ std::vector<double> features(const Simulation& simulation, const std::string& ca
 int run(const Options& options, const Context& context) {
   const Processes& all = context.machine.processes;
   const ThreadLimit limit = options.limits.apply(context.machine);
+  std::optional<Case> one;
+  const auto resolved = [&](const CaseSpec& spec) {
+    return resolve_case(spec, {options.files.output, options.files.convergence, options.counts});
+  };
   CaseSpec spec = all.together([&] {
     if (all.first()) check_names(options);
     const std::string path = find_case(options.name);
     CaseSpec found = spec_of_file(path, true);
     apply(options, found);
     require_shared(found, context.machine);
-    if (std::holds_alternative<PackingFile>(found.packing)) found = resolve(found).spec;  // with its clumps
+    if (std::holds_alternative<PackingFile>(found.packing))
+      found = one.emplace(resolved(found)).spec;  // with its clumps
     if (options.restart && all.first()) check_restart(options.files.output, options.files.convergence, found);
     return found;
   });
-  std::optional<Case> one = in_turn(all, [&] {
-    return resolve_case(spec, {options.files.output, options.files.convergence, options.counts});
-  });
+  if (!one) one = in_turn(all, [&] { return resolved(spec); });
   std::optional<RunSoFar> found;
   std::vector<double> speeds;
   Simulation simulation = all.together([&] {
