@@ -132,8 +132,8 @@ class ContactProblem:
         return self._core.guesses
 
     def reduced(self) -> "ContactProblem":
-        """The problem in the unknowns of its contacts: W = H^T M^-1 H and q = H^T M^-1 f + w. Raises Error for an M that
-        is not positive definite."""
+        """The problem in the unknowns of its contacts: W = H^T M^-1 H and q = H^T M^-1 f + w. Raises Error for an M
+        that is not positive definite."""
         return self._of(self._core.reduced())
 
     @_arguments.takes(_core.friction_options)

@@ -14,8 +14,8 @@ from ._core import ContactNetwork, Decomposition, Packing
 def read_packing(path: str | os.PathLike[str]) -> Packing:
     """The packing of a file: CSV with columns x, y, radius and maybe z and mass, HDF5 (.h5, .hdf5) with datasets of
     these names in the group `packing`, a text with lines "x y radius", "x y z radius" or, of YADE, x_y_z_r_clumpId, or
-    the free disks of a folder DATBOX of LMGC90. A packing with z is in space; in a text z must differ between grains. Raises Error naming file
-    and line, or dataset, for bad input."""
+    the free disks of a folder DATBOX of LMGC90. A packing with z is in space; in a text z must differ between grains.
+    Raises Error naming file and line, or dataset, for bad input."""
     return _core.read_packing(_arguments.path(path))
 
 

@@ -78,8 +78,8 @@ def curve(parts: Decomposition, epsilon: _arguments.Values | tuple[float, float]
           threads: int = 0, **options: _arguments.Option) -> CurveTable:
     """Curves of the spectral radius that are proved between their points, which are placed automatically.
 
-    epsilon, eta   one of them is a range, (1e-3, 1e3) or a text "1e-3:1e3" or "0.1:10W"; there is a curve for every value
-                   of the other and every relaxation
+    epsilon, eta   one of them is a range, (1e-3, 1e3) or a text "1e-3:1e3" or "0.1:10W"; there is a curve for every
+                   value of the other and every relaxation
     tolerance      of `curve_high` - `curve_low` at a point, times max(1, `subdominant_radius`)
 
     Over log epsilon (or eta), straight lines from `curve_low` to `curve_low` and from `curve_high` to `curve_high` of

@@ -23,7 +23,7 @@ std::vector<Verb> all_verbs() {
       {"simulate", "run a case that moves, step by step: trajectory as HDF5", declare_simulate},
       {"export", "write a run for ParaView, a step of it as a contact problem, or the operators of a case",
        declare_export},
-      {"report", "one page to look at a packing or a run: radii, modes, criteria, force chains, as HTML",
+      {"report", "one page about a packing, contact problem or run: radii, modes, criteria, force chains, as HTML",
        declare_report},
       {"generate", "write the packing of a generator or a case, as CSV or HDF5", declare_generate},
       {"solve", "solve a frictional contact problem of another program (FCLIB, Siconos, LMGC90)", declare_solve},
