@@ -419,6 +419,21 @@ TEST_CASE("one contact: the local solution obeys the law for any friction, on th
   }
 }
 
+TEST_CASE("sweeps: a contact of a full block that opens stays open, though rest would be a solution, too") {
+  // The second contact closes, so that sweeps are asked for.
+  Matrix w = Matrix::Identity(4, 4);
+  w(0, 1) = w(1, 0) = -0.9;
+  LocalFrictionProblem problem;
+  problem.dimension = 2;
+  problem.w = w.sparseView();
+  problem.q = Vector{{0.35, -0.6, -1, 0}};
+  problem.friction = Vector{{2, 2}};
+  const FrictionSolution found = solve_friction(problem, {.algorithm = FrictionAlgorithm::nlgs});
+  CHECK(found.status == FrictionStatus::converged);
+  CHECK(found.impulses.head(2).isZero(0));
+  CHECK(found.impulses[2] == doctest::Approx(1));
+}
+
 TEST_CASE("accelerated gradients: the number of threads changes no bit") {
   const LocalFrictionProblem problem = reduce(random_bodies_problem(6, 4000, 9000));  // enough for threads
   const FrictionSolverOptions options{.algorithm = FrictionAlgorithm::apgd, .maximum_sweeps = 60};
