@@ -129,16 +129,17 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics, const Peri
 
 namespace {
 
-// Half the length of a plank or cylinder along x or y, m.
+// Half the length along x or y, m, that a plank or cylinder must find room for in a cell; 0 if it lies along that
+// direction, since its images then make one, however long it is.
 double half_length_along(const Wall& wall, std::size_t k) {
+  constexpr double rounding = 1e-6;  // of directions, whose numbers may have seven digits
   const double radius = std::abs(wall.radius);
-  if (wall.plank())
-    return std::abs(wall.axis[k]) * wall.half_length + std::abs(cross(wall.normal, wall.axis)[k]) * wall.half_width +
-           radius;
-  const double along = std::abs(wall.normal[k]);
-  if (wall.has_ends()) return along * wall.half_length + std::sqrt(std::max(0.0, 1 - along * along)) * radius;
-  constexpr double rounding = 1e-12;  // an unbounded one may lie along the cell or across it
-  return along > 1 - rounding ? 0 : along > rounding ? infinity : radius;
+  const double along = std::abs(wall.plank() ? wall.axis[k] : wall.normal[k]);
+  const double across = wall.plank() ? std::abs(cross(wall.normal, wall.axis)[k]) : 0;
+  if (std::max(along, across) > 1 - rounding) return 0;
+  if (wall.plank()) return along * wall.half_length + across * wall.half_width + radius;
+  if (!wall.has_ends() && along > rounding) return infinity;
+  return along * wall.half_length + std::sqrt(1 - along * along) * radius;
 }
 
 // Of a plank or cylinder grains see only the nearest image.

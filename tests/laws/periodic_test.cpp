@@ -274,6 +274,7 @@ TEST_CASE("walls that do not fit their cell are refused") {
   refused(drum_at(0.5, 0, false), 0.55, "boundary 'drum': expected a cylinder that is shorter");
   BoundarySpec plank = spinning_plank(0.5, 0);
   plank.radius = 0.01;
+  plank.to = {0.6, 0.1, 0};  // 0.2 long along x, and askew
   in_cell({{.x = 0.1, .y = 3, .radius = 0.01}}, tight({plank}), 0.23);
   refused(plank, 0.21, "boundary 'plank': expected a plank that is shorter");
   plank.from = {0.5, -0.1, 0};
@@ -289,4 +290,16 @@ TEST_CASE("walls that do not fit their cell are refused") {
   CHECK_THROWS_WITH_AS(scene(packing, tight({rod}), {.x = 1}), doctest::Contains("expected a cylinder"), Error);
   rod.to = {0.5, 0, 1};
   scene(packing, tight({rod}), {.x = 1});
+}
+
+TEST_CASE("a floor that is longer than its cell holds grains everywhere") {
+  BoundarySpec plank = wall("plank", {-1.3, 0}, {2.7, 0});
+  plank.shape = BoundaryShape::plank;
+  plank.radius = 0.1;
+  for (const double x : {0.01, 0.3, 0.7, 0.99}) {
+    Simulation simulation = in_cell({{.x = x, .y = 0.2, .radius = 0.1}}, tight({plank}), 1);
+    advance(simulation, 10);
+    CHECK(simulation.state.y[0] == doctest::Approx(0.2).epsilon(1e-12));
+    CHECK(impulse_between(simulation.state, 0, 1).n == doctest::Approx(g * simulation.dynamics.time.step));
+  }
 }
