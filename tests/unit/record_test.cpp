@@ -2,9 +2,7 @@
 // Records of LMGC90's HDF5 file against the text files of the same step: equal contact problems and equal states.
 #include "formats/lmgc90/record.hpp"
 
-#include "../support/datbox_texts.hpp"
-#include "../support/network_texts.hpp"
-#include "../support/run_program.hpp"
+#include "../support/lmgc90_records.hpp"
 #include "../support/spoilt.hpp"
 #include "files/hdf5_file.hpp"
 #include "formats/case/case_file.hpp"
@@ -18,96 +16,6 @@ using namespace nscdd;
 using namespace nscdd::testing;
 
 namespace {
-
-// The arrays of a record in the layout of format 0.2.
-struct RecordArrays {
-  bool space = false;
-  double time = 0, step = 0;
-  std::vector<double> state = {}, contacts = {};
-  std::vector<std::int32_t> visible = {}, numbers = {};
-};
-
-void append(std::vector<double>& values, std::initializer_list<double> more) { values.insert(values.end(), more); }
-
-void append_three(std::vector<double>& values, const Eigen::Vector3d& v) { append(values, {v[0], v[1], v[2]}); }
-
-// The state and the contacts that the text files have. Laws are numbered by `laws`.
-RecordArrays arrays_of(const DatboxTexts& texts, const std::string& contacts, const std::vector<std::string>& laws) {
-  DatboxTexts still = texts;
-  still.initial.clear();
-  const Datbox moved = parse_datbox(texts, "box", DatboxShapes::any),
-               start = parse_datbox(still, "box", DatboxShapes::any);
-  RecordArrays arrays{.space = moved.space(), .time = moved.start};
-  for (std::size_t k = 0; k < moved.bodies.size(); ++k) {
-    const DatboxBody& body = moved.bodies[k];
-    append_three(arrays.state, body.position - start.bodies[k].position);
-    if (moved.space()) append(arrays.state, {0, 0, 0});
-    append_three(arrays.state, body.velocity);
-    if (moved.space()) append_three(arrays.state, body.spin);
-    for (Index axis = 0; moved.space() && axis < 3; ++axis) append_three(arrays.state, body.frame.col(axis));
-    arrays.visible.push_back(1);
-  }
-  const DatboxNetwork network = parse_vloc_rloc(contacts, "Vloc_Rloc.INI", moved);
-  for (const DatboxContact& one : network.contacts) {
-    const auto cd = static_cast<std::int32_t>(one.candidate + 1), an = static_cast<std::int32_t>(one.antagonist + 1);
-    const auto law = static_cast<std::int32_t>(std::ranges::find(laws, one.law) - laws.begin() + 1);
-    const std::int32_t kind = moved.space() ? 2 : 1;
-    const std::int32_t id = one.kind == "DKDKx" ? 1 : one.kind == "DKKDx" ? 2 : 7;  // as in mod_parameters.f90
-    for (const std::int32_t number :
-         {id, 1, cd, an, kind, kind, cd, an, 3, 4, 1, 1, 1, 1, 1, 1, law, 0, one.slid ? 6 : 4, 0, 0, 0})
-      arrays.numbers.push_back(number);
-    const auto n_second = [&](const Eigen::Vector3d& v) {  // (t, n), or (t, n, s)
-      append(arrays.contacts, {v[1], v[0]});
-      if (moved.space()) arrays.contacts.push_back(v[2]);
-    };
-    const auto vector = [&](const Eigen::Vector3d& v) {
-      arrays.contacts.insert(arrays.contacts.end(), v.begin(), v.begin() + moved.dimension);
-    };
-    n_second(one.force);
-    n_second(one.speed);
-    arrays.contacts.push_back(one.gap);
-    vector(one.point);
-    if (moved.space()) vector(one.frame.col(1));
-    vector(one.frame.col(0));
-    if (moved.space()) vector(one.frame.col(2));
-    arrays.contacts.push_back(1e9);  // data of laws
-  }
-  return arrays;
-}
-
-template <class Value>
-void put_rows(const hdf5::Group& group, const char* name, const std::vector<Value>& values, std::size_t rows) {
-  group.put<Value>(name, values, {.rows = rows});
-}
-
-void write_record(const hdf5::Group& root, const std::string& name, const RecordArrays& arrays) {
-  const hdf5::Group record = root.make_group("Evolution").make_group(name);
-  const std::int32_t number = 10;
-  record.put<std::int32_t>("NStep", std::span(&number, 1));
-  record.put<double>("TPS", std::span(&arrays.time, 1));
-  record.put<double>("dt", std::span(&arrays.step, 1));
-  const hdf5::Group bodies = record.make_group(arrays.space ? "RBDY3" : "RBDY2");
-  put_rows(bodies, "rdata", arrays.state, arrays.visible.size());
-  put_rows(bodies, "idata", arrays.visible, arrays.visible.size());
-  if (arrays.numbers.empty()) return;
-  const hdf5::Group contacts = record.make_group("VlocRloc");
-  put_rows(contacts, "idata", arrays.numbers, arrays.numbers.size() / 22);
-  put_rows(contacts, "rdata", arrays.contacts, arrays.numbers.size() / 22);
-}
-
-// DATBOX with another state in its DOF.INI, and lmgc90.h5 with these records beside it.
-std::string write_run(const TemporaryFolder& folder, const DatboxTexts& texts,
-                      const std::vector<std::pair<std::string, RecordArrays>>& records) {
-  write_file(folder / "run/DATBOX/BODIES.DAT", texts.bodies);
-  write_file(folder / "run/DATBOX/BULK_BEHAV.DAT", texts.bulk);
-  write_file(folder / "run/DATBOX/TACT_BEHAV.DAT", texts.tact);
-  write_file(folder / "run/DATBOX/DRV_DOF.DAT", texts.driven);
-  write_file(folder / "run/DATBOX/DOF.INI", "$steps        0              time= 0.9000000D+01\n");
-  write_file(folder / "run/lmgc90.h5", hdf5::new_file_bytes([&](const hdf5::Group& root) {
-               for (const auto& [name, arrays] : records) write_record(root, name, arrays);
-             }));
-  return (folder / "run/lmgc90.h5").string();
-}
 
 void check_same(const FclibFile& met, const FclibFile& expected) {
   const auto &p = std::get<GlobalFrictionProblem>(met.problem), &q = std::get<GlobalFrictionProblem>(expected.problem);
@@ -126,17 +34,6 @@ void check_same(const FclibFile& met, const FclibFile& expected) {
   REQUIRE(met.guesses.size() == 1);
   close(met.guesses[0].v, expected.guesses[0].v);
   close(met.guesses[0].r, expected.guesses[0].r);
-}
-
-// The square has moved by 1 cm; laws in an order that is not that of their names.
-NetworkTexts network_in_plane() {
-  NetworkTexts texts = square_on_plank();
-  texts.datbox.initial = replaced(texts.datbox.initial, "X(2)= 0.0000000D+00", "X(2)= 0.1000000D-01");
-  for (std::string* text : {&texts.datbox.tact, &texts.contacts}) *text = replaced(*text, "iqsc0", "zqsc0");
-  texts.datbox.tact = replaced(texts.datbox.tact, "IQS_CLB                         fric= 0.5000000D+00",
-                               "IQS_DS_CLB                      dfrc= 0.5000000D+00  sfrc= 0.7500000D+00");
-  texts.contacts = replaced(texts.contacts, "stick     1", "slibw     1");
-  return texts;
 }
 
 FclibFile problem_of_texts(const NetworkTexts& texts) {
@@ -209,19 +106,13 @@ TEST_CASE("record: levers of disks, of hollow disks and of clusters are those of
   CHECK(h(8, 5) == doctest::Approx(1.75 - 0.5 - 20));  // to its own surface
 }
 
-TEST_CASE("record: the page of a contact problem has the contacts of the record that is named, not of the last one") {
+TEST_CASE("record: a contact problem of other contacts than those of the model is not reported") {
   const TemporaryFolder folder;
   const NetworkTexts texts = network_in_plane();
   RecordArrays first = arrays_of(texts.datbox, texts.contacts, {"zqsc0", "rstc0"}), last = first;
-  first.step = 0.02;
   last.numbers.resize(last.numbers.size() - 22);
   last.contacts.resize(last.contacts.size() / (first.numbers.size() / 22) * (last.numbers.size() / 22));
   const std::string file = write_run(folder, texts.datbox, {{"ID_1", first}, {"ID_2", last}});
-  const Outcome run = run_program(folder / "run", {"report", "lmgc90.h5:ID_1", "--epsilon", "1", "--eta", "inf",
-                                                   "--no-optimum", "-o", "page.html"});
-  CHECK(run.exit_code == 0);
-  CHECK(run.standard_error.starts_with("nscdd: run: "));  // the name of the folder
-  CHECK(read_file(folder / "run/page.html").find("the next step with h = 0.02 s\"") != std::string::npos);
   const Model model = build(resolve(spec_of_file(file + ":ID_1")));
   check_error([&] { report_problem(model, read_contact_problem(file), "last"); },
               {"last: expected the 2 contacts of the model, met 1"});
