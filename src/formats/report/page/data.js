@@ -14,7 +14,7 @@ function unpacked({type, data: letters}) {
 }
 
 // The place of `to`, in a periodic cell that of its image, that is nearest to `from`.
-function nearest(from, to) {
+function nearestImage(from, to) {
   return to.map((v, k) => (data.period[k] > 0 ? v - data.period[k] * Math.round((v - from[k]) / data.period[k]) : v));
 }
 

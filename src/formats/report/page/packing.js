@@ -55,7 +55,7 @@ function showPacking() {
     const numbers = Array.from(first.keys());
     const place = (i) => [grains.x[i], grains.y[i], grains.z[i]];
     const pointOf = (k) => [...points.subarray(data.dimension * k, data.dimension * (k + 1)), 0].slice(0, 3);
-    const ends = (k) => !points ? [...place(first[k]), ...nearest(place(first[k]), place(second[k]))] :
+    const ends = (k) => !points ? [...place(first[k]), ...nearestImage(place(first[k]), place(second[k]))] :
         second[k] === support   ? [...place(first[k]), ...pointOf(k)] :
                                   [...place(first[k]), ...pointOf(k), ...pointOf(k), ...place(second[k])];
     const sorted = impulses ? Array.from(impulses, Math.abs).sort((a, b) => a - b) : [];

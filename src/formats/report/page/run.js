@@ -79,7 +79,7 @@ function showRun() {
     const centre = (i) => [x[i], y[i], z[i]], point = (k) => [...c.point.subarray(d * k, d * k + d), 0].slice(0, 3);
     const ends = (k) => {
       const from = centre(c.a[k]);
-      return [...from, ...nearest(from, c.b[k] < radius.length ? centre(c.b[k]) : point(k))];
+      return [...from, ...nearestImage(from, c.b[k] < radius.length ? centre(c.b[k]) : point(k))];
     };
     const size = (k) => Math.abs(c.normal[k]) / full;
     const numbers = Array.from(c.a.keys()), pulls = (k) => c.normal[k] < 0, slides = (k) => c.status[k] >= 2;
