@@ -91,13 +91,7 @@ RateAtSolution rate_at_solution(const Simulation& simulation);
 /// The distance of a contact from another status, N s: with the impulse s that would stop it, r_n = max(0, s_n) and r_t
 /// is s_t clamped to friction r_n, so it is that of the nearer corner, s_n = 0 or |s_t| = friction s_n.
 template <int D>
-double status_margin(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> velocities) {
-  const LocalVector<D> stop = stopping_impulse<D>(contact, velocities);
-  const double n = stop.n + contact.pull;
-  const bool rubs = contact.friction > 0 && std::visit([](const auto& one) { return one.rubs; }, law);
-  if (n <= 0) return -n;
-  return rubs ? std::min(n, std::abs(contact.friction * n - norm(stop.t))) : n;
-}
+double status_margin(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> velocities);
 
 /// Takes Algorithm 1 to the impulses of solved contacts, step 2 above; returns its state.
 template <int D>

@@ -4,6 +4,19 @@
 #include "study/moving/moving_tables.hpp"
 
 namespace nscdd {
+
+template <int D>
+double status_margin(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> velocities) {
+  const LocalVector<D> stop = stopping_impulse<D>(contact, velocities);
+  const double n = stop.n + contact.pull;
+  const bool rubs = contact.friction > 0 && std::visit([](const auto& one) { return one.rubs; }, law);
+  if (n <= 0) return -n;
+  return rubs ? std::min(n, std::abs(contact.friction * n - norm(stop.t))) : n;
+}
+
+template double status_margin(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>);
+template double status_margin(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>);
+
 namespace {
 
 constexpr double solved = 1e-10, rounding = 1e-13;  // natural map of a solution, and the tolerance
