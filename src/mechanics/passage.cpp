@@ -12,7 +12,10 @@ double least_height(const Wall& wall, const Place& from, const Place& move) {
   const auto height = [&](double part) { return nearest_point(wall, moved_along(from, part, move)).height; };
   for (int k = 0; k < 50; ++k) {
     const double a = low + (high - low) / 3, b = high - (high - low) / 3;
-    (height(a) < height(b) ? high : low) = height(a) < height(b) ? b : a;
+    if (height(a) < height(b))
+      high = b;
+    else
+      low = a;
   }
   return height((low + high) / 2);
 }

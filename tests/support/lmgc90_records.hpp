@@ -19,8 +19,8 @@ struct RecordArrays {
 /// The state and the contacts that the text files have. Laws are numbered by `laws`.
 RecordArrays arrays_of(const DatboxTexts& texts, const std::string& contacts, const std::vector<std::string>& laws);
 
-/// DATBOX with another state in its DOF.INI, and lmgc90.h5 with these records beside it, whose path it returns, in the
-/// subfolder run.
+/// Writes a subfolder `run` with lmgc90.h5, which has these records, and DATBOX, whose DOF.INI has another state.
+/// Returns the path of lmgc90.h5.
 std::string write_run(const TemporaryFolder& folder, const DatboxTexts& texts,
                       const std::vector<std::pair<std::string, RecordArrays>>& records);
 

@@ -143,8 +143,8 @@ enum class DatboxShapes {
 /// LMGC90 could not read or would read as another number.
 Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxShapes = DatboxShapes::modelled);
 
-/// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX, or a record (record.hpp), whose folder
-/// is datbox_beside its file.
+/// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX, or a record (record.hpp). The folder of
+/// a record is that of datbox_beside.
 bool holds_datbox(const std::string& path);
 
 /// The existing files of such a folder.

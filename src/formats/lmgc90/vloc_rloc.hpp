@@ -19,8 +19,8 @@ DatboxNetwork parse_vloc_rloc(std::string_view text, const std::string& name, co
 /// the reach of its body (an image in a periodic cell), and for no contacts at all; `name` is that of the file.
 FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network, const std::string& name);
 
-/// Reads such a file, a record (record.hpp), or Vloc_Rloc.INI of a folder that `holds_datbox`. The state is in DOF.INI,
-/// or DOF.OUT.K of that step, beside it, all else in the DATBOX beside it or in ../DATBOX. Throws Error as the
+/// Reads such a file, a record (record.hpp), or Vloc_Rloc.INI of a folder that `holds_datbox`. DOF.INI, or DOF.OUT.K of
+/// that step, in the folder of the file has the state; the folder of datbox_beside has all else. Throws Error as the
 /// functions called, and for a state of another time.
 FclibFile read_vloc_rloc(const std::string& path);
 
