@@ -129,6 +129,31 @@ ValuesAndVectors symmetric_eigen(const Matrix& a, Eigenvectors vectors) {
   return eigen_of(solver, vectors);
 }
 
+Vector symmetric_values(Matrix a) {
+  const OneBlasThread serial_blas;
+  const auto n = static_cast<lapack_int>(a.rows());
+  Vector values(n);
+  if (n > 0 && LAPACKE_dsyev(LAPACK_COL_MAJOR, 'N', 'L', n, a.data(), n, values.data()) != 0) return {};
+  return values;
+}
+
+std::optional<Index> negative_eigenvalues(Matrix a) {
+  const OneBlasThread serial_blas;
+  const auto n = static_cast<lapack_int>(a.rows());
+  std::vector<lapack_int> pivots(at(n));
+  if (n > 0 && LAPACKE_dsytrf(LAPACK_COL_MAJOR, 'L', n, a.data(), n, pivots.data()) != 0) return std::nullopt;
+  Index negative = 0;
+  for (Index k = 0; k < n; ++k) {
+    if (pivots[at(k)] < 0) {  // a 2 x 2 pivot of Bunch and Kaufman is indefinite
+      ++negative;
+      ++k;
+    } else {
+      negative += a(k, k) < 0;
+    }
+  }
+  return negative;
+}
+
 ValuesAndVectors tridiagonal_eigen(const Vector& diagonal, const Vector& below) {
   SymmetricSolver solver;
   solver.computeFromTridiagonal(diagonal, below);

@@ -33,7 +33,12 @@ enum class Eigenvectors { wanted, not_wanted };
 /// All eigenvalues of a symmetric matrix, and its eigenvectors if wanted. The values are NaN if the QR iteration fails.
 /// (Eigen's decompositions are slow to compile, so only this source does.)
 ValuesAndVectors symmetric_eigen(const Matrix& a, Eigenvectors vectors = Eigenvectors::wanted);
-/// The same for a tridiagonal matrix, given by its diagonal and subdiagonal.
+/// All eigenvalues of a symmetric matrix, ascending, its lower triangle read (LAPACK dsyev); empty if it fails.
+Vector symmetric_values(Matrix a);
+/// Negative eigenvalues of a symmetric matrix, its lower triangle read, by the inertia of L D L^T (LAPACK dsytrf);
+/// nothing if it is singular in double precision.
+std::optional<Index> negative_eigenvalues(Matrix a);
+/// Eigenvalues and eigenvectors of a tridiagonal matrix, given by its diagonal and subdiagonal.
 ValuesAndVectors tridiagonal_eigen(const Vector& diagonal, const Vector& below);
 
 /// The n singular values of an n x c matrix, with n - c zeros if c < n, and its left singular vectors (LAPACK dgesdd,

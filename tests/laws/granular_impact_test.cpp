@@ -147,7 +147,7 @@ TEST_CASE("without restitution two disks stop each other just when they touch, h
 }
 
 TEST_CASE("a chain of equal touching disks hit by another with e = 0 moves as one") {
-  std::vector<Grain> grains{{.x = -1, .velocity_x = 6}};
+  std::vector<nscdd::testing::Grain> grains{{.x = -1, .velocity_x = 6}};
   for (int k = 0; k < 5; ++k) grains.push_back({.x = static_cast<double>(k)});
   Simulation simulation = simulation_of(grains, without_gravity());
   simulation.state.x[0] -= 0.5e-3 * 6;  // touches at q_m

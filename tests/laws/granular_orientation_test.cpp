@@ -12,13 +12,13 @@ using namespace nscdd::testing;
 
 namespace {
 
-constexpr double wall_radius = 1.0, arm = 3.0, spin = 1e-3, h = 1e-3;
+constexpr double wall_radius = 1.0, arm = 3.0, spin = 1e-3, duration = 1e-3;
 
 // A grain at rest on top of a driven disk whose boundary turns about a foot an arm below. `shape`: the driven
 // disk belongs to the boundary, or is a grain of the packing.
 Simulation grain_on_driven_disk(BoundaryShape shape, Orientation orientation) {
   Dynamics dynamics = tight();
-  dynamics.time.step = h;
+  dynamics.time.step = duration;
   dynamics.interaction.friction = 1;
   BoundarySpec spec;
   spec.name = "driven";
@@ -53,10 +53,10 @@ TEST_CASE("a grain on a driven disk rolls as its surface moves: with its spin or
         CHECK(simulation.state.velocity_x[0] == doctest::Approx(surface / 3).epsilon(tolerance));
         CHECK(simulation.state.spin[0] == doctest::Approx(2 * surface / 3 / 0.5).epsilon(tolerance));
       }
-      const double angle = orientation == Orientation::fixed ? 0 : 20 * h * spin;
+      const double angle = orientation == Orientation::fixed ? 0 : 20 * duration * spin;
       CHECK(simulation.state.angle[1] == doctest::Approx(angle).epsilon(1e-12));
       CHECK(simulation.state.spin[1] == (orientation == Orientation::fixed ? 0 : spin));
       // Its centre goes round the foot all the same.
-      CHECK(simulation.state.x[1] == doctest::Approx(-arm * std::sin(20 * h * spin)).epsilon(1e-12));
+      CHECK(simulation.state.x[1] == doctest::Approx(-arm * std::sin(20 * duration * spin)).epsilon(1e-12));
     }
 }

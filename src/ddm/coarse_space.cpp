@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/coarse_space.hpp"
+
+#include "core/disjoint_sets.hpp"
+#include "core/fail.hpp"
+#include "linalg/pencil.hpp"
+#include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <numeric>
+
+namespace nscdd {
+namespace {
+
+constexpr double independent_pivot = 1e-12;  // smallest pivot of U^T C U, whose diagonal is 1
+
+// Columns of one subdomain, on its shared unknowns.
+struct LocalVectors {
+  Matrix columns;
+  Vector lambda;
+};
+
+// Sorts by lambda, and within it by subdomain, and scales to norm 1 in C.
+CoarseVectors united(const PrimalInterface& interface, const std::vector<LocalVectors>& local) {
+  struct Place {
+    double lambda;
+    Index subdomain, column;
+  };
+  std::vector<Place> order;
+  for (Index e = 0; e < count(local); ++e)
+    for (Index j = 0; j < local[at(e)].columns.cols(); ++j) order.push_back({local[at(e)].lambda[j], e, j});
+  std::ranges::stable_sort(order, std::less{}, &Place::lambda);
+  SparseEntries entries;
+  CoarseVectors all{{}, Vector(count(order)), {}};
+  for (Index k = 0; k < count(order); ++k) {
+    const auto& [lambda, e, j] = order[at(k)];
+    const std::vector<Index>& rows = interface.subdomains[at(e)].rows;
+    for (Index i = 0; i < count(rows); ++i)
+      if (const double value = local[at(e)].columns(i, j); value != 0) entries.add(rows[at(i)], k, value);
+    all.lambda[k] = lambda;
+    all.subdomains.push_back(e);
+  }
+  all.u = entries.matrix(interface.size(), count(order));
+  const SparseMatrix image = interface.sparse() * all.u;
+  for (Index k = 0; k < count(order); ++k)
+    if (const double square = all.u.col(k).dot(image.col(k)); square > 0) all.u.col(k) /= std::sqrt(square);
+  return all;
+}
+
+// Velocities of the shared grains of connected pieces of a subdomain that move as rigid bodies.
+Matrix rigid_motions_of(const CondensedSubdomain& one, const Subdomain& subdomain, Index d) {
+  DisjointSets sets(count(subdomain.grains));
+  for (Index c = 0; c < subdomain.h.cols(); ++c) {
+    Index first = -1;
+    for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e) {
+      if (first >= 0) sets.join(first, e.row() / d);
+      first = e.row() / d;
+    }
+  }
+  std::vector<Index> piece;
+  for (Index i = 0; i < count(subdomain.grains); ++i) piece.push_back(sets.root(i));
+  piece = renumbered(piece);
+  const Index pieces = piece.empty() ? 0 : std::ranges::max(piece) + 1, motions = d * (d + 1) / 2;
+  Matrix centre = Matrix::Zero(d, pieces), velocities = Matrix::Zero(count(one.local), motions * pieces);
+  Vector grains = Vector::Zero(pieces);
+  for (Index i = 0; i < count(piece); ++i) {
+    centre.col(piece[at(i)]) += subdomain.centres.col(i);
+    grains[piece[at(i)]] += 1;
+  }
+  for (Index i = 0; i < count(one.local); ++i) {
+    const Index grain = one.local[at(i)] / d, k = one.local[at(i)] % d, p = piece[at(grain)];
+    const Vector arm = subdomain.centres.col(grain) - centre.col(p) / grains[p];
+    velocities(i, motions * p + k) = 1;
+    Index rotation = motions * p + d;  // one in each plane (a, b): v_a = -x_b, v_b = x_a
+    for (Index a = 0; a < d; ++a)
+      for (Index b = a + 1; b < d; ++b, ++rotation) velocities(i, rotation) = k == a ? -arm[b] : k == b ? arm[a] : 0.0;
+  }
+  return velocities;
+}
+
+}  // namespace
+
+CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold) {
+  if (!(threshold > 0)) fail("threshold of GenEO: expected a number > 0, met {}", threshold);
+  const SparseMatrix c = interface.sparse();
+  std::vector<LocalVectors> local(interface.subdomains.size());
+  for_each_in_parallel(count(local), [&](Index e) {
+    const CondensedSubdomain& one = interface.subdomains[at(e)];
+    const Index n = count(one.rows);
+    if (n == 0) return;
+    Matrix own = Matrix::Zero(n, n);  // R_E C R_E^T
+    for (Index j = 0; j < n; ++j)
+      for (SparseMatrix::InnerIterator entry(c, one.rows[at(j)]); entry; ++entry)
+        if (const auto found = std::ranges::lower_bound(one.rows, entry.row());
+            found != one.rows.end() && *found == entry.row())
+          own(found - one.rows.begin(), j) = entry.value();
+    const Eigen::LLT<Matrix> cholesky(one.flexibility);  // F_E = L L^T; w = L y: (L^T T L) y = y / lambda
+    const Matrix weighted = one.weights * cholesky.matrixL().toDenseMatrix();
+    const Matrix pencil = weighted.transpose() * own * weighted;
+    const ValuesAndVectors pairs = symmetric_eigen(0.5 * (pencil + pencil.transpose()));
+    Index kept = 0;
+    while (kept < n && pairs.values[n - 1 - kept] * threshold > 1) ++kept;
+    local[at(e)] = {weighted * pairs.vectors.rightCols(kept).rowwise().reverse(),
+                    pairs.values.tail(kept).reverse().cwiseInverse()};
+  });
+  return united(interface, local);
+}
+
+CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts) {
+  const Index d = interface.dofs_per_grain;
+  std::vector<LocalVectors> local(interface.subdomains.size());
+  for (std::size_t e = 0; e < local.size(); ++e) {
+    const CondensedSubdomain& one = interface.subdomains[e];
+    if (parts.subdomains[e].centres.rows() != d ||
+        parts.subdomains[e].centres.cols() != count(parts.subdomains[e].grains))
+      throw Error(
+          "coarse space rigid: expected the centres of frictionless grains, met a network without; geneo needs "
+          "none");
+    Matrix motions = one.weights * rigid_motions_of(one, parts.subdomains[e], d);
+    const Vector lambda = Vector::Zero(motions.cols());
+    local[e] = {std::move(motions), lambda};
+  }
+  return united(interface, local);
+}
+
+// Left-looking, column by column: row j of L is the right-hand side of the vectors kept before.
+CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVectors& vectors) {
+  const Index m = vectors.u.cols();
+  const Matrix gram = Matrix(SparseMatrix(vectors.u.transpose() * SparseMatrix(interface.sparse() * vectors.u)));
+  std::vector<Index> kept;
+  Matrix l(m, m);  // row j, column i: of vector j along the i-th kept one
+  for (Index j = 0; j < m; ++j) {
+    const Index r = count(kept);
+    if (r >= interface.size()) break;
+    Vector column = gram.col(j).tail(m - j);
+    column.noalias() -= l.block(j, 0, m - j, r) * l.row(j).head(r).transpose();
+    if (!(column[0] > independent_pivot)) continue;
+    l.col(r).tail(m - j) = column / std::sqrt(column[0]);
+    kept.push_back(j);
+  }
+  const Index r = count(kept);
+  lower_ = l(kept, Eigen::seqN(0, r)).template triangularView<Eigen::Lower>();
+  u_ = selected_columns(vectors.u, kept);
+  lambda_ = vectors.lambda(kept);
+  for (const Index j : kept) subdomains_.push_back(vectors.subdomains[at(j)]);
+}
+
+CoarseProblem CoarseProblem::first(Index k) const {
+  CoarseProblem part = *this;
+  part.u_ = u_.leftCols(k);
+  part.lower_ = lower_.topLeftCorner(k, k);
+  part.lambda_ = lambda_.head(k);
+  part.subdomains_.resize(at(k));
+  return part;
+}
+
+Vector CoarseProblem::solve(const Vector& p, Index k) const {
+  Vector c = (u_.transpose() * p).head(k);
+  const auto factor = lower_.topLeftCorner(k, k).triangularView<Eigen::Lower>();
+  factor.solveInPlace(c);
+  factor.transpose().solveInPlace(c);
+  Vector all = Vector::Zero(size());
+  all.head(k) = c;
+  return u_ * all;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/primal_interface.hpp"
+
+#include "core/fail.hpp"
+#include "ddm/enriched_inertia.hpp"
+#include "linalg/threads.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <map>
+#include <set>
+
+namespace nscdd {
+namespace {
+
+// sum_E R_E^T A_E R_E u, with block(E) = A_E.
+template <class Block>
+Vector sum_of_blocks(const PrimalInterface& interface, const Vector& u, const Block& block) {
+  std::vector<Vector> parts(interface.subdomains.size());
+  for_each_in_parallel(count(parts), [&](Index e) {
+    const CondensedSubdomain& one = interface.subdomains[at(e)];
+    if (!one.rows.empty()) parts[at(e)] = block(one, Vector(u(one.rows)));  // the BLAS takes no empty matrix
+  });
+  Vector sum = Vector::Zero(u.size());
+  for (std::size_t e = 0; e < parts.size(); ++e) sum(interface.subdomains[e].rows) += parts[e];
+  return sum;
+}
+
+void condense(CondensedSubdomain& one, const Subdomain& subdomain, Index interface_size, double flexibility) {
+  if (one.local.empty()) return;
+  const Index n = subdomain.inertia.size();
+  const SparseMatrix k = SparseMatrix(subdomain.h * subdomain.h.transpose()) / flexibility;
+  const OneBlasThread serial_blas;
+  one.block = Matrix::Zero(count(one.local), count(one.local));
+  std::vector<Index> place(at(n), -1);
+  for (Index i = 0; i < count(one.local); ++i) {
+    place[at(one.local[at(i)])] = i;
+    one.block(i, i) = subdomain.inertia[one.local[at(i)]];
+  }
+  for_entries(k, [&](Index i, Index j, double value) {
+    if (place[at(i)] >= 0 && place[at(j)] >= 0) one.block(place[at(i)], place[at(j)]) += value;
+  });
+  SparseEntries selection;
+  for (Index i = 0; i < count(one.local); ++i) selection.add(one.rows[at(i)], one.local[at(i)], 1);
+  Subdomain selected = subdomain;
+  selected.a = selection.matrix(interface_size, n);  // condense() gives the block of these unknowns
+  const EnrichedInertiaFamily family(selected, 0);
+  one.flexibility = EnrichedInertia(family, flexibility).condense();
+  const Eigen::LLT<Matrix> cholesky(one.flexibility);
+  one.stiffness = cholesky.solve(Matrix::Identity(one.block.rows(), one.block.rows()));
+  one.stiffness = (0.5 * (one.stiffness + one.stiffness.transpose())).eval();
+  if (!one.flexibility.allFinite() || cholesky.info() != Eigen::Success) one.stiffness.setConstant(not_a_number);
+}
+
+// The shared grains of each set of subdomains, by their numbers on the primal interface.
+std::map<std::vector<Index>, std::vector<Index>> classes_of(const PrimalInterface& interface) {
+  std::map<std::vector<Index>, std::vector<Index>> classes;
+  for (Index g = 0; g < count(interface.sharing); ++g) classes[interface.sharing[at(g)]].push_back(g);
+  return classes;
+}
+
+// Places, among the shared unknowns of a subdomain, of the unknowns of these shared grains, ascending.
+std::vector<Index> places_of(const CondensedSubdomain& one, const std::vector<Index>& grains, Index d) {
+  std::vector<Index> places;
+  for (const Index grain : grains)
+    for (Index k = 0; k < d; ++k)
+      places.push_back(std::ranges::lower_bound(one.rows, d * grain + k) - one.rows.begin());
+  return places;
+}
+
+void weigh_deluxe(PrimalInterface& interface) {
+  for (CondensedSubdomain& one : interface.subdomains) one.weights.setZero(one.block.rows(), one.block.rows());
+  for (const auto& [members, grains] : classes_of(interface)) {
+    Matrix sum;
+    for (const Index e : members) {
+      const CondensedSubdomain& one = interface.subdomains[at(e)];
+      const std::vector<Index> places = places_of(one, grains, interface.dofs_per_grain);
+      if (sum.size() == 0) sum.setZero(count(places), count(places));
+      sum += one.stiffness(places, places);
+    }
+    const Eigen::LLT<Matrix> cholesky(sum);
+    for (const Index e : members) {
+      CondensedSubdomain& one = interface.subdomains[at(e)];
+      const std::vector<Index> places = places_of(one, grains, interface.dofs_per_grain);
+      one.weights(places, places) = Matrix(cholesky.solve(Matrix(one.stiffness(places, places))));
+    }
+  }
+}
+
+}  // namespace
+
+bool PrimalInterface::definite() const {
+  return std::ranges::all_of(subdomains, [](const CondensedSubdomain& one) { return one.stiffness.allFinite(); });
+}
+
+Index PrimalInterface::most_neighbours() const {
+  std::vector<std::set<Index>> met(subdomains.size());
+  for (const std::vector<Index>& members : sharing)
+    for (const Index e : members) met[at(e)].insert(members.begin(), members.end());
+  std::size_t most = 0;
+  for (const std::set<Index>& of_one : met) most = std::max(most, of_one.size());
+  return static_cast<Index>(most);
+}
+
+Vector PrimalInterface::apply(const Vector& u) const {
+  return sum_of_blocks(*this, u,
+                       [](const CondensedSubdomain& one, const Vector& x) -> Vector { return one.stiffness * x; });
+}
+
+Vector PrimalInterface::precondition(const Vector& p) const {
+  return sum_of_blocks(*this, p, [](const CondensedSubdomain& one, const Vector& x) -> Vector {
+    return one.weights * (one.flexibility * (one.weights.transpose() * x));
+  });
+}
+
+SparseMatrix PrimalInterface::sparse() const {
+  SparseEntries entries;
+  for (const CondensedSubdomain& one : subdomains)
+    for (Index j = 0; j < count(one.rows); ++j)
+      for (Index i = 0; i < count(one.rows); ++i) entries.add(one.rows[at(i)], one.rows[at(j)], one.stiffness(i, j));
+  return entries.matrix(size(), size());
+}
+
+Matrix PrimalInterface::dense_preconditioner() const {
+  Matrix sum = Matrix::Zero(size(), size());
+  for (const CondensedSubdomain& one : subdomains)
+    sum(one.rows, one.rows) += one.weights * one.flexibility * one.weights.transpose();
+  return sum;
+}
+
+PrimalInterface condense(const Decomposition& parts, double flexibility) {
+  const Interface& glued = parts.interface;
+  if (!glued.processes().alone())
+    fail("subdomains condensed onto shared grains: expected one process, met {}", glued.processes().size);
+  if (!(flexibility > 0) || std::isinf(flexibility))
+    fail("subdomains condensed onto shared grains: expected a finite flexibility > 0, met {}", flexibility);
+  const Index d = glued.dofs_per_grain();
+  PrimalInterface interface { d, {}, std::vector<CondensedSubdomain>(parts.subdomains.size()) };
+  Index last = -1;
+  for (const Gluing& row : glued.gluing()) {
+    if (row.grain == last) continue;
+    last = row.grain;
+    std::vector<Index>& members = interface.sharing.emplace_back();
+    for (const GrainCopy& copy : glued.copies(row.grain)) {
+      members.push_back(copy.subdomain);
+      CondensedSubdomain& one = interface.subdomains[at(copy.subdomain)];
+      for (Index k = 0; k < d; ++k) {
+        one.local.push_back(d * copy.grain + k);
+        one.rows.push_back(d * (count(interface.sharing) - 1) + k);
+      }
+    }
+  }
+  for_each_in_parallel(count(parts.subdomains), [&](Index e) {
+    condense(interface.subdomains[at(e)], parts.subdomains[at(e)], interface.size(), flexibility);
+  });
+  return interface;
+}
+
+void weigh(PrimalInterface& interface, Scaling scaling) {
+  if (scaling == Scaling::deluxe) return weigh_deluxe(interface);
+  const auto own = [&](const CondensedSubdomain& one) -> Vector {
+    return scaling == Scaling::stiffness ? Vector(one.block.diagonal()) : Vector::Ones(one.block.rows());
+  };
+  Vector sum = Vector::Zero(interface.size());
+  for (const CondensedSubdomain& one : interface.subdomains) sum(one.rows) += own(one);
+  for (CondensedSubdomain& one : interface.subdomains)
+    one.weights = own(one).cwiseQuotient(Vector(sum(one.rows))).asDiagonal();
+}
+
+}  // namespace nscdd

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Local preconditioners and coarse spaces of the interface: theorems that hold for every network.
+#include "../support/dense.hpp"
+#include "../support/problems.hpp"
+#include "ddm/local_preconditioner.hpp"
+#include "linalg/linear_iteration.hpp"
+#include "linalg/pencil.hpp"
+#include "linalg/random.hpp"
+#include "spectra/balanced_spectrum.hpp"
+#include <nscdd/ddm/interface_operator.hpp>
+#include <nscdd/study/sweep.hpp>
+
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+constexpr std::array scalings{Scaling::multiplicity, Scaling::stiffness, Scaling::deluxe};
+
+template <class Law>
+void on_every_interface(Law&& law) {
+  int problems = 0;
+  for (const Case& one : with_interface(every_problem())) {
+    CAPTURE(one.spec.name);
+    law(build(one));
+    ++problems;
+  }
+  CHECK(problems >= 14);
+}
+
+std::shared_ptr<PrimalInterface> weighted(const Model& model, double epsilon, Scaling scaling) {
+  auto interface = std::make_shared<PrimalInterface>(condense(model.parts, epsilon * flexibility_scale(model)));
+  weigh(*interface, scaling);
+  return interface;
+}
+
+// P^-1 X_eps as a symmetric matrix, L^T P^-1 L, X_eps = L L^T.
+Vector dual_spectrum(const Model& model, double epsilon, const LocalPreconditioner& p) {
+  const Matrix x = InterfaceFamily(model.parts).at(epsilon * flexibility_scale(model)).dense();
+  const Matrix lower = Eigen::LLT<Matrix>(x).matrixL();
+  Matrix map(x.rows(), x.cols());
+  for (Index k = 0; k < x.cols(); ++k) map.col(k) = p.solve(lower.col(k));
+  map = (lower.transpose() * map).eval();
+  CHECK((map - map.transpose()).norm() <= 1e-6 * map.norm());
+  return symmetric_values(map);
+}
+
+CoarseProblem no_coarse_space(const PrimalInterface& interface) {
+  return {interface, CoarseVectors{SparseMatrix(interface.size(), 0), {}, {}}};
+}
+
+// Rank of a semidefinite matrix.
+Index rank_of(const Matrix& a) {
+  const Vector values = symmetric_values(a);
+  return (values.array() > 1e-9 * values.maxCoeff()).count();
+}
+
+// The eigenvalues above 1, descending.
+Vector upper(Vector eigenvalues) {
+  std::vector<double> found;
+  for (Index k = eigenvalues.size(); k-- > 0;)
+    if (eigenvalues[k] > 1 + 1e-5) found.push_back(eigenvalues[k]);
+  return Eigen::Map<Vector>(found.data(), count(found));
+}
+
+void check_same_upper(const Vector& a, const Vector& b) {
+  const Vector one = upper(a), two = upper(b);
+  REQUIRE(one.size() == two.size());
+  for (Index k = 0; k < one.size(); ++k) CHECK(one[k] == doctest::Approx(two[k]).epsilon(1e-6));
+}
+
+}  // namespace
+
+TEST_CASE("weights of every scaling add up to one on each shared grain, and fix its velocity") {
+  on_every_interface([](const Model& model) {
+    for (const Scaling scaling : scalings) {
+      const auto interface = weighted(model, 1e-2, scaling);
+      Matrix sum = Matrix::Zero(interface->size(), interface->size());
+      for (const CondensedSubdomain& one : interface->subdomains) sum(one.rows, one.rows) += one.weights;
+      CHECK((sum - Matrix::Identity(sum.rows(), sum.cols())).norm() < 1e-10);
+    }
+  });
+}
+
+TEST_CASE("the primal interface is the undivided network condensed onto shared grains") {
+  on_every_interface([](const Model& model) {
+    const double epsilon = 1e-2 * flexibility_scale(model);
+    const PrimalInterface interface = condense(model.parts, epsilon);
+    const ReferenceProblem& problem = model.problem;
+    Matrix whole = Matrix(problem.h * problem.h.transpose()) / epsilon;
+    whole.diagonal() += problem.inertia;
+    const Matrix inverse = whole.inverse();
+    std::vector<Index> shared;
+    for (Index g = 0; g < problem.grains(); ++g)
+      if (model.parts.interface.multiplicity(g) > 1)
+        for (Index k = 0; k < problem.dofs_per_grain; ++k) shared.push_back(problem.dofs_per_grain * g + k);
+    REQUIRE(count(shared) == interface.size());
+    const Matrix product = Matrix(interface.sparse()) * inverse(shared, shared);
+    CHECK((product - Matrix::Identity(product.rows(), product.cols())).norm() < 1e-8);
+  });
+}
+
+TEST_CASE("FETI-Dirichlet and the balanced primal interface have one upper spectrum, with every coarse space") {
+  on_every_interface([](const Model& model) {
+    for (const Scaling scaling : scalings)
+      for (const double epsilon : {1e-3, 0.1}) {
+        CAPTURE(epsilon);
+        const auto interface = weighted(model, epsilon, scaling);
+        const auto none = std::make_shared<const CoarseProblem>(no_coarse_space(*interface));
+        const auto geneo = std::make_shared<const CoarseProblem>(*interface, geneo_vectors(*interface, 0.5));
+        for (const auto& coarse : {none, geneo}) {
+          const BalancedSpectrum spectrum(*interface, *coarse);
+          const Vector primal = spectrum.all(coarse->size());
+          if (primal.size() > 0) CHECK(primal[0] > 1 - 1e-7);
+          const LocalPreconditioner dual(model.parts, interface, LocalStiffness::dirichlet, coarse);
+          check_same_upper(dual_spectrum(model, epsilon, dual), primal);
+        }
+      }
+  });
+}
+
+TEST_CASE("GenEO keeps its bound, Lanczos and inertia agree with the dense spectrum, interlacing is never beaten") {
+  on_every_interface([](const Model& model) {
+    for (const Scaling scaling : scalings)
+      for (const double kappa : {3.0, 30.0}) {
+        const auto interface = weighted(model, 1e-4, scaling);
+        const double bound = static_cast<double>(interface->most_neighbours());
+        const CoarseProblem coarse(*interface, geneo_vectors(*interface, 1e9));
+        const BalancedSpectrum spectrum(*interface, coarse);
+        const Index safe = coarse.below(bound / kappa);
+        CHECK(spectrum.largest(safe) <= kappa * (1 + 1e-9));
+        for (const Index k : {Index{0}, safe / 2, safe}) {
+          const Vector all = spectrum.all(k);
+          if (all.size() == 0) continue;
+          CHECK(spectrum.largest(k) == doctest::Approx(std::max(1.0, all[all.size() - 1])).epsilon(1e-6));
+          const double shift = 0.5 * (1 + all[all.size() - 1]);
+          CHECK(spectrum.above(shift, k) == (all.array() > shift).count());
+        }
+        const std::optional<Index> fewest = spectrum.fewest(kappa);
+        REQUIRE(fewest);
+        CHECK(*fewest <= safe);
+        CHECK(*fewest >= fewest_deflated(spectrum.all(0), kappa));
+        if (*fewest > 0) CHECK(spectrum.largest(*fewest - 1) > kappa);
+      }
+  });
+}
+
+TEST_CASE("deluxe is exact for two subdomains") {
+  int problems = 0;
+  for (const Case& one : with_interface(every_problem())) {
+    const Model model = build(one);
+    if (model.partition.subdomains != 2) continue;
+    ++problems;
+    const auto interface = weighted(model, 1e-3, Scaling::deluxe);
+    const CoarseProblem coarse = no_coarse_space(*interface);
+    CHECK(BalancedSpectrum(*interface, coarse).largest(0) == doctest::Approx(1).epsilon(1e-8));
+  }
+  CHECK(problems >= 3);
+}
+
+// Law 1 (docs/theory.md, section 18): rank of N_0 + rank X_0 - sum of the ranks of F_E,0 eigenvalues grow as 1/epsilon.
+void check_law_1(const Model& model, Scaling scaling) {
+  const auto interface = weighted(model, 1e-9, scaling);
+  Matrix n0 = Matrix::Zero(interface->size(), interface->size());
+  Index visible = 0;  // motions of the subdomains that move shared grains
+  for (std::size_t e = 0; e < model.parts.subdomains.size(); ++e) {
+    const Subdomain& subdomain = model.parts.subdomains[e];
+    const CondensedSubdomain& one = interface->subdomains[e];
+    if (one.rows.empty()) continue;
+    const Vector root = subdomain.inertia.cwiseSqrt().cwiseInverse();
+    const ValuesAndVectors left = left_singular(root.asDiagonal() * Matrix(subdomain.h));
+    const Index loose = (left.values.array() < 1e-7 * left.values.maxCoeff()).count();
+    const Matrix moves = (root.asDiagonal() * left.vectors.leftCols(loose))(one.local, Eigen::all);
+    const Matrix flexibility = moves * moves.transpose();  // F_E,0
+    visible += rank_of(flexibility);
+    n0(one.rows, one.rows) += one.weights * flexibility * one.weights.transpose();
+  }
+  const Index rank = model.parts.interface_size() - InterfaceFamily(model.parts).at(0).nullity();
+  const Index unbounded = rank_of(n0) + rank - visible;
+  CHECK(unbounded <= std::min(rank, interface->size()));
+  const auto eigenvalues = [&](double epsilon) {
+    const auto at_epsilon = weighted(model, epsilon, scaling);
+    const CoarseProblem coarse = no_coarse_space(*at_epsilon);
+    return BalancedSpectrum(*at_epsilon, coarse).all(0);
+  };
+  const Vector growth = eigenvalues(1e-9).cwiseQuotient(eigenvalues(1e-8));
+  CHECK((growth.array() > 5).count() == unbounded);
+}
+
+TEST_CASE("law 1: in the rigid limit the ranks of the network count the vectors that a coarse space needs") {
+  on_every_interface([](const Model& model) {
+    for (const Scaling scaling : {Scaling::multiplicity, Scaling::stiffness}) check_law_1(model, scaling);
+  });
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    CAPTURE(seed);
+    const Index columns = 5 + static_cast<Index>(seed % 4), rows = 4 + static_cast<Index>(seed % 3);
+    const Model model = build(random_lattice(seed, columns, rows, {2, 1 + static_cast<Index>(seed % 2)}));
+    if (model.parts.interface_size() > 0) check_law_1(model, Scaling::multiplicity);
+  }
+}
