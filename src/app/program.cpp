@@ -19,6 +19,7 @@ std::vector<Verb> all_verbs() {
       {"network", "contact network of a case: links, impulses, active contacts, as CSV", declare_network},
       {"inspect", "counts, interface, ranks, rigid modes and hyperstaticity of a case", declare_inspect},
       {"optimum", "best flexibility eta of the enriched algorithm for a case", declare_optimum},
+      {"coarse", "condition numbers of the interface problem, and the coarse space that it needs", declare_coarse},
       {"modes", "where the iteration is slow: impulses and velocities of the slowest mode, as CSV", declare_modes},
       {"simulate", "run a case that moves, step by step: trajectory as HDF5", declare_simulate},
       {"export", "write a run for ParaView, a step of it as a contact problem, or the operators of a case",

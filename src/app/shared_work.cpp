@@ -100,9 +100,11 @@ void give_back_freed_memory() {
 }
 
 void declare_contacts(Command& command, Choice<ContactSet>& contacts) {
-  command.preset("--contacts", contacts,
-                 "contacts of Stage 1: all, active, or unilateral; active: in compression in the linear rigid problem; "
-                 "unilateral: carrying in the frictionless unilateral problem");
+  command.preset(
+      "--contacts", contacts,
+      "contacts of Stage 1: all, active, unilateral, or frozen; active: in compression in the linear rigid problem; "
+      "unilateral: carrying in the frictionless unilateral problem; frozen: of a contact problem, in its solution with "
+      "friction, sticking contacts and the normals of sliding ones");
 }
 
 SpectralOptions spectra_on(const Machine& machine, SpectralOptions options) {

@@ -50,7 +50,7 @@ struct Verb {
 };
 
 Declaration declare_sweep, declare_run, declare_network, declare_inspect, declare_optimum, declare_generate,
-    declare_modes, declare_report, declare_solve, declare_simulate, declare_export, declare_list, declare_manual;
+    declare_modes, declare_report, declare_solve, declare_simulate, declare_export, declare_coarse, declare_list, declare_manual;
 
 /// Text of `nscdd` without a verb: purpose, first examples, verbs.
 std::string short_guide(const std::vector<Verb>& verbs, const Machine& machine);

@@ -139,6 +139,10 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   CutContacts<D> cut(linear_decomposition(simulation, step), {.network = solver.interface_network,
                                                               .flexibility = admm ? 1 : solver.interface_flexibility,
                                                               .tolerance = tolerance,
+                                                              .preconditioner = solver.interface_preconditioner,
+                                                              .scaling = solver.interface_scaling,
+                                                              .coarse_space = solver.coarse_space,
+                                                              .kappa = solver.coarse_kappa,
                                                               .inertia = stage_two_inertia(simulation)});
   DividedContacts<D> divided(step.problem, step.partition, std::move(parts),
                              contact_colours(simulation, step.problem.geometry), std::move(cut),

@@ -39,6 +39,13 @@ void add_needs(std::vector<Need>& needs, const StepSolver& solver) {
     add(path, "solver.interface_method", solver.interface_method, is(InterfaceMethod::richardson));
   add("solver.interface_flexibility", "solver.interface_network", solver.interface_network,
       is_not(InterfaceNetwork::none));
+  add("solver.interface_flexibility", "solver.interface_preconditioner", solver.interface_preconditioner,
+      is(SystemPreconditioner::network));
+  add("solver.interface_scaling", "solver.interface_preconditioner", solver.interface_preconditioner,
+      is_not(SystemPreconditioner::network));
+  add("solver.coarse_space", "solver.interface_preconditioner", solver.interface_preconditioner,
+      is(SystemPreconditioner::dirichlet));
+  add("solver.coarse_kappa", "solver.coarse_space", solver.coarse_space, is(CoarseSpace::geneo));
   for (const char* path : {"solver.switch_after", "solver.switch_flexibility"})
     add(path, "solver.switch", solver.model, is_not(SwitchedModel::none));
   add("solver.switch_cells", "solver.switch", solver.model, is(SwitchedModel::homogenised));

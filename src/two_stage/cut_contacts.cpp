@@ -39,6 +39,14 @@ CutContacts<D>::CutContacts(Decomposition parts, const CutOptions& options)
     own_.push_back(subdomain.contacts);
     for (Index& column : own_.back()) column -= parts_.first_contact;
   }
+  const bool local = options_.preconditioner != SystemPreconditioner::network;
+  if (local && options_.network == InterfaceNetwork::none)
+    throw Error("solver.interface_network",
+                fmt::format("expected all or active with solver.interface_preconditioner {}, met none",
+                            to_string(options_.preconditioner)));
+  if (local && !processes().alone())
+    throw Error("solver.interface_preconditioner",
+                fmt::format("expected network on several processes, met {}", to_string(options_.preconditioner)));
   if (parts_.interface_size() > 0 && options_.network == InterfaceNetwork::none)
     preconditioner_ = InterfaceFamily(parts_, 0).at(infinity);  // X, for all relations
 }
@@ -79,6 +87,21 @@ Decomposition CutContacts<D>::stage_two() const {
 }
 
 template <int D>
+LocalPreconditioner CutContacts<D>::local_preconditioner() const {
+  const Decomposition parts = stage_two();
+  const auto interface = std::make_shared<PrimalInterface>(condense(parts, 1));
+  weigh(*interface, options_.scaling);
+  if (options_.preconditioner == SystemPreconditioner::lumped) return {parts, interface, LocalStiffness::lumped};
+  std::shared_ptr<const CoarseProblem> coarse;
+  if (options_.coarse_space == CoarseSpace::rigid)
+    coarse = std::make_shared<const CoarseProblem>(*interface, rigid_vectors(*interface, parts));
+  if (options_.coarse_space == CoarseSpace::geneo && interface->definite())
+    coarse = std::make_shared<const CoarseProblem>(
+        *interface, geneo_vectors(*interface, static_cast<double>(interface->most_neighbours()) / options_.kappa));
+  return {parts, interface, LocalStiffness::dirichlet, coarse};
+}
+
+template <int D>
 bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
   ++work_.factorisations;
   relations_ = std::move(relations);
@@ -97,7 +120,9 @@ bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
     regular[at(i)] = lu_[at(i)]->factorise(k);
   });
   symmetric_ = !processes().any(!std::ranges::all_of(e_, [](const auto& block) { return block == block.transpose(); }));
-  if (parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
+  if (parts_.interface_size() > 0 && options_.preconditioner != SystemPreconditioner::network)
+    local_.emplace(local_preconditioner());
+  else if (parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
     preconditioner_ = InterfaceFamily(stage_two(), 0, options_.inertia).at(options_.flexibility);
   return !processes().any(std::ranges::count(regular, 0) > 0);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact_solvers/contact_matrix.hpp"
+#include "ddm/local_preconditioner.hpp"
 #include "linalg/linear_iteration.hpp"
 #include "two_stage/step_solver.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
@@ -13,13 +14,17 @@ struct CutOptions {
   double flexibility = 10;  ///< c: links of Stage 2 are c times as flexible as those of Stage 1
   double tolerance = 1e-6;  ///< largest jump of a solution, relative to jumps without interface impulses
   Index maximum_iterations = 500;
+  SystemPreconditioner preconditioner = SystemPreconditioner::network;
+  Scaling scaling = Scaling::deluxe;
+  CoarseSpace coarse_space = CoarseSpace::none;
+  double kappa = 30;           ///< that GenEO shall keep
   InertiaMethod inertia = {};  ///< factorises P, see InterfaceOperator::solve
 };
 
 /// Linear systems  P r + Q W r = b  of the contacts of a step (see ContactMatrix), cut in the FETI way. E = P^-1 Q.
 ///   Stage 1  K_E V_E = H_E P^-1 b - A_E^T F,  K_E = M_E + H_E E H_E^T: one factorised solve per subdomain
 ///   Stage 2  S F = g by a Krylov method,  S = sum_E A_E K_E^-1 A_E^T, preconditioned by
-///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T
+///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T  or, with c = 1, by the LocalPreconditioner of this sum,
 /// where D is the diagonal of E: X_eta with eta = c alpha on the active contacts. In space D keeps the symmetric part
 /// of the tangential blocks of E: a sliding contact resists across its direction only. Then r = P^-1 b - E H_E^T V_E.
 /// No bit depends on the number of threads. Collective: each rank has its own subdomains and contacts, and whole
@@ -43,9 +48,10 @@ class CutContacts {
 
   const Decomposition& decomposition() const { return parts_; }
   const std::vector<ContactRelation<D>>& relations() const { return relations_; }
-  Vector apply(const Vector& f) const;                                              ///< S F
-  Vector precondition(const Vector& g) const { return preconditioner_->solve(g); }  ///< P^-1 g
-  Matrix dense() const;                                                             ///< S
+  Vector apply(const Vector& f) const;  ///< S F
+  /// P^-1 g
+  Vector precondition(const Vector& g) const { return local_ ? local_->solve(g) : preconditioner_->solve(g); }
+  Matrix dense() const;  ///< S
   const std::optional<InterfaceOperator>& preconditioner() const { return preconditioner_; }
 
   /// Totals since construction.
@@ -65,6 +71,7 @@ class CutContacts {
   enum class Zeros { stored, left_out };
   SparseMatrix blocks_of(Index subdomain, const Blocks& blocks, Zeros zeros) const;
   Decomposition stage_two() const;
+  LocalPreconditioner local_preconditioner() const;
 
   Decomposition parts_;
   CutOptions options_;
@@ -73,6 +80,7 @@ class CutContacts {
   Blocks e_;
   std::vector<std::optional<SparseLu>> lu_;
   std::optional<InterfaceOperator> preconditioner_;
+  std::optional<LocalPreconditioner> local_;
   bool symmetric_ = false;
   IteratedSolution longest_;  // of the last relations
   Work work_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/coarse_space.hpp"
 #include "mechanics/flexibility.hpp"
 #include "two_stage/step_algorithm.hpp"
 
@@ -50,6 +51,16 @@ enum class InterfaceNetwork {
   active,  ///< X_eta of both directions of contacts that stick and of the normal one of those that slide
 };
 constexpr auto names_of(InterfaceNetwork) { return std::to_array<std::string_view>({"none", "all", "active"}); }
+
+/// The preconditioner of these systems.
+enum class SystemPreconditioner {
+  network,    ///< X or X_eta, by InterfaceNetwork
+  lumped,     ///< see LocalPreconditioner: of the contacts of InterfaceNetwork, as stiff as in the system
+  dirichlet,  ///< the same
+};
+constexpr auto names_of(SystemPreconditioner) {
+  return std::to_array<std::string_view>({"network", "lumped", "dirichlet"});
+}
 
 /// In which iterations an enriched Stage 2 acts.
 enum class Enrichment {
@@ -121,6 +132,10 @@ struct StepSolver {
   double interface_relaxation = 1;  ///< omega
   Choice<InterfaceNetwork> interface_network = InterfaceNetwork::active;
   double interface_flexibility = 10;  ///< c, eta / alpha
+  Choice<SystemPreconditioner> interface_preconditioner = SystemPreconditioner::network;
+  Choice<Scaling> interface_scaling = Scaling::deluxe;
+  Choice<CoarseSpace> coarse_space = CoarseSpace::none;
+  double coarse_kappa = 30;
   Index redecompose = 1;
   Choice<SwitchedModel> model = SwitchedModel::none;  ///< key `switch`
   Index switch_after = 100;                           ///< k
@@ -177,6 +192,14 @@ struct StepSolver {
                                "the linear systems",
                 .above = 0,
                 .maximum = 1e6});
+    visit(cut_systems, "interface_preconditioner", self.interface_preconditioner,
+          Field{.description = "preconditioner of the interface of the two-stage Newton method and ADMM"});
+    visit(cut_systems, "interface_scaling", self.interface_scaling,
+          Field{.description = "weights of the copies of shared grains in this preconditioner"});
+    visit(cut_systems, "coarse_space", self.coarse_space,
+          Field{.description = "vectors that a coarse problem solves exactly in this preconditioner"});
+    visit(cut_systems, "coarse_kappa", self.coarse_kappa,
+          Field{.description = "condition number that the vectors of geneo shall keep", .above = 1});
     visit(subdomains, "redecompose", self.redecompose,
           Field{.description = "steps between two decompositions", .minimum = 1, .maximum = 1e9});
     visit(stage_two, "switch", self.model, Field{.description = "model of a subdomain once its statuses stand still"});

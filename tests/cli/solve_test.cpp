@@ -190,7 +190,7 @@ TEST_CASE_FIXTURE(Session, "a global problem goes through sweep, optimum and ins
   check_refused("sweep p.hdf5 --subdomains 2x1 --epsilon 1 --csv -", {"p.hdf5", "expected subdomains metis:N"});
   check_refused("sweep local.hdf5 --subdomains metis:2 --epsilon 1 --csv -", {"local.hdf5: expected a global problem"});
   check_refused("sweep p.hdf5 --subdomains metis:3 --epsilon 1 --contacts active --csv -",
-                {"expected --contacts all for a problem with friction"});
+                {"expected --contacts all or frozen for a problem with friction"});
   check_refused("sweep p.hdf5 --subdomains metis:3 --epsilon 1 --density 2 --csv -",
                 {"masses.density: this case is a contact problem"});
   CHECK(table("network p.hdf5 --subdomains metis:3").text(0, "subdomain") == "0");

@@ -5,8 +5,10 @@
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
 #include "formats/case/case_file.hpp"
+#include "linalg/random.hpp"
 #include "study/linear/inspection.hpp"
 #include "study/tables/study.hpp"
+#include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>
@@ -166,6 +168,33 @@ TEST_CASE("contacts of a problem: its bodies and subdomains are those of the pac
   }
 }
 
+TEST_CASE("the frozen contacts of a problem are those that its solution holds") {
+  Case one = as_problem(lattice(), true);
+  RandomStream random(4);
+  one.problem.f = random.normal_vector(one.problem.f.size());
+  one.problem.friction.setConstant(0.3);
+  const Model model = build(one);
+  const LocalFrictionProblem problem = reduce(one.problem);
+  const FrictionSolution solution = solve_friction(problem);
+  REQUIRE(solution.status == FrictionStatus::converged);
+  const ContactChoice choice = choose_contacts(model, ContactSet::frozen);
+  Index stick = 0, slide = 0;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const double normal = solution.impulses[2 * c], tangential = std::abs(solution.impulses[2 * c + 1]);
+    const bool carries = choice.active[at(2 * c)] != 0, sticks = choice.active[at(2 * c + 1)] != 0;
+    stick += sticks;
+    slide += carries && !sticks;
+    if (!carries) CHECK(normal < 1e-6);
+    if (sticks) CHECK(tangential <= 0.3 * normal * (1 + 1e-6));
+    if (carries && !sticks) CHECK(tangential == doctest::Approx(0.3 * normal).epsilon(1e-5));
+  }
+  CHECK(stick > 3);
+  CHECK(slide > 3);
+  const Selection selection = select(model, ContactSet::frozen);
+  CHECK(selection.of_case.active_contacts == stick + slide);
+  CHECK(selection.stage_one(model).subdomains[0].h.cols() < model.parts.subdomains[0].h.cols());
+}
+
 TEST_CASE("what a contact problem cannot do is refused") {
   Case one = as_problem(lattice(), true);
   const Model model = build(one);
@@ -173,7 +202,8 @@ TEST_CASE("what a contact problem cannot do is refused") {
   CHECK_THROWS_WITH_AS(grains(model, [](const Grain&) {}), doctest::Contains("grains: expected a packing"), Error);
   CHECK_THROWS_WITH_AS(packing_of(one), doctest::Contains("expected a packing"), Error);
   CHECK_THROWS_WITH_AS(choose_contacts(model, ContactSet::active),
-                       doctest::Contains("expected --contacts all for a problem with friction, met active"), Error);
+                       doctest::Contains("expected --contacts all or frozen for a problem with friction, met active"),
+                       Error);
   for (const char* key : {"packing.grains", "contacts.tolerance", "masses.density", "loads.shear"})
     CHECK_THROWS_WITH_AS(override_case(one.spec, key, "1"), doctest::Contains("expected only partition.*"), Error);
   override_case(one.spec, "partition.metis", "3");

@@ -40,6 +40,42 @@ TEST_CASE("linear systems of contacts that are cut have the solutions of the who
       }
 }
 
+TEST_CASE("lumped and Dirichlet preconditioners, and coarse spaces, find the same solutions in fewer iterations") {
+  RandomStream stream(17);
+  const Cut one = cut_lattice({3, 2});
+  const Index contacts = one.parts.contacts / 2;
+  for (const bool slides : {false, true}) {
+    const std::vector<ContactRelation<2>> relation = relations(contacts, 1e-3, slides);
+    const Vector b = random_vector(stream, 2 * contacts);
+    const auto solve_with = [&](CutOptions options) {
+      options.tolerance = 1e-12;
+      CutContacts<2> cut(one.parts, options);
+      REQUIRE(cut.factorise(relation));
+      const Vector found = cut.solve(b);
+      CHECK(cut.work().failures == 0);
+      return std::pair{found, cut.work().iterations};
+    };
+    const auto [expected, by_inertia] = solve_with({.network = InterfaceNetwork::none});
+    using enum SystemPreconditioner;
+    for (const Scaling scaling : {Scaling::multiplicity, Scaling::stiffness, Scaling::deluxe}) {
+      CHECK((solve_with({.preconditioner = lumped, .scaling = scaling}).first - expected).norm() <
+            1e-8 * expected.norm());
+      const auto [found, iterations] = solve_with({.preconditioner = dirichlet, .scaling = scaling});
+      CHECK((found - expected).norm() < 1e-8 * expected.norm());
+      const auto [coarse, fewer] = solve_with(
+          {.preconditioner = dirichlet, .scaling = scaling, .coarse_space = CoarseSpace::geneo, .kappa = 1.5});
+      CHECK((coarse - expected).norm() < 1e-8 * expected.norm());
+      if (!slides) {
+        CHECK(iterations < by_inertia);
+        CHECK(fewer < iterations);
+      }
+    }
+  }
+  CHECK_THROWS_WITH_AS(
+      CutContacts<2>(one.parts, {.network = InterfaceNetwork::none, .preconditioner = SystemPreconditioner::dirichlet}),
+      doctest::Contains("expected all or active with solver.interface_preconditioner dirichlet"), Error);
+}
+
 TEST_CASE("the sign of the determinant of systems that are cut is that of the whole ones") {
   RandomStream stream(13);
   std::array<int, 2> seen{};

@@ -3,7 +3,7 @@
 
 #include <nscdd/core/choice.hpp>
 #include <nscdd/ddm/decomposition.hpp>
-#include <nscdd/mechanics/reference_problem.hpp>
+#include <nscdd/mechanics/friction_problem.hpp>
 #include <nscdd/packing/packing.hpp>
 
 namespace nscdd {
@@ -16,7 +16,8 @@ struct Model {
   ReferenceProblem problem;
   Partition partition;
   Decomposition parts;
-  double flexibility = 1;  ///< scale of flexibilities, see flexibility_scale, 1/kg
+  std::shared_ptr<const GlobalFrictionProblem> friction = {};  ///< of a contact problem
+  double flexibility = 1;                                      ///< scale of flexibilities, see flexibility_scale, 1/kg
 
   Index grains() const { return problem.grains(); }
   Index contacts() const { return problem.contacts() / problem.columns_per_contact; }
@@ -34,18 +35,21 @@ enum class ContactSet {
   all,         ///< H_E
   active,      ///< G_E: those in compression in the linear rigid problem ([ADI12] section 4.3)
   unilateral,  ///< G_E: those that carry in the frictionless unilateral problem
+  frozen,  ///< G_E of a contact problem with friction: in its solution, sticking contacts, and normals of sliding ones
 };
 
-constexpr auto names_of(ContactSet) { return std::to_array<std::string_view>({"all", "active", "unilateral"}); }
+constexpr auto names_of(ContactSet) {
+  return std::to_array<std::string_view>({"all", "active", "unilateral", "frozen"});
+}
 
 /// The contacts of a set, and how they were found.
 struct ContactChoice {
-  std::vector<char> active;  ///< one flag per contact
+  std::vector<char> active;  ///< one flag per column of H
   Vector impulses;           ///< r behind the flags, kg m/s; empty for ContactSet::all
   /// "all", "compressive (unique)", "compressive (least norm)", "complementarity (unique)", or "complementarity
   /// (maximal)": the unilateral problem has several solutions, and the flags are of contacts that carry in any of them.
   std::string rule;
-  /// The same as one word: "unique", "least_norm", "unilateral_unique", "unilateral_maximal", "none" for all.
+  /// The same as one word: "unique", "least_norm", "unilateral_unique", "unilateral_maximal", "frozen", "none" for all.
   std::string solution;
   Index idle = 0;       ///< unilateral: contacts that neither carry nor open
   bool certain = true;  ///< the impulses were found to 1e-8

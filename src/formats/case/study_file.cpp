@@ -147,6 +147,21 @@ void check_moving(StrictTable& section, const StudyTable& table) {
   require_effects(section, "vary_together", table.vary_together, table);
 }
 
+void read_coarse(StrictTable& section, CoarseParameters& coarse) {
+  const auto names = [&section](const std::string& key, auto& all) {
+    using Enum = typename std::decay_t<decltype(all)>::value_type;
+    read_spec(
+        section, key, [&](std::string_view spec) { return parse_names<Enum>(spec, key); }, all);
+  };
+  names("preconditioner", coarse.preconditioners);
+  names("scaling", coarse.scalings);
+  names("coarse_space", coarse.spaces);
+  section.read("kappa", coarse.kappa);
+  if (section.has("threshold")) section.read("threshold", coarse.threshold.emplace());
+  section.read("counts", coarse.counts);
+  section.located("kappa", [&] { check_coarse(coarse); });
+}
+
 StudyTable read_table(StrictTable section, const CaseFinder& find) {
   StudyTable table;
   section.read("name", table.name);
@@ -170,6 +185,7 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
   read_spec(section, "relaxation", parse_relaxation, sweep.relaxation);
   read_spec(section, "gauss_seidel_sweeps", parse_sweeps, sweep.gauss_seidel_sweeps);
   section.read("contacts", sweep.contacts);
+  read_coarse(section, table.coarse);
   SpectralOptions::fields(sweep.spectral, [&](std::string_view key, auto& value, const Field& field) {
     if (table.observable->uses(key)) section.read(key, value, field);
   });

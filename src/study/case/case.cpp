@@ -110,6 +110,7 @@ Model without_parts(const Case& one, const Monitor& monitor) try {
       fail("{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
            file->path, one.spec.prescribed.size());
     model.problem = reference_problem(one.problem, file->path);
+    model.friction = std::make_shared<const GlobalFrictionProblem>(one.problem);
     model.partition = partition_of_problem(one.spec.partition, model.problem, one.points, file->path);
     return model;
   }

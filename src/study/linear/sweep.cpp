@@ -3,9 +3,12 @@
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "mechanics/active_set.hpp"
+#include "mechanics/contact_blocks.hpp"
+#include "mechanics/contact_law.hpp"
 #include "spectra/spectrum_memory.hpp"
 #include "study/linear/sweep_points.hpp"
 #include "two_stage/two_stage.hpp"
+#include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/study/sweep.hpp>
 
 namespace nscdd {
@@ -86,6 +89,25 @@ bool unique_impulses(const ReferenceProblem& problem, const std::vector<Unilater
   return sparse_rank(selected_columns(problem.h, closed)).value == count(closed);
 }
 
+template <int D>
+ContactChoice frozen_contacts(const GlobalFrictionProblem& global, const std::string& name) {
+  const LocalFrictionProblem problem = reduce(global, name);
+  const FrictionSolution solution = solve_friction(problem);
+  ContactChoice choice{.active = std::vector<char>(at(problem.size()), 0),
+                       .impulses = solution.impulses,
+                       .rule = "sticking and sliding in the solution with friction",
+                       .solution = "frozen",
+                       .certain = solution.status == FrictionStatus::converged};
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const double rho = 1 / problem.w.coeff(D * c, D * c);
+    const LocalVector<D> moved = component<D>(solution.impulses, c) - rho * component<D>(solution.state.velocities, c);
+    const ContactStatus status = contact_status(moved, problem.friction[c]);
+    const Index columns = status == ContactStatus::open ? 0 : status == ContactStatus::stick ? D : 1;
+    std::fill_n(choice.active.begin() + D * c, columns, char{1});
+  }
+  return choice;
+}
+
 }  // namespace
 
 void set_exact(SweepResult& result, const SpectralRadius& plain, double tolerance) {
@@ -138,9 +160,16 @@ ContactChoice choose_contacts(const Model& model, ContactSet contacts) {
   const ReferenceProblem& problem = model.problem;
   if (contacts == ContactSet::all)
     return {.active = std::vector<char>(at(problem.contacts()), 1), .impulses = {}, .rule = "all", .solution = "none"};
+  if (contacts == ContactSet::frozen) {
+    if (!model.friction) fail("{}: expected a contact problem with --contacts frozen, met a packing", model.name);
+    return model.problem.dimension == 2 ? frozen_contacts<2>(*model.friction, model.name)
+                                        : frozen_contacts<3>(*model.friction, model.name);
+  }
   if (problem.columns_per_contact > 1)
-    fail("{}: expected --contacts all for a problem with friction, met {}: its rule is that of frictionless contacts",
-         model.name, to_string(contacts));
+    fail(
+        "{}: expected --contacts all or frozen for a problem with friction, met {}: its rule is that of frictionless "
+        "contacts",
+        model.name, to_string(contacts));
   if (contacts == ContactSet::active) {
     const RigidImpulses rigid = rigid_impulses(problem);
     return {.active = active_contacts(problem, rigid),
@@ -167,10 +196,13 @@ Selection select(const Model& model, ContactSet contacts) {
 }
 
 Selection select(const Model& model, ContactSet contacts, const ContactChoice& choice) {
+  Index active_contacts = 0;  // by their normals
+  for (Index c = 0; c < count(choice.active); c += model.problem.columns_per_contact)
+    active_contacts += choice.active[at(c)] != 0;
   const CaseSummary of_case{.name = model.name,
                             .grains = model.grains(),
                             .contacts = model.contacts(),
-                            .active_contacts = std::ranges::count(choice.active, 1) / model.problem.columns_per_contact,
+                            .active_contacts = active_contacts,
                             .subdomains = model.partition.subdomains,
                             .interface_size = model.parts.interface_size(),
                             .contact_set = contacts,

@@ -31,4 +31,17 @@ std::vector<std::optional<double>> parse_relaxation(std::string_view spec);
 /// Gauss-Seidel sweeps of Stage 1: integers >= 1; "inf" (an empty value here) is an exact Stage 1.
 std::vector<std::optional<long>> parse_sweeps(std::string_view spec);
 
+/// A comma-separated list of names, without any twice. Throws Error naming `what`.
+template <Named Enum>
+std::vector<Enum> parse_names(std::string_view spec, std::string_view what) {
+  std::vector<Enum> all;
+  for (const std::string_view item : split(spec, ',')) {
+    const Enum one = Choice<Enum>::parse(item, what);
+    if (std::ranges::find(all, one) != all.end())
+      throw Error(std::string(what), "expected each name once, met '" + std::string(item) + "' again");
+    all.push_back(one);
+  }
+  return all;
+}
+
 }  // namespace nscdd

@@ -24,8 +24,10 @@ struct FrozenInterface {
 struct InterfaceIterations {
   StepReport report;
   Index subdomains = 0;
-  Index stick = 0, slide = 0;          // contacts at the end
-  FrozenInterface none, all, active;   // at these statuses
+  Index stick = 0, slide = 0;  // contacts at the end
+  // At these statuses: X, X_eta, and on the active contacts as stiff as in the system, lumped with weights by
+  // multiplicity, Dirichlet with these, with deluxe ones, and with a coarse space of GenEO besides.
+  FrozenInterface none, all, active, lumped, dirichlet, deluxe, geneo;
   Index undivided_factorisations = 0;  // of the same step on one subdomain
   // The same step by other methods, with the limit solver.maximum_iterations.
   struct Rival {
@@ -72,9 +74,11 @@ FrozenSystem<D> frozen_system(const GranularStep<D>& step) {
 }
 
 template <int D>
-FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem<D>& system, InterfaceNetwork network,
-                                 double flexibility) {
-  CutContacts<D> cut(parts, {network, flexibility, frozen_tolerance, most_iterations, multifrontal()});
+FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem<D>& system, CutOptions options) {
+  options.tolerance = frozen_tolerance;
+  options.maximum_iterations = most_iterations;
+  options.inertia = multifrontal();
+  CutContacts<D> cut(parts, options);
   FrozenInterface result;
   if (parts.interface_size() == 0 || !cut.factorise(system.relations)) return result;
   cut.solve(system.right);
@@ -106,9 +110,15 @@ InterfaceIterations by_newton(const Simulation& simulation) {
   const Decomposition parts =
       decompose(reference_problem(step.problem, simulation.system.bodies()), partition_of_columns(step.partition, D));
   const FrozenSystem<D> system = frozen_system(step);
-  result.none = frozen_interface(parts, system, InterfaceNetwork::none, flexibility);
-  result.all = frozen_interface(parts, system, InterfaceNetwork::all, flexibility);
-  result.active = frozen_interface(parts, system, InterfaceNetwork::active, flexibility);
+  const auto with = [&](const CutOptions& options) { return frozen_interface(parts, system, options); };
+  using enum SystemPreconditioner;
+  result.none = with({.network = InterfaceNetwork::none});
+  result.all = with({.network = InterfaceNetwork::all, .flexibility = flexibility});
+  result.active = with({.network = InterfaceNetwork::active, .flexibility = flexibility});
+  result.lumped = with({.preconditioner = lumped, .scaling = Scaling::multiplicity});
+  result.dirichlet = with({.preconditioner = dirichlet, .scaling = Scaling::multiplicity});
+  result.deluxe = with({.preconditioner = dirichlet, .scaling = Scaling::deluxe});
+  result.geneo = with({.preconditioner = dirichlet, .scaling = Scaling::deluxe, .coarse_space = CoarseSpace::geneo});
   return result;
 }
 
@@ -180,6 +190,10 @@ const ResultColumns<InterfaceIterations>& cut_columns() {
                      columns_of(&Found::none, frozen_columns("none", "no contacts")),
                      columns_of(&Found::all, frozen_columns("all", "all contacts")),
                      columns_of(&Found::active, frozen_columns("active", "the active contacts")),
+                     columns_of(&Found::lumped, frozen_columns("lumped", "the lumped preconditioner")),
+                     columns_of(&Found::dirichlet, frozen_columns("dirichlet", "the Dirichlet preconditioner")),
+                     columns_of(&Found::deluxe, frozen_columns("deluxe", "the same with deluxe weights")),
+                     columns_of(&Found::geneo, frozen_columns("geneo", "that and a coarse space of GenEO")),
                      columns_of(&Found::generic, rival_columns("generic", "the generic Algorithm 1, to zeta 1e-4")),
                      columns_of(&Found::enriched, rival_columns("enriched", "the enriched one with eta = 30 W")),
                      columns_of(&Found::admm, rival_columns("admm", "two-stage ADMM, to the tolerance")),

@@ -109,6 +109,12 @@ std::string options_text(const StudyTable& table) {
                       number_list(sweep.epsilon), sweep.relative_epsilon ? " W" : "", number_list(sweep.eta),
                       sweep.relative_eta ? " W" : "", number_list(sweep.relaxation, "optimal"),
                       number_list(sweep.gauss_seidel_sweeps, "inf"), to_string(sweep.contacts));
+  if (table.observable->uses("coarse_space"))
+    for (const CoarseMethod& method : methods_of(table.coarse))
+      text += fmt::format("coarse = {} {} {} {} {} {}\n", to_string(method.preconditioner),
+                          method.scaling ? to_string(*method.scaling) : "none", to_string(method.space),
+                          field_text(table.coarse.kappa), field_text(table.coarse.threshold.value_or(0)),
+                          table.coarse.counts);
   if (table.observable->moving)
     text += fmt::format("steps = {}\nlead_in = {}\n", fmt::join(table.steps, ", "), to_string(table.lead_in));
   if (table.observable->uses("contact_solvers"))

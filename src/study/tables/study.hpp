@@ -3,6 +3,7 @@
 
 #include "files/resumable_table.hpp"
 #include "study/case/lead_in.hpp"
+#include "study/linear/coarse.hpp"
 #include <nscdd/study/sweep.hpp>
 
 #include <fmt/format.h>
@@ -37,13 +38,13 @@ struct Observable {
 namespace observables {
 extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, solver_indicators,
     configuration, force_chains, predicted_observed, rate_at_solution, runs, switching, contact_solvers,
-    interface_iterations;
+    interface_iterations, coarse_space;
 
 /// Every observable, in the order of `nscdd list`.
-inline constexpr auto all =
-    std::to_array<const Observable*>({&spectral_radius, &optimum, &observed_rate, &links, &grains, &indicators,
-                                      &solver_indicators, &configuration, &force_chains, &predicted_observed,
-                                      &rate_at_solution, &runs, &switching, &contact_solvers, &interface_iterations});
+inline constexpr auto all = std::to_array<const Observable*>(
+    {&spectral_radius, &optimum, &observed_rate, &links, &grains, &indicators, &solver_indicators, &configuration,
+     &force_chains, &predicted_observed, &rate_at_solution, &runs, &switching, &contact_solvers, &interface_iterations,
+     &coarse_space});
 }  // namespace observables
 
 /// A case parameter, such as packing.grains, and its values.
@@ -60,6 +61,7 @@ struct StudyTable {
   std::vector<Variation> vary_together;  ///< parameters that change together; their lists have equal lengths
   std::vector<Variation> vary;  ///< every combination for each place of `vary_together`, the last one running fastest
   SweepParameters sweep;
+  CoarseParameters coarse;
   std::uint64_t seed = 1;
   std::vector<Index> steps{1};  ///< of a case that moves: the step examined (from 1), or steps done (from 0)
   LeadInSolver lead_in = LeadInSolver::plain;          ///< of a case that moves: of the steps before

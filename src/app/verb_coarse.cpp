@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/case_options.hpp"
+#include "app/shared_work.hpp"
+#include "study/linear/inspection.hpp"
+#include "study/linear/values.hpp"
+
+namespace nscdd::app {
+namespace {
+
+struct Options {
+  CaseOptions one;
+  Choice<ContactSet> contacts = ContactSet::all;
+  std::string epsilon = "1e-6W,1e-4W,1e-2W", preconditioner = "dirichlet", scaling = "multiplicity,deluxe",
+              space = "none,geneo", csv;
+  CoarseParameters parameters;
+  Reopening how;
+  Limits limits;
+};
+
+void print_case(const CoarseResult& result) {
+  const CaseSummary& of_case = result.of_case;
+  const auto line = [](std::string_view name, const std::string& text) { fmt::print("{:<22}{}\n", name, text); };
+  line("case", of_case.name);
+  line("subdomains", fmt::format("{}", of_case.subdomains));
+  line("interface unknowns",
+       fmt::format("{} ({} velocities of shared grains)", of_case.interface_size, result.primal_size));
+  line("  rank of X_0", fmt::format("{}{}", result.rank, result.clear_ranks ? "" : " (in doubt)"));
+  line("  self-stresses", fmt::format("{} across the interface", result.self_stresses));
+  line("cross points", fmt::format("{}", result.cross_points));
+  const auto factor = [&](std::string_view name, const FactorWork& work) {
+    line(name, fmt::format("{:.3g} entries, {:.3g} flops", work.entries, work.flops));
+  };
+  factor("local factors", result.local);
+  factor("undivided factor", result.undivided);
+}
+
+void print_heading() {
+  fmt::print("\n{:<11}{:<16}{:<14}{:<8}{:>6}{:>11}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}\n", "epsilon/W", "preconditioner",
+             "scaling", "coarse", "modes", "kappa", "bound", "CG", "k<=30", "any", "k<=100", "any");
+}
+
+void print_row(const CoarseResult& result) {
+  const auto number = [](double value, const char* form = "{:.4g}") {
+    return std::isnan(value) ? std::string("-") : fmt::format(fmt::runtime(form), value);
+  };
+  const CoarseMethod& method = result.method;
+  fmt::print("{:<11.4g}{:<16}{:<14}{:<8}{:>6}{:>11}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}{}\n", result.epsilon / result.scale,
+             to_string(method.preconditioner), method.scaling ? to_string(*method.scaling) : "-",
+             to_string(method.space), result.modes, number(result.kappa()), number(result.bound), result.iterations,
+             number(result.fewest[0]), number(result.any[0]), number(result.fewest[1]), number(result.any[1]),
+             result.converged ? result.certified ? "" : "  not certified" : "  not converged");
+}
+
+StudyTable table_of(const Options& options) {
+  StudyTable work;
+  work.name = "coarse";
+  work.observable = &observables::coarse_space;
+  std::tie(work.sweep.epsilon, work.sweep.relative_epsilon) = parse_epsilon(options.epsilon);
+  work.sweep.contacts = options.contacts;
+  work.coarse = options.parameters;
+  work.coarse.preconditioners = parse_names<InterfacePreconditioner>(options.preconditioner, "--preconditioner");
+  work.coarse.scalings = parse_names<Scaling>(options.scaling, "--scaling");
+  work.coarse.spaces = parse_names<CoarseSpace>(options.space, "--coarse-space");
+  check_coarse(work.coarse, "--");
+  work.cases = {options.one.resolve({options.csv})};
+  return work;
+}
+
+int run(const Options& options, const Context& context) {
+  const Machine& machine = context.machine;
+  options.limits.limit_memory();
+  const StudyTable work = table_of(options);
+  if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
+  if (nothing_to_resume(options.csv, "", table_work(work), options.how, machine)) return 0;
+  const ThreadLimit limit = options.limits.limit_threads(machine);
+  const Model model = build(work.cases.front(), progress("generate"));
+  if (model.parts.interface_size() == 0)
+    fail("{}: expected subdomains that share grains, met an empty interface ({}); --subdomains cuts the packing",
+         model.name, why_empty(model));
+  if (options.csv.empty()) {
+    Index rows = 0;
+    const Index failed = coarse_spaces(model, work.sweep, work.coarse, [&](const CoarseResult& result) {
+      if (rows++ == 0) print_case(result);
+      if (work.coarse.counts) return;
+      if (rows == 1) print_heading();
+      print_row(result);
+    });
+    if (failed > 0) note("{} row(s) did not converge", failed);
+    return 0;
+  }
+  Interruption interruption;
+  SharedTable csv(machine, options.csv, table_work(work), options.how);
+  const ResultColumns<CoarseResult> columns = coarse_columns(work.sweep.relative_epsilon);
+  const Index failed = coarse_spaces(
+      model, work.sweep, work.coarse, [&](const CoarseResult& result) { csv->write(row(columns, result)); },
+      interruption.watch(work.name, csv.kept()), csv.kept());
+  if (interruption.stopped()) return leave(*csv, options.csv);
+  csv->finish();
+  csv.forget();
+  if (failed > 0) note("{} row(s) did not converge: see the column 'converged'", failed);
+  return 0;
+}
+
+}  // namespace
+
+Action declare_coarse(Command& command) {
+  auto options = std::make_shared<Options>();
+  options->one.declare(command);
+  command.preset("--epsilon SPEC", options->epsilon,
+                 "flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); above 0");
+  declare_contacts(command, options->contacts);
+  command.preset("--preconditioner LIST", options->preconditioner, "X, X_eta (eta = 10 epsilon), lumped, dirichlet");
+  command.preset("--scaling LIST", options->scaling, "weights of shared grains: multiplicity, stiffness, deluxe");
+  command.preset("--coarse-space LIST", options->space, "none, rigid, geneo; with dirichlet");
+  command.preset(
+      "--kappa NUMBER", options->parameters.kappa,
+      "condition number that geneo shall keep; its threshold is then the most subdomains around one over it");
+  command.add("--threshold NUMBER", options->parameters.threshold, "threshold of geneo instead");
+  command.add("--counts", options->parameters.counts, "ranks and counts only, without spectra");
+  command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
+  command.add("--force", options->how.force, "replace existing outputs");
+  declare_resume(command, options->how.resume);
+  options->limits.declare(command);
+  command.footer =
+      R"(How many vectors a coarse space needs, and what it gains: condition numbers, iterations and the size of
+factors for local preconditioners of the interface problem X_epsilon F = g.
+Examples:
+  nscdd coarse deposit --subdomains 4x4
+  nscdd coarse hexagonal --subdomains 4x4 --coarse-space none,rigid,geneo --epsilon 1e-8W
+  nscdd coarse deposit --set packing.grains=100000 --subdomains 8x8 --counts)";
+  return [options](const Context& context) { return run(*options, context); };
+}
+
+}  // namespace nscdd::app

@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/linear/coarse.hpp"
+
+#include "core/disjoint_sets.hpp"
+#include "core/fail.hpp"
+#include "ddm/local_preconditioner.hpp"
+#include "linalg/linear_iteration.hpp"
+#include "linalg/multifrontal/analysis.hpp"
+#include "linalg/pencil.hpp"
+#include "linalg/random.hpp"
+#include "linalg/sparse_entries.hpp"
+#include "spectra/balanced_spectrum.hpp"
+#include "study/linear/sweep_points.hpp"
+#include "study/tables/study.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <numeric>
+
+namespace nscdd {
+namespace {
+
+using Preconditioner = InterfacePreconditioner;
+
+constexpr double softer = 10;        // eta / epsilon of X_eta
+constexpr double ends_apart = 1e-6;  // relative, of the shifts that certify an end
+constexpr Index most_iterations = 5000, most_predicted = 2500, most_lumped = 4000;
+constexpr double cg_tolerance = 1e-8;
+
+FactorWork operator+(const FactorWork& a, const FactorWork& b) { return {a.entries + b.entries, a.flops + b.flops}; }
+
+FactorWork factor_work(const SparseMatrix& symmetric, const std::vector<Index>& group) {
+  if (symmetric.rows() == 0) return {};
+  const SymmetricAnalysis analysis(SparseMatrix(symmetric.triangularView<Eigen::Lower>()), group);
+  return {analysis.entries(), analysis.work().flops(true)};
+}
+
+// Of M + K, grain by grain.
+FactorWork network_work(const Subdomain& subdomain, Index d) {
+  SparseMatrix k = subdomain.h * subdomain.h.transpose();
+  SparseMatrix diagonal(k.rows(), k.cols());
+  diagonal.setIdentity();
+  std::vector<Index> grain(at(k.rows()));
+  for (Index i = 0; i < k.rows(); ++i) grain[at(i)] = i / d;
+  return factor_work(k + diagonal, grain);
+}
+
+Vector apply(const Interface& glued, const PrimalInterface& interface, const Vector& f) {  // X_eps f
+  std::vector<Vector> velocities;
+  for (Index e = 0; e < count(interface.subdomains); ++e) {
+    const CondensedSubdomain& one = interface.subdomains[at(e)];
+    const Vector impulses = glued.distribute(e, f);
+    velocities.push_back(Vector::Zero(impulses.size()));
+    velocities.back()(one.local) = one.flexibility * impulses(one.local);
+  }
+  return glued.exchange(velocities);
+}
+
+// The rows of one case.
+class CoarseStudy {
+ public:
+  CoarseStudy(const Model& model, const Selection& selection, const SweepParameters& sweep,
+              const CoarseParameters& parameters)
+      : parts_(selection.stage_one(model)), all_(model.parts), sweep_(sweep), parameters_(parameters) {
+    const Interface& glued = parts_.interface;
+    const InterfaceOperator rigid = InterfaceFamily(parts_, 0).at(0);
+    common_.of_case = selection.of_case;
+    common_.scale = flexibility_scale(model);
+    common_.self_stresses = rigid.nullity();
+    common_.rank = parts_.interface_size() - common_.self_stresses;
+    common_.clear_ranks = rigid.nullity_is_clear();
+    for (Index row = 0, last = -1; row < count(glued.gluing()); ++row) {
+      const Index grain = glued.gluing()[at(row)].grain;
+      if (grain == std::exchange(last, grain)) continue;
+      common_.primal_size += parts_.dofs_per_grain();
+      common_.cross_points += glued.multiplicity(grain) > 2;
+    }
+    for (const Subdomain& one : parts_.subdomains)
+      common_.local = common_.local + network_work(one, parts_.dofs_per_grain());
+    common_.undivided = network_work(reassemble(parts_), parts_.dofs_per_grain());
+  }
+
+  CoarseResult solve(double epsilon, const CoarseMethod& method) {
+    CoarseResult result = common_;
+    result.epsilon = epsilon;
+    result.method = method;
+    if (parameters_.counts) return result;
+    condense_at(epsilon);
+    result.interface = interface_work_;
+    if (!interface_->definite()) return result.converged = false, result;
+    if (method.scaling && scaling_ != method.scaling) {
+      auto weighted = std::make_shared<PrimalInterface>(*interface_);
+      weigh(*weighted, *method.scaling);
+      interface_ = weighted;
+      scaling_ = method.scaling;
+      one_level_ = {};
+    }
+    switch (method.preconditioner) {
+      case Preconditioner::inertia:
+      case Preconditioner::network:
+        stage_two(result);
+        break;
+      case Preconditioner::lumped:
+        lumped(result);
+        break;
+      case Preconditioner::dirichlet:
+        dirichlet(result);
+        break;
+    }
+    return result;
+  }
+
+ private:
+  void condense_at(double epsilon) {
+    if (interface_ && epsilon_ == epsilon) return;
+    interface_ = std::make_shared<PrimalInterface>(condense(parts_, epsilon));
+    epsilon_ = epsilon;
+    scaling_ = {};
+    if (interface_work_.entries > 0 || !interface_->definite()) return;
+    std::vector<Index> grain(at(interface_->size()));
+    for (Index i = 0; i < interface_->size(); ++i) grain[at(i)] = i / interface_->dofs_per_grain;
+    interface_work_ = factor_work(interface_->sparse(), grain);
+  }
+
+  void iterate(CoarseResult& result, const LinearMap& inverse, const Vector& eigenvalues) const {
+    RandomStream random(1);
+    const LinearMap system = [&](const Vector& f) { return apply(parts_.interface, *interface_, f); };
+    const IterationLimits limits{cg_tolerance, most_iterations};
+    const IteratedSolution found =
+        conjugate_gradients(system, inverse, random.normal_vector(parts_.interface_size()), limits);
+    result.iterations = found.iterations;
+    result.converged &= found.converged;
+    if (eigenvalues.size() > 0 && eigenvalues.size() <= most_predicted)
+      result.predicted = static_cast<double>(predicted_iterations(eigenvalues.cast<std::complex<double>>(), limits));
+  }
+
+  // X and X_eta: the ends of 1 - spectrum of the contraction.
+  void stage_two(CoarseResult& result) const {
+    const double eta = result.method.preconditioner == Preconditioner::inertia ? infinity : softer * epsilon_;
+    const InterfaceFamily family(all_, InterfaceFamily::default_dense_limit, sweep_.spectral.inertia);
+    const Contraction b{family.at(eta), InterfaceFamily(parts_).at(epsilon_)};
+    SpectralOptions options = sweep_.spectral;
+    options.certify = true;
+    const SpectralRadius radius = spectral_radius(b, options);
+    result.lambda_min = 1 - radius.eigenvalue_max;
+    result.lambda_max = 1 - radius.eigenvalue_min;
+    result.certified = radius.certified;
+    result.converged = radius.converged;
+    Vector eigenvalues;
+    if (b.rows() <= most_predicted)
+      eigenvalues = symmetric_values(symmetric_product(b.system.dense(), [&](const Matrix& lower) -> Matrix {
+        return Eigen::LLT<Matrix>(b.preconditioner.dense()).solve(lower);
+      }));
+    iterate(
+        result, [&](const Vector& g) { return b.preconditioner.solve(g); }, eigenvalues);
+  }
+
+  // L^T P^-1 L with the eigenvalues of P^-1 S, S = L L^T; `solve`: L -> P^-1 L.
+  template <class Solve>
+  static Matrix symmetric_product(const Matrix& s, const Solve& solve) {
+    const Matrix lower = Eigen::LLT<Matrix>(s).matrixL();
+    const Matrix product = lower.triangularView<Eigen::Lower>().transpose() * solve(lower);
+    return 0.5 * (product + product.transpose());
+  }
+
+  void lumped(CoarseResult& result) const {
+    const LocalPreconditioner p(parts_, interface_, LocalStiffness::lumped);
+    const Index n = parts_.interface_size();
+    Vector eigenvalues;
+    if (n <= most_lumped) {
+      Matrix s(n, n);
+      for (Index k = 0; k < n; ++k) s.col(k) = apply(parts_.interface, *interface_, Vector::Unit(n, k));
+      const Matrix product = symmetric_product(s, [&](const Matrix& lower) {
+        Matrix columns(n, n);
+        for (Index k = 0; k < n; ++k) columns.col(k) = p.solve(lower.col(k));
+        return columns;
+      });
+      eigenvalues = symmetric_values(product);
+      if (eigenvalues.size() > 0) {
+        result.lambda_min = eigenvalues[0];
+        result.lambda_max = eigenvalues[n - 1];
+        const Matrix one = Matrix::Identity(n, n);
+        result.certified = negative_eigenvalues(result.lambda_max * (1 + ends_apart) * one - product) == Index{0} &&
+                           negative_eigenvalues(product - result.lambda_min * (1 - ends_apart) * one) == Index{0};
+      }
+    }
+    result.converged = result.lambda_min > 0;
+    iterate(
+        result, [&](const Vector& g) { return p.solve(g); }, eigenvalues);
+  }
+
+  void dirichlet(CoarseResult& result) {
+    const double neighbours = static_cast<double>(interface_->most_neighbours());
+    const bool geneo = result.method.space == CoarseSpace::geneo;
+    CoarseVectors vectors{SparseMatrix(interface_->size(), 0), {}, {}};
+    if (geneo) {
+      result.threshold = parameters_.threshold.value_or(neighbours / parameters_.kappa);
+      result.bound = std::max(1.0, neighbours / result.threshold);
+      vectors = geneo_vectors(*interface_, std::max(result.threshold, neighbours / wanted_kappas[0]));
+    } else if (result.method.space == CoarseSpace::rigid) {
+      vectors = rigid_vectors(*interface_, parts_);
+    }
+    const CoarseProblem candidates(*interface_, vectors);
+    const BalancedSpectrum spectrum(*interface_, candidates);
+    result.modes = geneo ? candidates.below(result.threshold) : candidates.size();
+    result.lambda_max = spectrum.largest(result.modes);
+    const Vector eigenvalues = spectrum.all(result.modes);
+    result.lambda_min = eigenvalues.size() > 0 ? eigenvalues[0] : 1;
+    const std::optional<Index> above = spectrum.above(result.lambda_max * (1 + ends_apart), result.modes),
+                               below = spectrum.above(result.lambda_min * (1 - ends_apart), result.modes);
+    result.certified = above == Index{0} && below == interface_->size() - result.modes;
+    result.converged = std::isfinite(result.lambda_max);
+    if (one_level_.size() == 0) one_level_ = result.modes == 0 ? eigenvalues : spectrum.all(0);
+    for (std::size_t k = 0; k < wanted_kappas.size(); ++k) {
+      if (one_level_.size() > 0) result.any[k] = static_cast<double>(fewest_deflated(one_level_, wanted_kappas[k]));
+      if (const auto fewest = geneo ? spectrum.fewest(wanted_kappas[k]) : std::nullopt)
+        result.fewest[k] = static_cast<double>(*fewest);
+    }
+    require_bounds(result);
+    const auto coarse = std::make_shared<const CoarseProblem>(candidates.first(result.modes));
+    if (result.modes > 0) {
+      const SparseMatrix& u = coarse->vectors();
+      result.coarse =
+          factor_work(u.transpose() * SparseMatrix(interface_->sparse() * u), renumbered(coarse->subdomains()));
+    }
+    const LocalPreconditioner p(parts_, interface_, LocalStiffness::dirichlet, coarse);
+    iterate(
+        result, [&](const Vector& g) { return p.solve(g); }, eigenvalues);
+  }
+
+  static void require_bounds(const CoarseResult& result) {
+    if (result.bound < result.lambda_max * (1 - 1e-6))
+      fail("{}: the bound {} of GenEO is below the largest eigenvalue {}: this is an error of nscdd",
+           result.of_case.name, result.bound, result.lambda_max);
+    for (std::size_t k = 0; k < wanted_kappas.size(); ++k)
+      if (result.fewest[k] < result.any[k])
+        fail("{}: {} vectors of GenEO reach the condition number {}, which no {} can: this is an error of nscdd",
+             result.of_case.name, result.fewest[k], wanted_kappas[k], result.any[k]);
+  }
+
+  const Decomposition& parts_;  // contacts of the system
+  const Decomposition& all_;    // contacts of X_eta
+  const SweepParameters& sweep_;
+  const CoarseParameters& parameters_;
+  CoarseResult common_;
+  std::shared_ptr<const PrimalInterface> interface_;
+  double epsilon_ = 0;
+  std::optional<Scaling> scaling_;
+  Vector one_level_;  // eigenvalues of the Dirichlet preconditioner without coarse space
+  FactorWork interface_work_;
+};
+
+std::string_view name_of(std::optional<Scaling> scaling) { return scaling ? to_string(*scaling) : "none"; }
+
+ResultColumns<FactorWork> work_columns(const std::string& name, const std::string& words) {
+  return {{name + "_entries", "1", "entries of the factors of " + words, &FactorWork::entries},
+          {name + "_flops", "1", "additions and multiplications of their factorisation", &FactorWork::flops}};
+}
+
+}  // namespace
+
+void check_coarse(const CoarseParameters& parameters, std::string_view dashes) {
+  if (!(parameters.kappa > 1)) fail("{}kappa: expected a number > 1, met {}", dashes, parameters.kappa);
+  if (parameters.threshold && !(*parameters.threshold > 0))
+    fail("{}threshold: expected a number > 0, met {}", dashes, *parameters.threshold);
+}
+
+std::vector<CoarseMethod> methods_of(const CoarseParameters& parameters) {
+  if (parameters.counts) return {CoarseMethod{}};  // nothing depends on the method
+  std::vector<CoarseMethod> methods;
+  for (const Preconditioner one : parameters.preconditioners) {
+    if (one == Preconditioner::inertia || one == Preconditioner::network) {
+      methods.push_back({one, {}, CoarseSpace::none});
+      continue;
+    }
+    for (const Scaling scaling : parameters.scalings) {
+      if (one == Preconditioner::lumped)
+        methods.push_back({one, scaling, CoarseSpace::none});
+      else
+        for (const CoarseSpace space : parameters.spaces) methods.push_back({one, scaling, space});
+    }
+  }
+  return methods;
+}
+
+ResultColumns<CoarseResult> coarse_columns(bool relative) {
+  using R = CoarseResult;
+  static const auto columns = joined<R>(
+      {columns_of(&R::of_case, case_columns()),
+       {{"epsilon", "1/kg", "flexibility of the linear law", &R::epsilon},
+        {"preconditioner", "", "X, X_eta (eta = 10 epsilon), lumped or dirichlet",
+         [](const R& r) { return r.method.preconditioner; }},
+        {"scaling", "", "weights of the copies of shared grains: multiplicity, stiffness, deluxe, or none",
+         [](const R& r) { return name_of(r.method.scaling); }},
+        {"coarse_space", "", "none, rigid or geneo", [](const R& r) { return r.method.space; }},
+        {"primal_dofs", "1", "velocities of shared grains n_P", &R::primal_size},
+        {"rank_x0", "1", "rank of X_0: interface unknowns that the rigid network leaves free to move", &R::rank},
+        {"self_stresses", "1", "that cross the interface: n_Gamma - rank X_0", &R::self_stresses},
+        {"cross_points", "1", "grains that three or more subdomains share", &R::cross_points},
+        {"modes", "1", "independent vectors of the coarse space", &R::modes},
+        {"kappa", "1", "condition number of P^-1 X_epsilon, with the coarse space", &R::kappa},
+        {"eigenvalue_low", "1", "smallest eigenvalue of P^-1 X_epsilon", &R::lambda_min},
+        {"eigenvalue_high", "1", "largest eigenvalue of P^-1 X_epsilon", &R::lambda_max},
+        {"certified", "", "inertia counts prove that no eigenvalue lies outside these two", &R::certified},
+        {"threshold", "1", "GenEO takes vectors with an eigenvalue below this", &R::threshold},
+        {"bound", "1", "bound of kappa that the threshold implies", &R::bound},
+        {"modes_30", "1", "fewest vectors of GenEO for kappa <= 30", [](const R& r) { return r.fewest[0]; }},
+        {"modes_100", "1", "fewest vectors of GenEO for kappa <= 100", [](const R& r) { return r.fewest[1]; }},
+        {"any_30", "1", "no deflation by fewer vectors has kappa <= 30", [](const R& r) { return r.any[0]; }},
+        {"any_100", "1", "no deflation by fewer vectors has kappa <= 100", [](const R& r) { return r.any[1]; }},
+        {"iterations", "1", "of conjugate gradients to 1e-8, for random jumps", &R::iterations},
+        {"predicted", "1", "the same from the spectrum; nan above 2 500 unknowns", &R::predicted}},
+       columns_of(&R::local, work_columns("local", "M_E + K_E/epsilon")),
+       columns_of(&R::interface, work_columns("interface", "the primal interface C")),
+       columns_of(&R::coarse, work_columns("coarse", "the coarse problem U^T C U")),
+       columns_of(&R::undivided, work_columns("undivided", "M + K/epsilon of the undivided packing")),
+       {{"clear_ranks", "", "no singular value is near the tolerance of a rank", &R::clear_ranks},
+        {"converged", "", "spectrum and conjugate gradients converged", &R::converged}}});
+  static const ResultColumns<R> in_multiples{
+      {"mean_w_nn", "1/kg", "mean of W_nn over the contacts", &R::scale},
+      {"epsilon_relative", "1", "epsilon in multiples of mean_w_nn", [](const R& r) { return r.epsilon / r.scale; }}};
+  return relative ? joined<R>({columns, in_multiples}) : columns;
+}
+
+Index coarse_spaces(const Model& model, const SweepParameters& sweep, const CoarseParameters& parameters,
+                    const Sink<CoarseResult>& sink, const Monitor& monitor, Index first) {
+  check_coarse(parameters);
+  if (model.parts.interface_size() == 0)
+    fail("{}: expected subdomains that share grains, met an empty interface", model.name);
+  if (std::ranges::any_of(sweep.epsilon, [](double epsilon) { return epsilon == 0; }))
+    fail("{}: expected epsilon > 0 for preconditioners of X_epsilon, met 0, where X_0 is singular", model.name);
+  const Selection selection = select(model, sweep.contacts);
+  CoarseStudy study(model, selection, sweep, parameters);
+  const std::vector<CoarseMethod> methods = methods_of(parameters);
+  const Index total = count(sweep.epsilon) * count(methods);
+  Index failed = 0;
+  for (Index number = first; number < total; ++number) {
+    const double asked = sweep.epsilon[at(number / count(methods))];
+    CoarseResult result = study.solve(sweep.relative_epsilon ? asked * flexibility_scale(model) : asked,
+                                      methods[at(number % count(methods))]);
+    result.converged &= selection.certain;
+    failed += !result.converged;
+    sink(result);
+    if (!report(monitor, number + 1, total)) break;
+  }
+  return failed;
+}
+
+constinit const Observable observables::coarse_space{
+    .name = "coarse_space",
+    .summary = "condition numbers of preconditioned interface problems, and the coarse vectors that they need",
+    .keys = {"epsilon", "contacts", "preconditioner", "scaling", "coarse_space", "kappa", "threshold", "counts"},
+    .columns = [](const StudyTable& table) { return headings(coarse_columns(table.sweep.relative_epsilon)); },
+    .run =
+        [](const ObservedCase& work) {
+          const SweepParameters& sweep = work.table.sweep;
+          return coarse_spaces(build(work.one), sweep, work.table.coarse,
+                               as_rows(coarse_columns(sweep.relative_epsilon), work.sink), work.monitor, work.first);
+        },
+    .rows = [](const StudyTable& table) { return count(table.sweep.epsilon) * count(methods_of(table.coarse)); },
+    .known =
+        [](const StudyTable& table, Index row) {
+          const Index methods = count(methods_of(table.coarse));
+          const CoarseMethod method = methods_of(table.coarse)[at(row % methods)];
+          const double epsilon = table.sweep.epsilon[at(row / methods)];
+          KnownCells cells{{"preconditioner", to_cell(to_string(method.preconditioner))},
+                           {"scaling", to_cell(name_of(method.scaling))},
+                           {"coarse_space", to_cell(to_string(method.space))}};
+          if (!table.sweep.relative_epsilon) cells.emplace_back("epsilon", epsilon);
+          return cells;
+        }};
+
+}  // namespace nscdd

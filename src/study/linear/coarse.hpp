@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ddm/coarse_space.hpp"
+#include <nscdd/study/sweep.hpp>
+
+namespace nscdd {
+
+/// Preconditioners of the interface problem X_eps F = g.
+enum class InterfacePreconditioner {
+  inertia,    ///< X, Stage 2 of the generic algorithm
+  network,    ///< X_eta with eta = 10 eps, Stage 2 of the enriched algorithm
+  lumped,     ///< see LocalPreconditioner
+  dirichlet,  ///< the same; it alone takes a coarse space
+};
+constexpr auto names_of(InterfacePreconditioner) {
+  return std::to_array<std::string_view>({"X", "X_eta", "lumped", "dirichlet"});
+}
+
+/// What is computed at each epsilon of a sweep: X, X_eta, lumped with each scaling, and Dirichlet with each scaling and
+/// coarse space, as far as listed.
+struct CoarseParameters {
+  std::vector<InterfacePreconditioner> preconditioners{InterfacePreconditioner::dirichlet};
+  std::vector<Scaling> scalings{Scaling::multiplicity, Scaling::deluxe};
+  std::vector<CoarseSpace> spaces{CoarseSpace::none, CoarseSpace::geneo};
+  double kappa = 30;                     ///< wanted: GenEO takes the threshold N_n / kappa, which is safe
+  std::optional<double> threshold = {};  ///< of GenEO instead
+  bool counts = false;                   ///< ranks and counts of the network and of factors only
+};
+/// Throws Error for kappa <= 1 and a threshold <= 0. `dashes`: prefix of option names.
+void check_coarse(const CoarseParameters& parameters, std::string_view dashes = "");
+
+/// Entries of a sparse factor and the operations of its factorisation, by its symbolic analysis.
+struct FactorWork {
+  double entries = 0, flops = 0;
+};
+
+/// One preconditioner with one coarse space.
+struct CoarseMethod {
+  InterfacePreconditioner preconditioner = InterfacePreconditioner::dirichlet;
+  std::optional<Scaling> scaling = {};
+  CoarseSpace space = CoarseSpace::none;
+};
+
+struct CoarseResult {
+  CaseSummary of_case;
+  double epsilon = 1, scale = 1;  ///< 1/kg; flexibility_scale of the case
+  CoarseMethod method;
+  Index primal_size = 0;                                        ///< n_P
+  Index rank = 0;                                               ///< of X_0
+  Index self_stresses = 0;                                      ///< that cross the interface: n_Gamma - rank X_0
+  Index cross_points = 0;                                       ///< grains shared by three or more subdomains
+  bool clear_ranks = true;                                      ///< see InterfaceOperator::nullity_is_clear
+  double lambda_min = not_a_number, lambda_max = not_a_number;  ///< of P^-1 X_eps, with the coarse space
+  bool certified = false;  ///< inertia counts prove that no eigenvalue lies outside the two
+  Index modes = 0;         ///< independent vectors of the coarse space
+  double threshold = not_a_number, bound = not_a_number;  ///< of GenEO: N_n / threshold bounds kappa
+  /// Fewest GenEO vectors, in the order of lambda, for kappa <= 30 and 100; fewest vectors of any deflation of the
+  /// same preconditioner without coarse space (interlacing). NaN where not computed.
+  std::array<double, 2> fewest{not_a_number, not_a_number}, any{not_a_number, not_a_number};
+  Index iterations = 0;             ///< of conjugate gradients, to 1e-8, for jumps drawn at random
+  double predicted = not_a_number;  ///< the same from the spectrum
+  FactorWork local, interface, coarse, undivided;
+  bool converged = true;
+
+  double kappa() const { return lambda_max / lambda_min; }
+};
+
+/// The condition numbers of CoarseResult::fewest.
+inline constexpr std::array<double, 2> wanted_kappas{30, 100};
+
+/// Rows per epsilon, and the methods of each.
+std::vector<CoarseMethod> methods_of(const CoarseParameters& parameters);
+
+ResultColumns<CoarseResult> coarse_columns(bool relative);
+
+/// Every method at every epsilon > 0 of the sweep, from row `first` on. Returns how many did not converge. Throws Error
+/// for an interface of one subdomain, for epsilon = 0, and if a proved bound is not kept (an error of nscdd).
+Index coarse_spaces(const Model& model, const SweepParameters& sweep, const CoarseParameters& parameters,
+                    const Sink<CoarseResult>& sink, const Monitor& monitor = {}, Index first = 0);
+
+}  // namespace nscdd

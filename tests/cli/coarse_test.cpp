@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// nscdd coarse: numbers of an independent program (SciPy), refusals, and tables that go on.
+#include "session.hpp"
+
+#include <cmath>
+
+using namespace nscdd::testing;
+
+namespace {
+
+// Fewest GenEO vectors for kappa <= 30 and 100, by scaling and epsilon, of networks in 4 x 4 subdomains.
+struct Reference {
+  std::string line, scaling;
+  double epsilon, modes_30, modes_100;
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(Session, "coarse: vectors of GenEO, ranks and bounds are those of an independent program") {
+  const std::string deposit = "coarse deposit --set packing.grains=2000 --set packing.seed=3",
+                    lattice = "coarse hexagonal --set packing.columns=50 --set packing.rows=40",
+                    vacant =
+                        "coarse hexagonal --set packing.columns=50 --set packing.rows=50 "
+                        "--set packing.vacancies=0.2 --set packing.seed=1";
+  const std::vector<Reference> references{
+      {deposit, "multiplicity", 1e-6, 391, 381}, {deposit, "multiplicity", 1e-3, 169, 117},
+      {deposit, "deluxe", 1e-6, 199, 176},       {deposit, "deluxe", 1e-3, 27, 9},
+      {lattice, "multiplicity", 1e-6, 118, 116}, {lattice, "deluxe", 1e-4, 37, 26},
+      {vacant, "deluxe", 1e-6, 56, 56},          {vacant, "deluxe", 1e-3, 11, 6}};
+  for (const Reference& one : references) {
+    CAPTURE(one.line);
+    CAPTURE(one.epsilon);
+    const CsvTable table = read_table(answer(one.line + " --subdomains 4x4 --coarse-space geneo --scaling " +
+                                             one.scaling + fmt::format(" --epsilon {}W --csv -", one.epsilon)));
+    REQUIRE(table.rows.size() == 1);
+    CHECK(table.number(0, "modes_30") == one.modes_30);
+    CHECK(table.number(0, "modes_100") == one.modes_100);
+    CHECK(table.number(0, "kappa") <= table.number(0, "bound"));
+    CHECK(table.text(0, "certified") == "true");
+    CHECK(table.number(0, "any_30") <= table.number(0, "modes_30"));
+    CHECK(table.number(0, "rank_x0") + table.number(0, "self_stresses") == table.number(0, "interface_dofs"));
+    CHECK(table.number(0, "rank_x0") == (one.line == deposit ? 454 : one.line == lattice ? 118 : 230));
+    CHECK(std::abs(table.number(0, "predicted") - table.number(0, "iterations")) <= 2);
+  }
+}
+
+TEST_CASE_FIXTURE(Session, "coarse: rigid motions cure a lattice, in the plane and in space") {
+  for (const std::string& one :
+       Texts{"coarse hexagonal --set packing.columns=24 --set packing.rows=24 --subdomains 4x4",
+             "coarse fcc.toml --subdomains 2x2x2"}) {
+    CAPTURE(one);
+    file("fcc.toml",
+         "[packing]\ngenerator = \"fcc\"\ncolumns = 6\nrows = 6\nlayers = 6\nradius = 0.5\n[masses]\nmodel = "
+         "\"unit\"\n");
+    const CsvTable table =
+        read_table(answer(one + " --coarse-space none,rigid --scaling deluxe --epsilon 1e-8W --csv -"));
+    REQUIRE(table.rows.size() == 2);
+    CHECK(table.number(0, "kappa") > 1e5);
+    CHECK(table.number(1, "kappa") < 10);
+    CHECK(table.number(1, "iterations") < 40);
+  }
+}
+
+TEST_CASE_FIXTURE(Session, "coarse: X and X_eta are those of the sweep, and an interrupted table goes on") {
+  const std::string line =
+      "coarse hexagonal --epsilon 0.01,1 --preconditioner X,X_eta,lumped,dirichlet --scaling multiplicity ";
+  answer(line + "--csv whole.csv");
+  const CsvTable table = csv("whole.csv");
+  REQUIRE(table.rows.size() == 10);
+  const CsvTable sweep = read_table(answer("sweep hexagonal --epsilon 0.01 --eta 0.1,inf --csv -"));
+  for (const auto& [row, of_sweep] : {std::pair{0, 1}, {1, 0}}) {
+    const auto at = [&](const CsvTable& t, int r, const char* name) { return t.number(std::size_t(r), name); };
+    CHECK(std::abs(1 - at(table, row, "eigenvalue_low") - at(sweep, of_sweep, "eigenvalue_max")) < 1e-9);
+    CHECK(std::abs(1 - at(table, row, "eigenvalue_high") - at(sweep, of_sweep, "eigenvalue_min")) < 1e-9);
+  }
+  const std::string text = read("whole.csv");
+  file("part.csv", text.substr(0, text.find('\n', text.find("lumped")) + 1));
+  CHECK(contains(answer("coarse disks4 --counts"), "rank of X_0         2"));
+  ended(2, line + "--csv whole.csv", {"whole.csv", "--force"});
+}
+
+TEST_CASE_FIXTURE(Session, "coarse: bad input is refused by name") {
+  ended(2, "coarse disks8 --kappa 1", {"--kappa: expected a number > 1, met 1"});
+  ended(2, "coarse disks8 --threshold 0", {"--threshold: expected a number > 0, met 0"});
+  ended(2, "coarse disks8 --epsilon 0", {"expected epsilon > 0", "met 0"});
+  ended(2, "coarse disks8 --subdomains 1x1", {"expected subdomains that share grains, met an empty interface"});
+  ended(2, "coarse disks8 --scaling best", {"--scaling: expected", "multiplicity, stiffness, deluxe", "met best"});
+  ended(2, "coarse disks8 --preconditioner X,X", {"expected each name once, met 'X' again"});
+  ended(2, "coarse disks8 --contacts frozen", {"expected a contact problem with --contacts frozen, met a packing"});
+}
