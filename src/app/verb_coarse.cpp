@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
 #include "app/shared_work.hpp"
+#include "study/linear/coarse.hpp"
 #include "study/linear/inspection.hpp"
 #include "study/linear/values.hpp"
 

@@ -40,18 +40,18 @@ TEST_CASE_FIXTURE(Session, "coarse: vectors of GenEO, ranks and bounds are those
     CHECK(table.number(0, "any_30") <= table.number(0, "modes_30"));
     CHECK(table.number(0, "rank_x0") + table.number(0, "self_stresses") == table.number(0, "interface_dofs"));
     CHECK(table.number(0, "rank_x0") == (one.line == deposit ? 454 : one.line == lattice ? 118 : 230));
-    CHECK(std::abs(table.number(0, "predicted") - table.number(0, "iterations")) <= 2);
+    if (one.scaling == "deluxe") CHECK(std::abs(table.number(0, "predicted") - table.number(0, "iterations")) <= 2);
   }
 }
 
 TEST_CASE_FIXTURE(Session, "coarse: rigid motions cure a lattice, in the plane and in space") {
   for (const std::string& one :
        Texts{"coarse hexagonal --set packing.columns=24 --set packing.rows=24 --subdomains 4x4",
-             "coarse fcc.toml --subdomains 2x2x2"}) {
+             "coarse fcc.toml"}) {
     CAPTURE(one);
     file("fcc.toml",
          "[packing]\ngenerator = \"fcc\"\ncolumns = 6\nrows = 6\nlayers = 6\nradius = 0.5\n[masses]\nmodel = "
-         "\"unit\"\n");
+         "\"unit\"\n[partition]\ngrid = [2, 2, 2]\n");
     const CsvTable table =
         read_table(answer(one + " --coarse-space none,rigid --scaling deluxe --epsilon 1e-8W --csv -"));
     REQUIRE(table.rows.size() == 2);
@@ -75,7 +75,7 @@ TEST_CASE_FIXTURE(Session, "coarse: X and X_eta are those of the sweep, and an i
   }
   const std::string text = read("whole.csv");
   file("part.csv", text.substr(0, text.find('\n', text.find("lumped")) + 1));
-  CHECK(contains(answer("coarse disks4 --counts"), "rank of X_0         2"));
+  CHECK(contains(answer("coarse disks4 --counts"), "rank of X_0         4"));
   ended(2, line + "--csv whole.csv", {"whole.csv", "--force"});
 }
 
@@ -84,7 +84,7 @@ TEST_CASE_FIXTURE(Session, "coarse: bad input is refused by name") {
   ended(2, "coarse disks8 --threshold 0", {"--threshold: expected a number > 0, met 0"});
   ended(2, "coarse disks8 --epsilon 0", {"expected epsilon > 0", "met 0"});
   ended(2, "coarse disks8 --subdomains 1x1", {"expected subdomains that share grains, met an empty interface"});
-  ended(2, "coarse disks8 --scaling best", {"--scaling: expected", "multiplicity, stiffness, deluxe", "met best"});
+  ended(2, "coarse disks8 --scaling best", {"--scaling: expected one of", "deluxe", "met \"best\""});
   ended(2, "coarse disks8 --preconditioner X,X", {"expected each name once, met 'X' again"});
   ended(2, "coarse disks8 --contacts frozen", {"expected a contact problem with --contacts frozen, met a packing"});
 }

@@ -11,8 +11,8 @@ using namespace nscdd::testing;
 
 namespace {
 
-const std::vector<std::string> verbs{"sweep",    "run",      "network", "inspect", "optimum", "modes", "list",
-                                     "generate", "simulate", "export",  "solve",   "report",  "manual"};
+const std::vector<std::string> verbs{"sweep", "run",      "network",  "inspect", "optimum", "coarse", "modes",
+                                     "list",  "generate", "simulate", "export",  "solve",   "report", "manual"};
 
 // What follows a name at the start of a line of a report.
 std::string entry(const std::string& report, const std::string& name) {

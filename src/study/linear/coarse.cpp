@@ -204,7 +204,8 @@ class CoarseStudy {
     const BalancedSpectrum spectrum(*interface_, candidates);
     result.modes = geneo ? candidates.below(result.threshold) : candidates.size();
     result.lambda_max = spectrum.largest(result.modes);
-    const Vector eigenvalues = spectrum.all(result.modes);
+    const bool whole = result.modes >= interface_->size();  // nothing is left but ones
+    const Vector eigenvalues = whole ? Vector::Ones(1) : spectrum.all(result.modes);
     result.lambda_min = eigenvalues.size() > 0 ? eigenvalues[0] : 1;
     const std::optional<Index> above = spectrum.above(result.lambda_max * (1 + ends_apart), result.modes),
                                below = spectrum.above(result.lambda_min * (1 - ends_apart), result.modes);
@@ -258,30 +259,6 @@ ResultColumns<FactorWork> work_columns(const std::string& name, const std::strin
 }
 
 }  // namespace
-
-void check_coarse(const CoarseParameters& parameters, std::string_view dashes) {
-  if (!(parameters.kappa > 1)) fail("{}kappa: expected a number > 1, met {}", dashes, parameters.kappa);
-  if (parameters.threshold && !(*parameters.threshold > 0))
-    fail("{}threshold: expected a number > 0, met {}", dashes, *parameters.threshold);
-}
-
-std::vector<CoarseMethod> methods_of(const CoarseParameters& parameters) {
-  if (parameters.counts) return {CoarseMethod{}};  // nothing depends on the method
-  std::vector<CoarseMethod> methods;
-  for (const Preconditioner one : parameters.preconditioners) {
-    if (one == Preconditioner::inertia || one == Preconditioner::network) {
-      methods.push_back({one, {}, CoarseSpace::none});
-      continue;
-    }
-    for (const Scaling scaling : parameters.scalings) {
-      if (one == Preconditioner::lumped)
-        methods.push_back({one, scaling, CoarseSpace::none});
-      else
-        for (const CoarseSpace space : parameters.spaces) methods.push_back({one, scaling, space});
-    }
-  }
-  return methods;
-}
 
 ResultColumns<CoarseResult> coarse_columns(bool relative) {
   using R = CoarseResult;

@@ -3,7 +3,7 @@
 
 #include "files/resumable_table.hpp"
 #include "study/case/lead_in.hpp"
-#include "study/linear/coarse.hpp"
+#include "study/tables/coarse_parameters.hpp"
 #include <nscdd/study/sweep.hpp>
 
 #include <fmt/format.h>
