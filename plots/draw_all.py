@@ -4,6 +4,7 @@
 import os
 import sys
 
+import coarse_space
 import disorder
 import figure_5
 import figure_6
@@ -49,6 +50,7 @@ DRAW = {
     "predicted-observed": predicted_observed.draw,
     "profiles": profiles.draw,
     "switch": switch.draw,
+    "coarse-space": coarse_space.draw,
     "newton-scalability": newton_scalability.draw,
     "machines": machines.draw,
     "shear-in-space": shear_in_space.draw,

@@ -80,6 +80,12 @@ Matrix rigid_motions_of(const CondensedSubdomain& one, const Subdomain& subdomai
   return velocities;
 }
 
+// U L^-T.
+Matrix over(Matrix u, const Matrix& lower) {
+  lower.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(u);
+  return u;
+}
+
 }  // namespace
 
 CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold) {
@@ -127,8 +133,10 @@ CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decompositio
 
 // Left-looking, column by column: row j of L is the right-hand side of the vectors kept before.
 CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVectors& vectors) {
+  const OneBlasThread serial_blas;
   const Index m = vectors.u.cols();
-  const Matrix gram = Matrix(SparseMatrix(vectors.u.transpose() * SparseMatrix(interface.sparse() * vectors.u)));
+  const SparseMatrix c = interface.sparse();
+  const Matrix gram = Matrix(SparseMatrix(vectors.u.transpose() * SparseMatrix(c * vectors.u)));
   std::vector<Index> kept;
   Matrix l(m, m);  // row j, column i: of vector j along the i-th kept one
   for (Index j = 0; j < m; ++j) {
@@ -141,8 +149,10 @@ CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVecto
     kept.push_back(j);
   }
   const Index r = count(kept);
-  lower_ = l(kept, Eigen::seqN(0, r)).template triangularView<Eigen::Lower>();
   u_ = selected_columns(vectors.u, kept);
+  v_ = over(Matrix(u_), l(kept, Eigen::seqN(0, r)));
+  const Matrix again = v_.transpose() * (c * v_);  // nearly I: vectors that nearly depend on others have lost digits
+  v_ = over(std::move(v_), Eigen::LLT<Matrix>(again).matrixL());
   lambda_ = vectors.lambda(kept);
   for (const Index j : kept) subdomains_.push_back(vectors.subdomains[at(j)]);
 }
@@ -150,20 +160,15 @@ CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVecto
 CoarseProblem CoarseProblem::first(Index k) const {
   CoarseProblem part = *this;
   part.u_ = u_.leftCols(k);
-  part.lower_ = lower_.topLeftCorner(k, k);
+  part.v_ = v_.leftCols(k);
   part.lambda_ = lambda_.head(k);
   part.subdomains_.resize(at(k));
   return part;
 }
 
 Vector CoarseProblem::solve(const Vector& p, Index k) const {
-  Vector c = (u_.transpose() * p).head(k);
-  const auto factor = lower_.topLeftCorner(k, k).triangularView<Eigen::Lower>();
-  factor.solveInPlace(c);
-  factor.transpose().solveInPlace(c);
-  Vector all = Vector::Zero(size());
-  all.head(k) = c;
-  return u_ * all;
+  const OneBlasThread serial_blas;
+  return v_.leftCols(k) * (v_.leftCols(k).transpose() * p);
 }
 
 }  // namespace nscdd

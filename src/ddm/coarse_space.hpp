@@ -27,14 +27,15 @@ CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold);
 /// Needs the centres of the grains (Subdomain::centres), d per grain; throws Error without.
 CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts);
 
-/// The coarse spaces spanned by the first vectors of a list, with one Cholesky factor of U^T C U for all of them. A
-/// vector that depends on those before it to 10^-6 of its norm in C is left out.
+/// The coarse spaces spanned by the first vectors of a list: vectors V, orthonormal in C, with the span of the first k
+/// for every k. A vector that depends on those before it to 10^-6 of its norm in C is left out.
 class CoarseProblem {
  public:
   CoarseProblem(const PrimalInterface& interface, const CoarseVectors& vectors);
 
-  Index size() const { return lower_.cols(); }  ///< independent vectors
+  Index size() const { return v_.cols(); }  ///< independent vectors
   const Vector& lambda() const { return lambda_; }
+  const Matrix& orthonormal() const { return v_; }                      ///< V
   const SparseMatrix& vectors() const { return u_; }                    ///< U, the independent ones
   const std::vector<Index>& subdomains() const { return subdomains_; }  ///< that each comes from
   /// Index one past the last vector with lambda < threshold.
@@ -47,7 +48,7 @@ class CoarseProblem {
 
  private:
   SparseMatrix u_;
-  Matrix lower_;
+  Matrix v_;
   Vector lambda_;
   std::vector<Index> subdomains_;
 };

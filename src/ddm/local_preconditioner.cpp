@@ -2,6 +2,7 @@
 #include "ddm/local_preconditioner.hpp"
 
 #include "core/fail.hpp"
+#include "linalg/threads.hpp"
 
 namespace nscdd {
 
@@ -14,6 +15,7 @@ LocalPreconditioner::LocalPreconditioner(const Decomposition& parts, std::shared
 }
 
 Vector LocalPreconditioner::solve(const Vector& g) const {
+  const OneBlasThread serial_blas;
   const std::vector<CondensedSubdomain>& subdomains = interface_->subdomains;
   std::vector<Vector> whole = glued_.copies_apart(g), copies;
   for (std::size_t e = 0; e < whole.size(); ++e) copies.push_back(whole[e](subdomains[e].local));
@@ -28,12 +30,11 @@ Vector LocalPreconditioner::solve(const Vector& g) const {
   const auto shift = [&](const Vector& u) {  // the same velocity of all copies changes no jump
     for (const std::size_t e : shared) copies[e] -= u(subdomains[e].rows);
   };
-  // Each projection is done twice: with nearly all of the interface in the coarse space one pass leaves its rounding.
-  for (int pass = 0; coarse_ && pass < 2; ++pass)
+  if (coarse_)
     shift(coarse_->solve(
         sum([](const CondensedSubdomain& one, const Vector& o) -> Vector { return one.stiffness * o; })));
   Vector mean = sum([](const CondensedSubdomain& one, const Vector& o) -> Vector { return one.weights * o; });
-  for (int pass = 0; coarse_ && pass < 2; ++pass) mean -= coarse_->solve(interface_->apply(mean));
+  if (coarse_) mean -= coarse_->solve(interface_->apply(mean));
   shift(mean);
   for (const std::size_t e : shared)
     copies[e] = (stiffness_ == LocalStiffness::lumped ? subdomains[e].block : subdomains[e].stiffness) * copies[e];

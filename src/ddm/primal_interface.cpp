@@ -122,6 +122,7 @@ SparseMatrix PrimalInterface::sparse() const {
 }
 
 Matrix PrimalInterface::dense_preconditioner() const {
+  const OneBlasThread serial_blas;
   Matrix sum = Matrix::Zero(size(), size());
   for (const CondensedSubdomain& one : subdomains)
     sum(one.rows, one.rows) += one.weights * one.flexibility * one.weights.transpose();
@@ -157,6 +158,7 @@ PrimalInterface condense(const Decomposition& parts, double flexibility) {
 }
 
 void weigh(PrimalInterface& interface, Scaling scaling) {
+  const OneBlasThread serial_blas;
   if (scaling == Scaling::deluxe) return weigh_deluxe(interface);
   const auto own = [&](const CondensedSubdomain& one) -> Vector {
     return scaling == Scaling::stiffness ? Vector(one.block.diagonal()) : Vector::Ones(one.block.rows());

@@ -21,6 +21,7 @@ BalancedSpectrum::BalancedSpectrum(const PrimalInterface& interface, const Coars
 double BalancedSpectrum::largest(Index k) const {
   if (interface_.size() - k <= 0) return 1;
   if (const auto known = known_.find(k); known != known_.end()) return known->second;
+  const OneBlasThread serial_blas;
   std::vector<Index> first{0};
   for (const Matrix& root : roots_) first.push_back(first.back() + root.cols());
   const auto product = [&](const Vector& y) {  // B^T (I - C Q) C B y, Q = U (U^T C U)^-1 U^T
@@ -71,12 +72,13 @@ const Matrix& BalancedSpectrum::whitened() const {
 }
 
 Matrix BalancedSpectrum::whitened_vectors(Index k) const {
-  return lower_->transpose().triangularView<Eigen::Upper>() * Matrix(coarse_.vectors().leftCols(k));
+  return lower_->transpose().triangularView<Eigen::Upper>() * coarse_.orthonormal().leftCols(k);
 }
 
 Vector BalancedSpectrum::all(Index k) const {
   const Index n = interface_.size();
   if (n > dense_limit || k >= n) return {};
+  const OneBlasThread serial_blas;
   Matrix t = whitened();
   if (k > 0) {
     const Matrix complement = orthonormal_complement(whitened_vectors(k));
@@ -88,6 +90,7 @@ Vector BalancedSpectrum::all(Index k) const {
 std::optional<Index> BalancedSpectrum::above(double shift, Index k) const {
   const Index n = interface_.size();
   if (n > dense_limit) return std::nullopt;
+  const OneBlasThread serial_blas;
   Matrix bordered = Matrix::Zero(n + k, n + k);
   bordered.topLeftCorner(n, n) = -whitened();
   bordered.diagonal().head(n).array() += shift;

@@ -9,6 +9,7 @@
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
 #include "spectra/balanced_spectrum.hpp"
 #include "study/linear/sweep_points.hpp"
 #include "study/tables/study.hpp"
@@ -81,6 +82,7 @@ class CoarseStudy {
   }
 
   CoarseResult solve(double epsilon, const CoarseMethod& method) {
+  const OneBlasThread serial_blas;
     CoarseResult result = common_;
     result.epsilon = epsilon;
     result.method = method;
