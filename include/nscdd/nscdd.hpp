@@ -18,6 +18,7 @@
 #include <nscdd/ddm/partitioner.hpp>
 #include <nscdd/ddm/partitioners/grid.hpp>
 #include <nscdd/ddm/partitioners/metis.hpp>
+#include <nscdd/ddm/schwarz.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/formats/read_model.hpp>

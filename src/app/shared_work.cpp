@@ -107,6 +107,12 @@ void declare_contacts(Command& command, Choice<ContactSet>& contacts) {
       "friction, sticking contacts and the normals of sliding ones");
 }
 
+void declare_scheme(Command& command, Choice<DecompositionScheme>& scheme) {
+  command.preset("--scheme", scheme,
+                 "coupling of subdomains: nscdd, or schwarz; schwarz: block Jacobi with whole masses (ddm_type 0 of "
+                 "LMGC90), without eta");
+}
+
 SpectralOptions spectra_on(const Machine& machine, SpectralOptions options) {
   check(options, "--");
   if (options.solver == SpectralSolver::arpack) require_one_process(machine, "--solver arpack");

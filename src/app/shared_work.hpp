@@ -32,6 +32,9 @@ void give_back_freed_memory();
 /// Declares --contacts, the contacts of Stage 1.
 void declare_contacts(Command& command, Choice<ContactSet>& contacts);
 
+/// Declares --scheme.
+void declare_scheme(Command& command, Choice<DecompositionScheme>& scheme);
+
 /// Options of spectra on this machine. Throws Error if they contradict each other, or if it lacks the solver.
 SpectralOptions spectra_on(const Machine& machine, SpectralOptions options);
 

@@ -13,6 +13,7 @@ struct Options {
   CaseOptions one;
   SpectralOptions spectral;
   Choice<ContactSet> contacts = ContactSet::all;
+  Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
   std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5, counts;
   Reopening how;
   std::optional<double> curve;
@@ -25,6 +26,7 @@ SweepParameters parameters(const Options& options, const Machine& machine) {
   result.relaxation = parse_relaxation(options.relaxation);
   result.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
   result.contacts = options.contacts;
+  result.scheme = options.scheme;
   result.spectral = spectra_on(machine, options.spectral);
   if (result.spectral.certify || result.spectral.eigenvalues > 1)
     for (const auto& sweeps : result.gauss_seidel_sweeps)
@@ -41,7 +43,7 @@ int work_through(const Model& model, const StudyTable& work, SharedTable& csv, I
                  const RowSink& sink) {
   const ResultColumns<SweepResult> columns = sweep_columns(work.sweep);
   const Table layout{headings(columns), {}};
-  Index unproved = 0, uncertified = 0, told = 0;
+  Index unproved = 0, uncertified = 0, told = 0, diverging = 0;
   const bool certify = work.sweep.spectral.certify;
   const auto is_true = [](const Row& cells, std::size_t column) { return std::get<bool>(cells[column]); };
   const auto take = [&, converged = layout.column("converged"),
@@ -58,12 +60,18 @@ int work_through(const Model& model, const StudyTable& work, SharedTable& csv, I
     if ((!radius.converged || (certify && !radius.certified)) && told++ < most_told)
       note("epsilon = {}, eta = {}: {}: {}", result.point.epsilon, result.point.eta,
            radius.converged ? "not certified" : "not converged", radius.failure);
+    if (work.sweep.schwarz() && radius.subdominant >= 1 + 1e-9 && diverging++ == 0)
+      note("epsilon = {}: schwarz diverges with the relaxation {}: radius {:.6g}", result.point.epsilon,
+           *result.point.relaxation, radius.subdominant);
     const Row cells = row(columns, result);
     csv->write(cells);
     take(cells);
   };
   sweep(model, work.sweep, write, interruption.watch(work.name, csv.kept()), csv.kept());
   if (interruption.stopped()) return 0;
+  if (diverging > 0)
+    note("{} row(s) have a radius above 1: a relaxation below 2 / (1 - eigenvalue_min at relaxation 1) converges",
+         diverging);
   if (unproved > 0) note("{} row(s) did not converge: see the column 'converged'", unproved);
   if (uncertified > 0) note("{} row(s) converged but are not certified: see the column 'certified'", uncertified);
   return 0;
@@ -112,6 +120,7 @@ Asked asked(const Options& options, const Machine& machine) {
   asked.work.name = "sweep";
   SweepParameters& sweep = asked.work.sweep = parameters(options, machine);
   if (options.curve) {
+    if (sweep.schwarz()) fail("--curve: expected --scheme nscdd, whose curves have bounds, met schwarz");
     if (options.how.resume) fail("--resume: expected a sweep of points given, met --curve, which places them itself");
     asked.curve = curve_parameters(*options.curve, options.epsilon, options.eta, sweep, "--");
     sweep = asked.curve->sweep;
@@ -119,6 +128,7 @@ Asked asked(const Options& options, const Machine& machine) {
     std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(options.epsilon);
     std::tie(sweep.eta, sweep.relative_eta) = parse_eta(options.eta);
   }
+  check_scheme(sweep, "--");
   asked.work.cases = {options.one.resolve({options.csv, options.hdf5, options.counts})};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
   if (!options.counts.empty()) require_distinct(options.csv, options.counts);
@@ -176,6 +186,7 @@ Action declare_sweep(Command& command) {
   command.preset("--eta SPEC", options->eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
   declare_contacts(command, options->contacts);
+  declare_scheme(command, options->scheme);
   command.fields(options->spectral);
   command.named("--certify").help += "; adds columns with the intervals";
   command.named("--eigenvalues").help +=

@@ -45,6 +45,23 @@ Interface Interface::of_process(const std::vector<Index>& process_of_subdomain, 
   return shared;
 }
 
+Interface Interface::of_copies() const {
+  Interface one = *this;
+  one.gluing_.clear();
+  one.between_neighbours_ = {};
+  for (std::vector<Tie>& ties : one.ties_) ties.clear();
+  Index last = -1;
+  for (const Gluing& row : gluing_) {
+    if (std::exchange(last, row.grain) == row.grain) continue;
+    for (const GrainCopy& copy : copies(row.grain)) {
+      if (process_of(copy.subdomain) == processes_.rank)
+        one.ties_[at(copy.subdomain)].push_back({count(one.gluing_), copy.grain, 1});
+      one.gluing_.push_back({row.grain, copy, {-1, -1}});
+    }
+  }
+  return one;
+}
+
 Interface shared_interface(Index dofs_per_grain, Index grains, std::vector<std::vector<Index>> held,
                            const std::vector<char>& tied, const std::vector<Index>& process_of_subdomain,
                            const Processes& processes, GluingShape shape) {
@@ -166,6 +183,10 @@ Vector Interface::collect(std::vector<Vector> impulses) const {
 
 // Unknown k of one grain, rows [first, last).
 void Interface::balance(Index first, Index last, Index k, double inertia, const Vector& g, Vector& f) const {
+  if (gluing_[at(first)].second.subdomain < 0) {  // of copies: X_inf = M_b^-1
+    for (Index row = first; row < last; ++row) f[dofs_ * row + k] = inertia * g[dofs_ * row + k];
+    return;
+  }
   const bool chain = shape_ == GluingShape::chain;
   const double q = static_cast<double>(last - first + 1);
   const auto jump = [&](Index row) { return g[dofs_ * row + k]; };

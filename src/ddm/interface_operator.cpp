@@ -72,7 +72,8 @@ class InterfaceFamily::Preparation {
         if (tie.sign > 0)  // the first of the two copies of the row
           row_inertia.segment(d * tie.row, d) = parts.subdomains[nscdd::at(e)].inertia.segment(d * tie.grain, d);
     parts.interface.processes().add_up({row_inertia.data(), nscdd::at(row_inertia.size())});
-    scale = 2 * row_inertia.cwiseInverse();
+    const std::vector<Gluing>& gluing = parts.interface.gluing();
+    scale = (!gluing.empty() && gluing[0].second.subdomain < 0 ? 1 : 2) * row_inertia.cwiseInverse();
   }
 
   // The undivided packing. Only `solve` needs it.
@@ -170,7 +171,9 @@ const SparseMatrix& InterfaceOperator::generic() const {
     const std::vector<Gluing>& gluing = decomposition().interface.gluing();
     const Vector& inertia = implementation_->preparation->row_inertia;
     const Index d = decomposition().dofs_per_grain();
-    const auto same = [](const GrainCopy& a, const GrainCopy& b) { return a.subdomain == b.subdomain ? 1.0 : 0.0; };
+    const auto same = [](const GrainCopy& a, const GrainCopy& b) {
+      return a.subdomain == b.subdomain && a.subdomain >= 0 ? 1.0 : 0.0;  // -1: no copy
+    };
     SparseEntries entries;
     for (Index row = 0; row < count(gluing); ++row) {
       const Gluing& own = gluing[at(row)];

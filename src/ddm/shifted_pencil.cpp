@@ -74,8 +74,8 @@ struct SaddlePointFamily {
   // eliminated with its gluing. A contact impulse goes with the later of its grains if their velocities are rows.
   InertiaPattern pattern() const;
 
-  // The Response that belongs to a solution x for these epsilon, eta and sigma.
-  ShiftedPencil::Response response(const Vector& x, double epsilon, double eta, double sigma) const;
+  // The Response that belongs to a solution x, times `scale`, for these epsilon, eta and sigma.
+  ShiftedPencil::Response response(const Vector& x, double epsilon, double eta, double sigma, double scale) const;
 
   // Extends a vector of the interface to the border; `of_interface` is the way back.
   Vector on_border(const Vector& g) const {
@@ -85,6 +85,7 @@ struct SaddlePointFamily {
   }
   Vector of_interface(const Vector& x) const { return x.tail(interface_size()); }
 
+  bool schwarz() const { return contraction.schwarz(); }
   Index rows() const { return inertia.rows(); }
   Index border_size() const { return rows() - border; }
   Index interface_size() const { return rows() - interface; }
@@ -99,6 +100,7 @@ struct SaddlePointFamily {
   Index border = 0;                          // first row eliminated with the hubs, or `interface` without any
   Index interface = 0;                       // first interface row
   Index negative = 0;                        // all rows on all ranks except the velocities of S
+  Index shared = 0;                          // schwarz: velocities of shared grains
   // Lower triangles of one pattern: coefficients of 1, and of 1/epsilon or 1/eta (of epsilon in rows of contact
   // impulses). Between interface rows: coefficients of sigma, and of 1.
   SparseMatrix inertia, stiffness;
@@ -143,9 +145,20 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
     const auto here = [&](Index i) {  // each row of X belongs to the rank of its first copy
       return tied.process_of(tied.gluing()[nscdd::at(i / tied.dofs_per_grain())].first.subdomain) == processes().rank;
     };
-    for_entries(b.preconditioner.generic(), [&](Index i, Index j, double value) {
-      if (i >= j && here(i)) entries.add(interface + i, interface + j, value, 0);
-    });
+    if (b.schwarz()) {
+      for_shared_grains(tied, [&, d = tied.dofs_per_grain()](Index first, Index copies) {
+        shared += d;
+        for (Index i = d * first; i < d * (first + copies); ++i)
+          for (Index j = i; here(i) && j >= d * first; j -= d) {
+            const double own = b.preconditioner.scale()[i], mean = own / static_cast<double>(copies - 1);  // own = 1/m
+            entries.add(interface + i, interface + j, (i == j ? own : 0) - mean, mean);
+          }
+      });
+    } else {
+      for_entries(b.preconditioner.generic(), [&](Index i, Index j, double value) {
+        if (i >= j && here(i)) entries.add(interface + i, interface + j, value, 0);
+      });
+    }
   } else {
     add_condensed(entries, preconditioner, system_size, interface);
   }
@@ -210,7 +223,8 @@ InertiaPattern SaddlePointFamily::pattern() const {
   return {inertia, renumbered(std::move(group)), border_size()};
 }
 
-ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsilon, double eta, double sigma) const {
+ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsilon, double eta, double sigma,
+                                                    double scale) const {
   const auto energy = [&](Index first, Index last) {  // x^T K x over some columns
     double sum = 0;
     for (Index j = first; j < last; ++j)
@@ -218,27 +232,35 @@ ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsi
         sum += e.value() * x[e.row()] * x[j] * (e.row() == j ? 1 : 2);
     return sum;
   };
-  const double system = rigid ? 0.0 : processes().sum(energy(0, system_size));
-  return {.f = -x.tail(interface_size()),
+  const double system = rigid ? 0.0 : scale * scale * processes().sum(energy(0, system_size));
+  return {.f = -scale * x.tail(interface_size()),
           .system = form == SystemForm::augmented ? -system * epsilon : system / epsilon,
           .preconditioner = generic ? 0.0 : processes().sum(energy(system_size, border)) / (eta * sigma)};
 }
 
 // Without eigenvalues below the shift all rows but the velocities of S are negative; each eigenvalue takes one away.
-Index ShiftedPencil::below() const { return matrices_->negative - factor_.negative_eigenvalues; }
+Index ShiftedPencil::below() const {
+  const Index missing = matrices_->negative - factor_.negative_eigenvalues;
+  if (!matrices_->schwarz()) return missing;
+  const Index size = matrices_->interface_size(), negative = size - missing;  // of Z
+  return size - matrices_->shared + (shift_ > 1 ? negative : -negative);
+}
+
+double ShiftedPencil::offset() const { return matrices_->schwarz() ? 1 / (1 - shift_) : 0; }
+double ShiftedPencil::scale() const { return matrices_->schwarz() ? 1 / (1 - shift_) : 1; }
 
 Vector ShiftedPencil::solve(const Vector& g) const {
   const Vector right = matrices_->on_border(g);
-  if (!refinement_) return -matrices_->of_interface(factor_.solve_on_border(right));
+  if (!refinement_) return -scale() * matrices_->of_interface(factor_.solve_on_border(right));
   const Vector x = factor_.solve_from_border(right);
-  return -(matrices_->of_interface(x) + matrices_->of_interface(factor_.solve_to_border(residual(x, right))));
+  return -scale() * (matrices_->of_interface(x) + matrices_->of_interface(factor_.solve_to_border(residual(x, right))));
 }
 
 ShiftedPencil::Response ShiftedPencil::respond(const Vector& g) const {
   const Vector right = matrices_->on_border(g);
   Vector x = factor_.solve_from_border(right);
   if (refinement_) x += factor_.solve(residual(x, right));
-  return matrices_->response(x, epsilon_, eta_, shift_);
+  return matrices_->response(x, epsilon_, eta_, shift_, scale());
 }
 
 Vector ShiftedPencil::residual(const Vector& x, const Vector& g) const {
@@ -253,7 +275,7 @@ ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, SystemForm form, 
 
 bool ShiftedPencilFamily::serves(const Contraction& b, SystemForm form, const InertiaMethod& method) const {
   const Contraction& own = matrices_->contraction;
-  return &b.system.decomposition() == &own.system.decomposition() &&
+  return &b.system.decomposition() == &own.system.decomposition() && b.scheme == own.scheme &&
          &b.preconditioner.decomposition() == &own.preconditioner.decomposition() &&
          std::isinf(b.preconditioner.flexibility()) == matrices_->generic && form == matrices_->form &&
          method.name == method_name_;

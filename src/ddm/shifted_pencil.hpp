@@ -34,6 +34,14 @@ struct SaddlePointFamily;  // the matrices of a family, in shifted_pencil.cpp
 /// For epsilon near 0 the block M_E + K_E/epsilon loses digits of M_E. `SystemForm::augmented` replaces it by [M_E H_E;
 /// H_E^T -epsilon I] with the contact impulses, which adds one negative eigenvalue per contact. For epsilon = 0
 /// `SystemForm::rigid` has [Z^T M_E Z, Z^T H_E; H_E^T Z, 0] and A_E Z, with independent contacts outside clusters.
+///
+/// The scheme schwarz has the pencil S = P + P C^-1 P, P = M_b^-1 - F, with C = (1 1^T / (q - 1) - I) / m per grain
+/// (Contraction of docs/theory.md, section 17): P f = (lambda - 1) C f. Its matrix
+///     [ M_E + K_E/epsilon   N_E^T                             ]
+///     [ N_E                 1 1^T / ((q - 1) m) - sigma C     ]
+/// has the Schur complement Z = P + (1 - sigma) C, and (S - sigma P)^-1 P = I/(1 - sigma) - Z^-1 P/(1 - sigma): the
+/// first term is the offset. With n_b rows of copies and n_s velocities of shared grains, n_b - n_s - negative(Z)
+/// eigenvalues lie below sigma < 1, and n_s - negative(Z) above sigma > 1.
 class ShiftedPencil {
  public:
   /// False if the factorisation broke down; then nothing else may be called.
@@ -52,9 +60,10 @@ class ShiftedPencil {
 
   double shift() const { return shift_; }
   Index below() const;                  ///< eigenvalues lambda of (S, P) below the shift, with multiplicity
-  Vector solve(const Vector& g) const;  ///< (S - sigma P)^-1 g
+  Vector solve(const Vector& g) const;  ///< (S - sigma P)^-1 g, without its part offset() P^-1 g
+  double offset() const;                ///< 0 but for the scheme schwarz
 
-  /// A solution f = (S - sigma P)^-1 g, and how f^T S f and f^T P f change with the flexibilities, from the velocities
+  /// A solution f as of `solve`, and how f^T S f and f^T P f change with the flexibilities, from the velocities
   /// V = (M_E + K_E/epsilon)^-1 A_E^T f and V' = (M_E + K_E/eta)^-1 A_E^T f of that solution.
   struct Response {
     Vector f;
@@ -66,6 +75,7 @@ class ShiftedPencil {
  private:
   friend class ShiftedPencilFamily;
   Vector residual(const Vector& x, const Vector& g) const;
+  double scale() const;
 
   std::shared_ptr<const SaddlePointFamily> matrices_;
   double epsilon_ = 1, eta_ = 1, shift_ = 1, inexactness_ = infinity;

@@ -66,6 +66,7 @@ struct ShiftedProblem {
   LinearMap solve;  ///< x -> (A - sigma M)^-1 x
   LinearMap m;      ///< x -> M x
   double sigma;
+  double offset = 0;  ///< `solve` has the images (A - sigma M)^-1 M x without offset x; M may then be semidefinite
 };
 
 /// Shift-inverted Lanczos in the inner product of M, with full orthogonalisation, without restarts. `end` = smallest

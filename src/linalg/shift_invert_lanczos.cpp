@@ -10,6 +10,7 @@ namespace {
 
 constexpr double share_of_fixed_vector = 0.1;
 constexpr double breakdown = 1e-14;       // least length of a new direction, relative to its image
+constexpr double in_kernel = 1e-11;       // of a semidefinite M: Rayleigh quotient of a vector, over the largest
 constexpr Index first_estimate = 3;       // steps before the gaps of Ritz values are meaningful
 constexpr Index every_step = 40;          // steps that each check convergence; later every tenth does
 constexpr std::uint64_t fixed_seed = 12;  // of the fixed vector and of those after a breakdown
@@ -17,8 +18,13 @@ constexpr std::uint64_t fixed_seed = 12;  // of the fixed vector and of those af
 // M-orthonormal basis with its images, orthogonal to the locked vectors as well.
 class Basis {
  public:
-  Basis(Index n, Index capacity, const LinearMap& m, const Matrix& locked)
-      : m_(m), locked_(locked), locked_image_(n, locked.cols()), q_(n, capacity), mq_(n, capacity) {
+  Basis(Index n, Index capacity, const LinearMap& m, const Matrix& locked, bool semidefinite)
+      : m_(m),
+        locked_(locked),
+        locked_image_(n, locked.cols()),
+        q_(n, capacity),
+        mq_(n, capacity),
+        semidefinite_(semidefinite) {
     for (Index k = 0; k < locked.cols(); ++k) locked_image_.col(k) = m(locked.col(k));
   }
 
@@ -35,6 +41,8 @@ class Basis {
     const Vector mw = m_(w);
     const double length = std::sqrt(std::max(0.0, w.dot(mw)));
     if (!(length > breakdown * std::sqrt(old))) return 0;
+    largest_ = std::max(largest_, length * length / w.squaredNorm());
+    if (semidefinite_ && length * length < in_kernel * largest_ * w.squaredNorm()) return 0;
     if (size_ == q_.cols()) return length;
     q_.col(size_) = w / length;
     mq_.col(size_++) = mw / length;
@@ -48,6 +56,8 @@ class Basis {
   const LinearMap& m_;
   const Matrix& locked_;
   Matrix locked_image_, q_, mq_;
+  bool semidefinite_;
+  double largest_ = 0;  // Rayleigh quotient of M so far
   Index size_ = 0;
 };
 
@@ -111,10 +121,11 @@ ShiftInvertResult shift_invert_lanczos(const ShiftedProblem& problem, SpectrumEn
   const Index capacity = std::min(n - locked.cols(), std::max(options.maximum_steps, wanted + 1));
   // A multiple eigenvalue needs new random vectors in each run.
   RandomStream random(fixed_seed + static_cast<std::uint64_t>(locked.cols()));
-  Basis basis(n, capacity, problem.m, locked);
+  Basis basis(n, capacity, problem.m, locked, problem.offset != 0);
   Vector first = random.normal_vector(n);
   if (start.size() == n && start.norm() > 0)
     first = start / start.norm() + share_of_fixed_vector * first / first.norm();
+  if (problem.offset != 0) first = problem.solve(problem.m(first));  // no part in the kernel of M
   if (capacity < 1 || basis.append(first) == 0) return result;
   std::vector<double> alpha, beta;
   RitzPairs pairs;
@@ -122,7 +133,7 @@ ShiftInvertResult shift_invert_lanczos(const ShiftedProblem& problem, SpectrumEn
     const Vector mq = basis.image();
     const Vector w = problem.solve(mq);
     ++result.applications;
-    alpha.push_back(mq.dot(w));
+    alpha.push_back(mq.dot(w) + problem.offset);
     beta.push_back(basis.append(w));
     const bool spent = beta.back() == 0 && (steps == capacity || basis.append(random.normal_vector(n)) == 0);
     const bool last = steps == capacity || spent;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/memory.hpp"
 #include "linalg/pencil.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "spectra/spectrum_memory.hpp"
 
 #include <Eigen/Cholesky>
@@ -31,6 +32,71 @@ PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel,
   return ends;
 }
 
+// Orthonormal basis of the range of M_b^-1/2 N_E H_E over all subdomains, which is that of Y for every epsilon. `root`:
+// of M_b.
+Matrix range_of_resultants(const Decomposition& parts, const Vector& root) {
+  Matrix projector = Matrix::Zero(root.size(), root.size());
+  for (const Subdomain& one : parts.subdomains) {
+    const SparseMatrix resultants = one.a * one.h;
+    std::vector<Index> rows, columns;
+    for_entries(resultants, [&](Index i, Index j, double) {
+      rows.push_back(i);
+      columns.push_back(j);
+    });
+    sort_unique(rows);
+    sort_unique(columns);
+    if (rows.empty()) continue;
+    const Matrix scaled = root.cwiseInverse().asDiagonal() * Matrix(selected_columns(resultants, columns));
+    const auto [values, vectors] = left_singular(scaled(rows, Eigen::all));
+    const Index rank = (values.array() > 1e-10 * values.maxCoeff()).count();
+    const Matrix range = vectors.rightCols(rank);
+    projector(rows, rows) += range * range.transpose();
+  }
+  parts.interface.processes().add_up({projector.data(), at(projector.size())});
+  const auto [values, vectors] = symmetric_eigen(projector);
+  return vectors.rightCols((values.array() > 0.5).count());
+}
+
+// The scheme schwarz. With Y = I - M_b^1/2 F M_b^1/2 the symmetric -Y^1/2 G Y^1/2, G = 1 1^T - I per grain, has the
+// eigenvalues mu of J, with the resultants Y^1/2 x in units of M_b^1/2. The largest mu are the 1 of the kernel.
+PencilEnds schwarz_ends(const Contraction& b, Index kernel) {
+  const Interface& interface = b.system.decomposition().interface;
+  const Index n = b.rows();
+  const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
+  Matrix y = -(root.asDiagonal() * b.system.dense() * root.asDiagonal());
+  y.diagonal().array() += 1;
+  PencilEnds ends;
+  const Matrix basis = range_of_resultants(b.system.decomposition(), root);
+  if (basis.cols() == 0) {  // no contact acts on a shared grain: J = 0
+    ends.low = ends.high = Vector::Zero(n);
+    ends.low_vectors = ends.high_vectors = Matrix::Zero(n, n);
+    ends.residual = 0;
+    return ends;
+  }
+  const auto [squares, vectors] = symmetric_eigen(basis.transpose() * y * basis);
+  const Matrix half = basis * (vectors * squares.cwiseMax(0).cwiseSqrt().asDiagonal());  // Y = half half^T
+  Matrix others(n, half.cols());
+  for (Index j = 0; j < half.cols(); ++j) others.col(j) = sum_of_others(interface, half.col(j));
+  const Matrix map = -half.transpose() * others;
+  const auto [values, pairs] = symmetric_eigen(0.5 * (map + map.transpose()));
+  if (!values.allFinite()) return ends.failure = "LAPACK finds no eigenvalues", ends;
+  const Index kept = half.cols() - kernel;
+  if (kept < 0) return ends.failure = "the kernel of S is larger than the range of Y", ends;
+  const Index below = std::min<Index>((values.array() < 0).count(), kept), above = kept - below;
+  ends.low = Vector::Zero(n - kernel);  // the kernel of Y has mu = 0
+  ends.low.head(below) = values.head(below);
+  ends.low.tail(above) = values.segment(below, above);
+  ends.low_vectors = Matrix::Zero(n, n - kernel);
+  ends.low_vectors.leftCols(below) = half * pairs.leftCols(below);
+  ends.low_vectors.rightCols(above) = half * pairs.middleCols(below, above);
+  ends.high = ends.low.reverse();
+  ends.high_vectors = ends.low_vectors.rowwise().reverse();
+  // An error e of Y moves its root by e / (2 sqrt(y_min)).
+  const double condition = squares.maxCoeff() / std::max(squares.minCoeff(), 1e-16);
+  ends.residual = static_cast<double>(n) * 2.3e-16 * std::max(1.0, values.cwiseAbs().maxCoeff()) * std::sqrt(condition);
+  return ends;
+}
+
 }  // namespace
 
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
@@ -43,22 +109,24 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
                  "fewer subdomains or grains, or the solver arpack");
   // Scaling both matrices by D^-1/2 from both sides, D = diag(X), keeps unequal masses from spoiling the condition.
   const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
-  const Matrix p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
+  Matrix p, difference;
+  if (!b.schwarz()) p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
   look();
   // P B. The pencil (P B, P) has the eigenvalues mu themselves: small radii keep their digits.
-  const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
+  if (!b.schwarz()) difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
   const Index unit_multiplicity = b.system.nullity();
   const double tilt = b.system.uncertainty();
   if (unit_multiplicity == n) return all_unit(n, "dense", std::isfinite(tilt));
   const auto ends_of = [&](Index wanted) {
     look();
+    if (b.schwarz()) return schwarz_ends(b, unit_multiplicity);
     return unit_multiplicity == 0 ? pencil_ends(difference, p, wanted)
                                   : deflated_ends(difference, p, b.system.kernel().kernel, wanted);
   };
   const Index most = n - unit_multiplicity, listed = std::min(options.eigenvalues, most);
   Index wanted = listed;
   PencilEnds ends = ends_of(wanted);
-  const auto uncertain = [&] { return moved_by(tilt, 1 - ends.low[0], b.preconditioner); };
+  const auto uncertain = [&] { return moved_by(tilt, 1 - ends.low[0], b); };
   const auto largest = [&] { return std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])}); };
   const auto margin = [&] {  // backward errors of LAPACK grow with the size and with the largest eigenvalue
     return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest()) +

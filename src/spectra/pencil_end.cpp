@@ -155,9 +155,9 @@ class EndSearch {
   void complete(const ShiftedPencil& pencil) {
     Vector x = result_.vectors.col(0);
     for (int k = 0; k < 3; ++k) {
-      const Vector px = side_.p.apply(x);
-      const ShiftedPencil::Response response = side_.respond(pencil, px);
-      const Vector &y = response.f, py = side_.p.apply(y);
+      const Vector px = side_.apply(x);
+      const ShiftedPencil::Response response = side_.respond(pencil, x, px);
+      const Vector &y = response.f, py = side_.apply(y);
       const double norm = y.dot(py), delta = x.dot(py) / norm;
       const double residual = std::sqrt(std::max(0.0, (x - delta * y).dot(px - delta * py)) / norm);
       if (!std::isfinite(residual)) return;
@@ -173,12 +173,13 @@ class EndSearch {
   }
 
   void measure_slopes(const ShiftedPencil& pencil) {
-    const ShiftedPencil::Response response = side_.respond(pencil, side_.p.apply(result_.vectors.col(0)));
-    set_slopes(response, response.f.dot(side_.p.apply(response.f)));
+    const Vector x = result_.vectors.col(0);
+    const ShiftedPencil::Response response = side_.respond(pencil, x, side_.apply(x));
+    set_slopes(response, response.f.dot(side_.apply(response.f)));
   }
 
   void set_slopes(const ShiftedPencil::Response& response, double norm) {
-    result_.slope_epsilon = response.system / norm;
+    result_.slope_epsilon = (point_.without == nullptr ? 1 : 1 - value()) * response.system / norm;
     result_.slope_eta = -value() * response.preconditioner / norm;
     sloped_ = true;
   }

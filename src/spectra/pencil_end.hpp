@@ -15,6 +15,8 @@ struct PencilPoint {
   double high = infinity;  ///< no eigenvalue is above
   /// Lost digits move an eigenvalue by up to this times max(1, |lambda|). Certificates keep this distance.
   double rounding = 0;
+  /// Scheme schwarz: F_epsilon, where the inner product is X_inf - F, see ShiftedPencil. Must outlive the point.
+  const InterfaceOperator* without = nullptr;
 };
 
 struct EndGuess {
@@ -87,9 +89,16 @@ struct PencilSide {
     return end == SpectrumEnd::smallest ? pencil.below() - point.kernel : p.rows() - pencil.below();
   }
 
-  ShiftedPencil::Response respond(const ShiftedPencil& pencil, const Vector& g) {
-    return ++result.solves, pencil.respond(g);
+  /// P x in the words of the pencil: the inner product.
+  Vector apply(const Vector& x) const {
+    return point.without == nullptr ? p.apply(x) : Vector(p.apply(x) - point.without->apply(x));
   }
+
+  /// (S - sigma P)^-1 P x. `respond`: with slopes.
+  Vector inverse(const ShiftedPencil& pencil, const Vector& x) {
+    return ++result.solves, pencil.solve(apply(x)) + pencil.offset() * x;
+  }
+  ShiftedPencil::Response respond(const ShiftedPencil& pencil, const Vector& x, const Vector& px);
 
   /// `towards`: the side of the shift to search, see shift_invert_lanczos.
   ShiftInvertResult lanczos(const ShiftedPencil& pencil, SpectrumEnd towards, Index wanted,

@@ -14,13 +14,23 @@ std::optional<ShiftedPencil> PencilSide::factorise(double shift, double side) {
   return std::nullopt;
 }
 
+ShiftedPencil::Response PencilSide::respond(const ShiftedPencil& pencil, const Vector& x, const Vector& px) {
+  ++result.solves;
+  ShiftedPencil::Response response = pencil.respond(px);
+  if (pencil.offset() == 0) return response;
+  const double before = response.f.squaredNorm();
+  response.f += pencil.offset() * x;
+  response.system *= response.f.squaredNorm() / before;  // x is nearly the eigenvector
+  return response;
+}
+
 ShiftInvertResult PencilSide::lanczos(const ShiftedPencil& pencil, SpectrumEnd towards, Index wanted,
                                       const ShiftInvertOptions& lanczos_options, const Vector& start,
                                       const Matrix& locked) {
-  const LinearMap apply = [this](const Vector& x) -> Vector { return p.apply(x); };
-  const LinearMap inverse = [&](const Vector& x) -> Vector { return ++result.solves, pencil.solve(x); };
-  return shift_invert_lanczos({p.rows(), inverse, apply, pencil.shift()}, towards, wanted, lanczos_options, start,
-                              locked);
+  const LinearMap product = [this](const Vector& x) -> Vector { return apply(x); };
+  const LinearMap solve = [&](const Vector& x) -> Vector { return ++result.solves, pencil.solve(x); };
+  return shift_invert_lanczos({p.rows(), solve, product, pencil.shift(), pencil.offset()}, towards, wanted,
+                              lanczos_options, start, locked);
 }
 
 void PencilSide::list_behind() {
@@ -34,9 +44,8 @@ void PencilSide::list_behind() {
 void PencilSide::polish(const ShiftedPencil& pencil) {
   Vector x = result.vectors.col(0);
   for (int k = 0; k < 2; ++k) {
-    x = pencil.solve(p.apply(x));
-    x /= std::sqrt(x.dot(p.apply(x)));
-    ++result.solves;
+    x = inverse(pencil, x);
+    x /= std::sqrt(x.dot(apply(x)));
   }
   if (x.allFinite()) result.vectors.col(0) = x;
 }
@@ -80,8 +89,7 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
 // has parts c_j along them; with nu = 1 / (lambda - sigma) the error is sum_j c_j^2 / |nu - nu_j|, over nu^2.
 double PencilSide::disturbance(const ShiftedPencil& pencil, const Vector& x, double lambda, const Matrix& locked,
                                const Vector& known) {
-  ++result.solves;
-  const Vector image = p.apply(pencil.solve(p.apply(x))), along = (locked.transpose() * image).cwiseAbs();
+  const Vector image = apply(inverse(pencil, x)), along = (locked.transpose() * image).cwiseAbs();
   const double nu = 1 / (lambda - pencil.shift());
   double sum = 0;
   for (Index j = 0; j < along.size(); ++j)
@@ -107,6 +115,8 @@ PencilSide::Added PencilSide::add_to_list(const ShiftedPencil& pencil, Index wan
     if (error > tolerance(lambda)) continue;
     // A long list from the largest eigenvalues inwards may reach the zeros of the rigid limit.
     if (point.kernel > 0 && lambda <= 10 * (error + rounding(lambda))) continue;
+    // With schwarz a list ends at mu = 0, the kernel of the inner product.
+    if (point.without != nullptr && inward(1 - lambda) <= 1e-6 * std::abs(1 - known[0])) continue;
     Index place = result.values.size();
     while (place > 0 && inward(result.values[place - 1] - lambda) > 0) --place;
     const Index size = result.values.size(), behind = size - place;

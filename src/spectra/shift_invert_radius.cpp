@@ -74,6 +74,12 @@ bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
 PencilPoint known_bounds(const Contraction& b) {
   const double epsilon = b.system.flexibility();
   PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.flexibility(), .rounding = lost_to_rounding(b)};
+  if (b.schwarz()) {  // 0 <= W <= q D
+    point.low = epsilon > 0 ? epsilon / (epsilon + stiffest(b.system.decomposition())) : 0.0;
+    point.high = static_cast<double>(largest_multiplicity(b.system.decomposition().interface));
+    point.without = &b.system;
+    return point;
+  }
   const Decomposition &system = b.system.decomposition(), &preconditioner = b.preconditioner.decomposition();
   const bool same = &system == &preconditioner;
   const double kappa = stiffest(preconditioner);
@@ -146,11 +152,13 @@ SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multipl
   set_ends(result, 1.0 - ends.largest.values[0], 1.0 - ends.smallest.values[0], unit_multiplicity);
   for (const double lambda : ends.largest.values) result.low.push_back(1.0 - lambda);
   for (const double lambda : ends.smallest.values) result.high.push_back(1.0 - lambda);
-  result.mode_min = ends.largest.vectors.col(0);
-  result.mode_max = ends.smallest.vectors.col(0);
-  const auto off = [&](const PencilEnd& end) {
-    return moved_by(tilt, std::max(end.values[0], end.outside), b.preconditioner);
+  const auto mode = [&](const PencilEnd& end) -> Vector {  // schwarz: resultants M_b (X - F) f
+    const Vector f = end.vectors.col(0);
+    return b.schwarz() ? Vector(f - b.preconditioner.solve_generic(b.system.apply(f))) : f;
   };
+  result.mode_min = mode(ends.largest);
+  result.mode_max = mode(ends.smallest);
+  const auto off = [&](const PencilEnd& end) { return moved_by(tilt, std::max(end.values[0], end.outside), b); };
   for (const PencilEnd* end : {&ends.smallest, &ends.largest})
     result.residual = std::max(
         result.residual, end->residual + lost_to_rounding(b) * std::max(1.0, std::abs(end->values[0])) + off(*end));
@@ -239,7 +247,8 @@ SpectralRadius no_error_left(Index size, Index wanted) {
 
 std::optional<EndGuess> PencilMemory::expected(const PencilPoint& point, End Visited::*end) const {
   if (visited.empty()) return std::nullopt;
-  const Coordinate coordinate{std::isinf(point.eta)};
+  const bool schwarz = point.without != nullptr;
+  const Coordinate coordinate{std::isinf(point.eta) && !schwarz};
   const auto known = [&](const Visited& v) {
     return Known{v.*end, coordinate.of((v.*end).lambda), coordinate.slope((v.*end).lambda)};
   };
@@ -252,8 +261,12 @@ std::optional<EndGuess> PencilMemory::expected(const PencilPoint& point, End Vis
   double side = std::max(std::abs(coordinate.lambda(guess.value + guess.uncertainty) - lambda),
                          std::abs(lambda - coordinate.lambda(guess.value - guess.uncertainty)));
   // X_epsilon grows with epsilon, and not faster: this bounds the extrapolation of a jump.
-  const double least = last.end.lambda * std::exp(std::min(0.0, step.epsilon) + std::min(0.0, -step.eta));
-  const double most = last.end.lambda * std::exp(std::max(0.0, step.epsilon) + std::max(0.0, -step.eta));
+  double least = last.end.lambda * std::exp(std::min(0.0, step.epsilon) + std::min(0.0, -step.eta));
+  double most = last.end.lambda * std::exp(std::max(0.0, step.epsilon) + std::max(0.0, -step.eta));
+  if (schwarz) {  // lambda moves towards 1, not faster
+    least = last.end.lambda * std::exp(-std::abs(step.epsilon));
+    most = last.end.lambda * std::exp(std::abs(step.epsilon));
+  }
   lambda = std::clamp(lambda, least, most);
   side = std::min(side, most - least);
   if (!std::isfinite(lambda) || !std::isfinite(side) || !(lambda > 0)) return std::nullopt;

@@ -93,7 +93,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   result.high = {result.subdominant_max};
   result.mode_min = high.vector;
   result.mode_max = low.vector;
-  result.residual = std::max(high_residual, low_residual) + moved_by(tilt, largest, b.preconditioner);
+  result.residual = std::max(high_residual, low_residual) + moved_by(tilt, largest, b);
   result.converged = high.converged && low.converged && accurate(result, options.tolerance);
   if (!high.converged || !low.converged) result.failure = "Lanczos has not converged";
   return result;
@@ -128,9 +128,11 @@ double generic_at_most(const InterfaceOperator& p) {
   return std::isinf(p.flexibility()) ? 1.0 : 1 + stiffest(p.decomposition()) / p.flexibility();
 }
 
-double moved_by(double t, double lambda, const InterfaceOperator& p) {
+double moved_by(double t, double lambda, const Contraction& b) {
   if (t == 0) return 0;
-  const double side = t * std::sqrt(generic_at_most(p));
+  if (b.schwarz())
+    return static_cast<double>(largest_multiplicity(b.system.decomposition().interface) - 1) * t * (2 + t);
+  const double side = t * std::sqrt(generic_at_most(b.preconditioner));
   return side * (2 * std::sqrt(std::max(0.0, lambda)) + side);
 }
 
@@ -179,6 +181,13 @@ void check(const SpectralOptions& options, std::string_view dashes) {
          to_string(options.solver));
 }
 
+void require_solver_of(DecompositionScheme scheme, const SpectralOptions& options, std::string_view dashes) {
+  using enum SpectralSolver;
+  if (scheme == DecompositionScheme::schwarz && (options.solver == arpack || options.solver == slepc))
+    fail("{0}solver: expected auto, dense or shift-invert with {0}scheme schwarz, met {1}", dashes,
+         to_string(options.solver));
+}
+
 SolverChoice choose_solver(Index size, const SpectralOptions& options, bool alone) {
   using enum SpectralSolver;
   if (size < arpack_smallest_size) return {dense};
@@ -210,7 +219,9 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
     empty.certified = options.certify;  // no eigenvalue can be missed
     return empty;
   }
-  const SolverChoice choice = choose_solver(n, options, b.system.decomposition().interface.processes().alone());
+  require_solver_of(b.scheme, options);
+  const bool alone = b.system.decomposition().interface.processes().alone();
+  const SolverChoice choice = choose_solver(n, options, alone && !b.schwarz());  // ARPACK has no pencil of schwarz
   const auto solve = [&](SpectralSolver solver) {
     SpectrumMemory none;  // a fallback does not depend on the points before
     SpectrumMemory& known = memory != nullptr && solver == choice.solver ? *memory : none;

@@ -62,7 +62,8 @@ SpectralRadius all_unit(Index size, std::string_view solver, bool converged);  /
 /// Error of an eigenvalue in units of max(1, |lambda|): M loses digits against K/epsilon and K/eta. Several times the
 /// largest error against dense spectra (tests/laws).
 inline double lost_to_rounding(const Contraction& b) {
-  const double lightest = 0.25 * b.system.scale().maxCoeff(), epsilon = b.system.flexibility();  // 1/mass, 1/kg
+  const double lightest = (b.schwarz() ? 1 : 0.25) * b.system.scale().maxCoeff(),
+               epsilon = b.system.flexibility();  // 1/mass, 1/kg
   return 4e-16 * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.flexibility());
 }
 
@@ -71,8 +72,9 @@ double generic_at_most(const InterfaceOperator& p);
 
 /// Error of an eigenvalue lambda of (S, P) if S is the rigid limit with uncertainty t, in units of X_infinity
 /// (InterfaceOperator::uncertainty): |sqrt(lambda') - sqrt(lambda)| <= t sqrt(x) with x of `generic_at_most`, because
-/// f^T S f is a squared length that changes by at most t^2 f^T X_infinity f.
-double moved_by(double t, double lambda, const InterfaceOperator& p);
+/// f^T S f is a squared length that changes by at most t^2 f^T X_infinity f. Of schwarz, the eigenvalues are those of
+/// Pi G Pi with |G| = q - 1, and the projector Pi moves by t.
+double moved_by(double t, double lambda, const Contraction& b);
 
 inline bool accurate(const SpectralRadius& radius, double tolerance) {
   return radius.residual <= tolerance * std::max(1.0, radius.value);

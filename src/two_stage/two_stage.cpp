@@ -48,12 +48,13 @@ MapRadius map_radius_by_arpack(Index n, const LinearMap& map, const SpectralOpti
 }  // namespace
 
 TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const Law& law, InterfaceOperator preconditioner,
-                                     std::optional<Index> sweeps, double relaxation)
+                                     std::optional<Index> sweeps, double relaxation, DecompositionScheme scheme)
     : parts_(stage_one),
       law_(law),
       preconditioner_(std::move(preconditioner)),
       sweeps_(sweeps),
-      relaxation_(relaxation) {
+      relaxation_(relaxation),
+      scheme_(scheme) {
   const OneBlasThread serial_blas;
   if (sweeps && *sweeps < 1) fail("Gauss-Seidel sweeps: expected an integer >= 1, met {}", *sweeps);
   for (const Subdomain& subdomain : parts_.subdomains) {
@@ -84,19 +85,38 @@ Vector TwoStageIteration::stage_one(std::size_t e, const Vector& on_grains, Vect
 
 Vector TwoStageIteration::iterate(Vector z, const std::vector<Vector>* loads) const {
   const OneBlasThread serial_blas;
-  const Vector f = z.tail(interface_size());
-  std::vector<Vector> velocities;
+  const Vector f =
+      schwarz() ? Vector(-sum_of_others(parts_.interface, z.tail(interface_size()))) : z.tail(interface_size());
+  std::vector<Vector> velocities;  // schwarz: resultants H_E r_E
   Index first = 0;
   for (std::size_t e = 0; e < parts_.subdomains.size(); ++e) {
     Vector on_grains = -parts_.interface.distribute(static_cast<Index>(e), f);
     if (loads != nullptr) on_grains += (*loads)[e];
     Vector r = z.segment(first, parts_.subdomains[e].h.cols());
     velocities.push_back(stage_one(e, on_grains, r));
+    if (schwarz()) {
+      r = z.segment(first, r.size()) + relaxation_ * (r - z.segment(first, r.size()));
+      velocities.back() = parts_.subdomains[e].h * r;
+    }
     z.segment(first, r.size()) = r;
     first += r.size();
   }
-  z.tail(f.size()) += relaxation_ * preconditioner_.solve(parts_.interface.exchange(velocities));
+  if (schwarz())
+    z.tail(f.size()) = parts_.interface.exchange(velocities);
+  else
+    z.tail(f.size()) += relaxation_ * preconditioner_.solve(parts_.interface.exchange(velocities));
   return z;
+}
+
+double TwoStageIteration::norm_of_impulses(const Vector& z) const {
+  double sum = flexibility(law_) * z.head(rows() - interface_size()).squaredNorm();
+  Index first = 0;
+  for (const Subdomain& one : parts_.subdomains) {
+    const Vector resultants = one.h * z.segment(first, one.h.cols());
+    sum += resultants.cwiseProduct(resultants).cwiseQuotient(one.inertia).sum();
+    first += one.h.cols();
+  }
+  return std::sqrt(sum);
 }
 
 MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEigenvalues units) {

@@ -100,6 +100,20 @@ TEST_CASE("shared: radii, certified intervals and counts are those of one proces
   CHECK(visited > 5);
 }
 
+TEST_CASE("shared: the scheme schwarz has the radii and counts of one process, rigid too") {
+  const Shared shared;
+  const int visited = for_shared_packings(shared, 150, [&](const Model& whole, const Model& own) {
+    for (const double epsilon : {0.0, 1e-2, 1.0}) {
+      CAPTURE(epsilon);
+      const SpectralRadius found =
+          spectral_radius(schwarz_contraction(own.parts, LinearViscous{epsilon}), shared.options);
+      const SpectralRadius known = spectral_radius(schwarz_contraction(whole.parts, LinearViscous{epsilon}), serial);
+      if (known.converged) check_same(found, known, 1e-10);
+    }
+  });
+  CHECK(visited > 3);
+}
+
 TEST_CASE("shared: SLEPc, which has another pencil and another search, finds the same ends") {
   const Shared shared;
   const SpectralOptions options{.solver = SpectralSolver::slepc, .slepc = mpi::slepc(MPI_COMM_WORLD)};

@@ -30,6 +30,8 @@ Q X Q, and the eigenvalues of a pencil stay.
 
 Usage:
   exact_references.py                             CSV of the references on standard output
+  exact_references.py --schwarz                   CSV of those of the scheme schwarz: block Jacobi
+                                                  J = I - (D + epsilon)^-1 (W + epsilon)
   exact_references.py --self-test                 closed forms and identities, exactly
   exact_references.py --check PROGRAM --cases DIR compare "PROGRAM sweep DIR/disksN.toml ..." and
                                                   sweeps of packing files of the spheres with the
@@ -473,6 +475,21 @@ def contraction_pencil(strip, contact_set, epsilon, eta):
     return nonsmooth_enriched(strip, contact_set, epsilon, eta)
 
 
+def schwarz_pencil(shape, strip, epsilon):
+    """(D + epsilon, D - W) with whole masses: J = (D + epsilon)^-1 (D - W) of all contacts."""
+    owners, numbers = [], []
+    for owner, s in enumerate(strip.subdomains):
+        kept = range(len(s.contacts)) if epsilon else independent(s.H)
+        owners += [owner] * len(kept)
+        numbers += [s.contacts[k] for k in kept]
+    grains = range(len(shape.centres))
+    H = kinematics(shape, [strip.contacts[k] for k in numbers], grains)
+    W = product(transpose(H), inverse(diagonal_mass(shape, [1 for _ in grains])), H)
+    D = [[entry if owners[i] == owners[j] else ZERO for j, entry in enumerate(row)]
+         for i, row in enumerate(W)]
+    return add(D, scale(epsilon, identity(len(D)))), subtract(D, W)
+
+
 # Polynomials over the field: coefficients from the constant term upwards
 
 def trimmed(polynomial):
@@ -685,8 +702,11 @@ def plain_decimal(number, digits=PRINTED_DIGITS):
 
 
 def reference_row(case, strip, contact_set, epsilon, eta):
-    roots = real_roots(characteristic_polynomial(
-        *contraction_pencil(strip, contact_set, epsilon, eta)))
+    return row_of_roots(case, contact_set, epsilon, eta, contraction_pencil(strip, contact_set, epsilon, eta))
+
+
+def row_of_roots(case, contact_set, epsilon, eta, pencil):
+    roots = real_roots(characteristic_polynomial(*pencil))
     radius = max(abs(roots[0]), abs(roots[-1]))
     return {"case": case, "contact_set": contact_set,
             "epsilon": plain_decimal(epsilon), "eta": plain_decimal(eta),
@@ -700,6 +720,15 @@ def reference_table():
     for case, shape in all_shapes().items():
         strip = build_packing(shape)
         rows += [reference_row(case, strip, *point) for point in requested_points(shape)]
+    return rows
+
+
+def schwarz_table():
+    rows = []
+    for case, shape in all_shapes().items():
+        strip = build_packing(shape)
+        for epsilon in (Fraction(0), Fraction(1, 100), Fraction(1)):
+            rows.append(row_of_roots(case, "all", epsilon, None, schwarz_pencil(shape, strip, epsilon)))
     return rows
 
 
@@ -930,6 +959,7 @@ def main():
                         help="verify the closed forms and identities exactly")
     parser.add_argument("--check", metavar="PROGRAM", help="compare PROGRAM's sweeps")
     parser.add_argument("--cases", metavar="DIR", help="folder of disks4.toml, ... (with --check)")
+    parser.add_argument("--schwarz", action="store_true", help="the references of the scheme schwarz")
     options = parser.parse_args()
     if (options.check is None) != (options.cases is None):
         parser.error("--check PROGRAM and --cases DIR go together")
@@ -939,7 +969,7 @@ def main():
         return self_test()
     if options.check:
         return check_program(options.check, options.cases)
-    write_table(reference_table(), sys.stdout)
+    write_table(schwarz_table() if options.schwarz else reference_table(), sys.stdout)
     return 0
 
 

@@ -122,6 +122,20 @@ TEST_CASE("4 disks: rho(B_0) = (29 + sqrt 57)/56, rho(B-bar) = 3/5") {
   CHECK(std::abs(nonsmooth.value - 0.6) < 1e-14);
 }
 
+TEST_CASE("the scheme schwarz: every radius against exact arithmetic to 1e-12") {
+  const std::string path = source_file("tests/oracle/exact_schwarz.csv");
+  const CsvText references = parse_csv(read_text(path), path);
+  for (const auto& row : references.rows) {  // case, contact_set, epsilon, eta, three numbers
+    CAPTURE(row[0]);
+    const double epsilon = parse_number(row[2], "epsilon");
+    const SpectralRadius radius = spectral_radius(schwarz_contraction(model_of(row[0]).parts, LinearViscous{epsilon}));
+    CHECK(std::abs(radius.value - parse_number(row[4], "")) < 1e-12);
+    CHECK(std::abs(radius.eigenvalue_min - parse_number(row[5], "")) < 1e-12);
+    CHECK(std::abs(radius.eigenvalue_max - parse_number(row[6], "")) < 1e-12);
+  }
+  CHECK(references.rows.size() == 21);
+}
+
 TEST_CASE("4, 8 and 12 disks, four packings of spheres: every radius against exact arithmetic to 1e-12") {
   const std::string path = source_file("tests/oracle/exact_references.csv");
   const CsvText references = parse_csv(read_text(path), path);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nscdd/ddm/interface_operator.hpp>
+#include <nscdd/ddm/schwarz.hpp>
 #include <nscdd/mechanics/law.hpp>
 
 #include <variant>
@@ -35,11 +36,22 @@ struct Contraction {
   InterfaceOperator preconditioner;  ///< P, positive definite
   InterfaceOperator system;          ///< S, positive semidefinite
   double relaxation = 1.0;           ///< omega of F <- F + omega (F' - F); 1 is the paper's algorithm
+  /// schwarz: of resultants p, see schwarz_contraction; rows are copies.
+  DecompositionScheme scheme = DecompositionScheme::nscdd;
 
   Index rows() const { return system.rows(); }
   Index cols() const { return system.rows(); }
-  Vector apply(const Vector& f) const { return f - relaxation * preconditioner.solve(system.apply(f)); }
+  bool schwarz() const { return scheme == DecompositionScheme::schwarz; }
+  Vector apply(const Vector& f) const;
 };
+
+/// The iteration of the scheme schwarz with a linear law: block Jacobi on W + epsilon,
+///     J = I - omega (D + epsilon)^-1 (W + epsilon),    W = H^T M^-1 H,    D = blockdiag_E(H_E^T M^-1 H_E)
+/// with whole masses. Its eigenvalues other than 1 - omega are those of a map of the resultants p_E = N_E H_E r_E on
+/// the copies of shared grains, p' = (1 - omega) p - omega (o - M_b F o), where o are the sums of the p of the other
+/// copies, F = N_E (M_E + K_E / epsilon)^-1 N_E^T of each subdomain is the `system`, and M_b^-1 the `preconditioner`.
+/// `parts`: of nscdd, with the contacts of the iteration.
+Contraction schwarz_contraction(const Decomposition& parts, const Law& law);
 
 /// Flexibility of the network that Stage 2 of a scheme sees.
 inline double flexibility(const Scheme& scheme) {

@@ -11,7 +11,8 @@ struct GrainCopy {
   Index grain = 0;  ///< local number
 };
 
-/// d rows of the gluing condition, V_first - V_second = 0. Rows of a grain form a tree of its copies.
+/// d rows of the gluing condition, V_first - V_second = 0. Rows of a grain form a tree of its copies. In an interface
+/// of copies the row is of `first`, and the subdomain of `second` is -1.
 struct Gluing {
   Index grain = 0;  ///< global number
   GrainCopy first, second;
@@ -46,6 +47,9 @@ class Interface {
             const std::vector<char>& tied = {}, GluingShape shape = GluingShape::chain);
 
   Interface of_process(const std::vector<Index>& process_of_subdomain, Processes processes) const;
+  /// The interface with a row for each copy of a glued grain in place of the gluing. Gluing::second is no copy, and
+  /// `exchange` gives the velocities of the copies. Nothing that solves for interface impulses applies to it.
+  Interface of_copies() const;
   const Processes& processes() const { return processes_; }
   /// Prepares messages between ranks that have copies of the same grains; copies of this object share them.
   void meet_neighbours();
@@ -119,7 +123,7 @@ class Interface {
   Vector own_jumps(const Velocity& velocity) const {
     Vector jumps = Vector::Zero(size());
     const auto add = [&](Index row, const GrainCopy& copy, double sign) {
-      if (process_of(copy.subdomain) != processes_.rank) return;
+      if (copy.subdomain < 0 || process_of(copy.subdomain) != processes_.rank) return;
       const auto& v = velocity(copy.subdomain, copy.grain);
       for (Index k = 0; k < dofs_; ++k) jumps[dofs_ * row + k] += sign * v[at(k)];
     };

@@ -57,6 +57,9 @@ struct SpectralOptions {
 /// Throws Error if arpack or slepc shall certify or find more than the ends. `dashes`: prefix of option names.
 void check(const SpectralOptions& options, std::string_view dashes = "");
 
+/// Throws Error for arpack and slepc with the scheme schwarz.
+void require_solver_of(DecompositionScheme scheme, const SpectralOptions& options, std::string_view dashes = "");
+
 struct SolverChoice {
   SpectralSolver solver = SpectralSolver::dense;  ///< never `automatic`
   std::vector<SpectralSolver> fallbacks = {};     ///< tried in this order if the one before has no proved answer
@@ -105,7 +108,7 @@ struct SpectralRadius {
   /// Eigenvalues in these intervals, with multiplicity; in the rigid limit up to the error of S.
   Index within_min = 0, within_max = 0;
   Index factorisations = 0;   ///< of the shifted pencil
-  Vector mode_min, mode_max;  ///< interface impulses of the two ends (empty if unknown)
+  Vector mode_min, mode_max;  ///< interface impulses (schwarz: resultants) of the two ends (empty if unknown)
 };
 
 struct SpectrumMemory;  // warm start of the next point of a sweep: spectra/spectrum_memory.hpp

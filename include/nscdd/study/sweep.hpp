@@ -17,7 +17,13 @@ struct SweepParameters {
   std::vector<std::optional<long>> gauss_seidel_sweeps{std::nullopt};  ///< empty: exact Stage 1
   ContactSet contacts = ContactSet::all;
   SpectralOptions spectral = {};
+  Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
+
+  bool schwarz() const { return scheme == DecompositionScheme::schwarz; }
 };
+
+/// Throws Error if the scheme schwarz, which has no Stage 2, meets an eta, or a solver that does not know it.
+void check_scheme(const SweepParameters& parameters, std::string_view dashes = "");
 
 /// One point of a sweep, which is one row of its table.
 struct SweepPoint {
@@ -71,10 +77,10 @@ struct SweepResult {
   double scale = 1;               ///< flexibility_scale of the case, 1/kg
 };
 
-/// Columns of the case and the point; of relative flexibilities, if asked for; and of a whole row (docs/formats.md),
-/// those of certificates, further eigenvalues and relative flexibilities last.
+/// Columns of the case and the point; of relative flexibilities and of the scheme schwarz, if asked for; and of a whole
+/// row (docs/formats.md), those of certificates, further eigenvalues and what is asked for last.
 const ResultColumns<SweepResult>& place_columns();
-ResultColumns<SweepResult> relative_columns(const SweepParameters& parameters);
+ResultColumns<SweepResult> asked_columns(const SweepParameters& parameters);
 ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters = {});
 
 /// Computes the spectral radius at every point of a sweep from point `first` on; results do not depend on it. Returns

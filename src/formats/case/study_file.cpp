@@ -186,10 +186,12 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
   read_spec(section, "gauss_seidel_sweeps", parse_sweeps, sweep.gauss_seidel_sweeps);
   section.read("contacts", sweep.contacts);
   read_coarse(section, table.coarse);
+  section.read("scheme", sweep.scheme);
   SpectralOptions::fields(sweep.spectral, [&](std::string_view key, auto& value, const Field& field) {
     if (table.observable->uses(key)) section.read(key, value, field);
   });
   section.located("certify", [&] { check(sweep.spectral); });
+  section.located("scheme", [&] { check_scheme(sweep); });
   Index seed = 1;
   section.read("seed", seed);
   if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));

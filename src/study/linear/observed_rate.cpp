@@ -44,6 +44,7 @@ class Run {
 
  private:
   double norm(const Vector& z) const {
+    if (iteration_.schwarz()) return iteration_.norm_of_impulses(z);
     const Vector f = z.tail(iteration_.interface_size());
     return std::sqrt(std::max(0.0, f.dot(preconditioner_.apply(f))));
   }
@@ -89,7 +90,7 @@ ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& param
         {"seed", "1", "seed of the random first F_Gamma", &Result::seed},
         {"residual", "1", "residual of the prediction", [](const Result& r) { return r.predicted.radius.residual; }},
         {"converged", "1", "both the fit and the prediction converged", &Result::converged}}});
-  return joined<Result>({columns, columns_of(&Result::predicted, relative_columns(parameters))});
+  return joined<Result>({columns, columns_of(&Result::predicted, asked_columns(parameters))});
 }
 
 }  // namespace
@@ -131,13 +132,15 @@ bool ObservedResult::agree() const {
 Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed,
               const Sink<ObservedResult>& sink, const Monitor& monitor, Index first) {
   const Selection selection = select(model, parameters.contacts);
-  const InterfaceFamily family(model.parts);
+  const bool schwarz = parameters.schwarz();
+  const Decomposition stage_one = schwarz ? whole_masses(selection.stage_one(model)) : selection.stage_one(model);
+  const InterfaceFamily family(schwarz ? stage_one : model.parts);
   Index failed = 0;
   const auto observe_one = [&](const SweepResult& predicted) {
     const SweepPoint& point = predicted.point;
     const InterfaceOperator preconditioner = family.at(point.eta);
-    const TwoStageIteration iteration(selection.stage_one(model), LinearViscous{point.epsilon}, preconditioner,
-                                      point.gauss_seidel_sweeps, *point.relaxation);
+    const TwoStageIteration iteration(stage_one, LinearViscous{point.epsilon}, preconditioner,
+                                      point.gauss_seidel_sweeps, *point.relaxation, parameters.scheme);
     // With an inexact Stage 1 the corrections oscillate: the error of the fit falls only with the length of the run.
     const double tolerance = point.gauss_seidel_sweeps ? 1e-4 : 1e-9;
     const ObservedResult result{predicted, observed_rate(iteration, preconditioner, seed, 20000, tolerance), seed};
@@ -151,7 +154,7 @@ Index observe(const Model& model, const SweepParameters& parameters, std::uint64
 constinit const Observable observables::observed_rate{
     .name = "observed_rate",
     .summary = "rate fitted to a run of the algorithm, beside the predicted radius",
-    .keys = {"epsilon", "eta", "relaxation", "gauss_seidel_sweeps", "contacts", "solver", "certify", "seed"},
+    .keys = {"epsilon", "eta", "relaxation", "gauss_seidel_sweeps", "contacts", "solver", "certify", "seed", "scheme"},
     .columns = [](const StudyTable& table) { return headings(observed_rate_columns(table.sweep)); },
     .run =
         [](const ObservedCase& work) {

@@ -32,14 +32,17 @@ class Spectra {
  public:
   static constexpr Index block = 8;
 
-  Spectra(InterfaceFamily stage_one, InterfaceFamily stage_two, const SpectralOptions& options)
-      : preconditioners_{std::move(stage_two)}, systems_{std::move(stage_one)}, options_(options) {}
+  Spectra(InterfaceFamily stage_one, InterfaceFamily stage_two, const SweepParameters& parameters)
+      : preconditioners_{std::move(stage_two)},
+        systems_{std::move(stage_one)},
+        options_(parameters.spectral),
+        scheme_(parameters.scheme) {}
 
   // `number`: of the pair (epsilon, eta) in the sweep
   const SpectralRadius& at(double epsilon, double eta, Index number) {
     if (number == number_) return current_;
     if (number % block == 0) memory_.forget_ends();
-    current_ = spectral_radius({preconditioners_.at(eta), systems_.at(epsilon)}, options_, &memory_);
+    current_ = spectral_radius({preconditioners_.at(eta), systems_.at(epsilon), 1, scheme_}, options_, &memory_);
     number_ = number;
     return current_;
   }
@@ -48,17 +51,18 @@ class Spectra {
  private:
   OperatorStore preconditioners_, systems_;
   SpectralOptions options_;
+  DecompositionScheme scheme_;
   SpectrumMemory memory_;
   SpectralRadius current_;
   Index number_ = -1;
 };
 
 void set_inexact(SweepResult& result, const Decomposition& stage_one, const InterfaceOperator& preconditioner,
-                 const SpectralOptions& options) {
+                 const SweepParameters& parameters) {
   const SweepPoint& point = result.point;
   const TwoStageIteration iteration(stage_one, LinearViscous{point.epsilon}, preconditioner, point.gauss_seidel_sweeps,
-                                    *point.relaxation);
-  const MapRadius radius = inexact_radius(iteration, options);
+                                    *point.relaxation, parameters.scheme);
+  const MapRadius radius = inexact_radius(iteration, parameters.spectral);
   result.radius.value = radius.value;
   result.radius.unit_multiplicity = radius.unit_multiplicity;
   result.radius.subdominant = radius.subdominant;
@@ -156,6 +160,13 @@ SweepPoint sweep_point(const SweepParameters& parameters, Index number) {
   return point;
 }
 
+void check_scheme(const SweepParameters& parameters, std::string_view dashes) {
+  require_solver_of(parameters.scheme, parameters.spectral, dashes);
+  for (const double eta : parameters.eta)
+    if (parameters.schwarz() && eta != infinity)
+      fail("{0}eta: expected none with {0}scheme schwarz, which has no Stage 2, met {1}", dashes, eta);
+}
+
 ContactChoice choose_contacts(const Model& model, ContactSet contacts) {
   const ReferenceProblem& problem = model.problem;
   if (contacts == ContactSet::all)
@@ -220,6 +231,7 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
             "relaxation: expected a number with gauss_seidel_sweeps = {}, met 'optimal', which is known for an exact "
             "Stage 1 only",
             *sweeps);
+  check_scheme(parameters);
   return sweep(model, select(model, parameters.contacts), parameters, sink, monitor, first);
 }
 
@@ -228,12 +240,15 @@ Index sweep(const Model& model, const Selection& selection, const SweepParameter
   const double scale = flexibility_scale(model);
   const SpectralOptions& options = parameters.spectral;
   // With the same contacts P and S are of one family, which shares data.
-  const InterfaceFamily stage_two(model.parts);
-  Spectra spectra(selection.restricted ? InterfaceFamily(*selection.restricted) : stage_two, stage_two, options);
+  const std::optional<Decomposition> whole =
+      parameters.schwarz() ? std::optional(whole_masses(selection.stage_one(model))) : std::nullopt;
+  const Decomposition& stage_one = whole ? *whole : selection.stage_one(model);
+  const InterfaceFamily stage_two(whole ? *whole : model.parts);
+  Spectra spectra(selection.restricted && !whole ? InterfaceFamily(stage_one) : stage_two, stage_two, parameters);
   const Index total = point_count(parameters);
   const Index per_pair = count(parameters.relaxation) * count(parameters.gauss_seidel_sweeps);
   const Index replayed = Spectra::block * per_pair;
-  const bool warm = choose_solver(model.parts.interface_size(), options).solver != SpectralSolver::dense;
+  const bool warm = choose_solver(stage_one.interface_size(), options).solver != SpectralSolver::dense;
   Index failed = 0;
   for (Index number = warm ? first - first % replayed : first; number < total; ++number) {
     const SweepPoint asked = sweep_point(parameters, number);
@@ -241,7 +256,7 @@ Index sweep(const Model& model, const Selection& selection, const SweepParameter
     const auto& [epsilon, eta, relaxation, sweeps] = result.point;
     if (number < first && sweeps) continue;
     if (sweeps)
-      set_inexact(result, selection.stage_one(model), spectra.preconditioner(eta), options);
+      set_inexact(result, stage_one, spectra.preconditioner(eta), parameters);
     else
       set_exact(result, spectra.at(epsilon, eta, number / per_pair), options.tolerance);
     if (number < first) {  // warms up the block of the first row

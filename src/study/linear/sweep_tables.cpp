@@ -81,8 +81,11 @@ const ResultColumns<SweepResult>& place_columns() {
   return columns;
 }
 
-ResultColumns<SweepResult> relative_columns(const SweepParameters& parameters) {
+ResultColumns<SweepResult> asked_columns(const SweepParameters& parameters) {
   ResultColumns<SweepResult> columns;
+  if (parameters.schwarz())
+    columns.push_back({"scheme", "", "schwarz; a table of nscdd lacks the column",
+                       [](const SweepResult&) { return DecompositionScheme::schwarz; }});
   if (!parameters.relative_epsilon && !parameters.relative_eta) return columns;
   columns.push_back({"mean_w_nn", "1/kg", "mean of W_nn over the contacts", &SweepResult::scale});
   if (parameters.relative_epsilon)
@@ -121,7 +124,7 @@ ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters) {
   return joined<SweepResult>({place_columns(), columns_of(&SweepResult::radius, moduli), dominant,
                               columns_of(&SweepResult::radius, certificate),
                               columns_of(&SweepResult::radius, end_columns(parameters.spectral)),
-                              relative_columns(parameters)});
+                              asked_columns(parameters)});
 }
 
 KnownCells known_of_point(const StudyTable& table, Index number) {
@@ -139,7 +142,7 @@ KnownCells known_of_point(const StudyTable& table, Index number) {
 constinit const Observable observables::spectral_radius{
     .name = "spectral_radius",
     .summary = "spectral radius of the contraction operator at every point of a sweep",
-    .keys = {"epsilon", "eta", "relaxation", "gauss_seidel_sweeps", "contacts", "solver", "certify"},
+    .keys = {"epsilon", "eta", "relaxation", "gauss_seidel_sweeps", "contacts", "solver", "certify", "scheme"},
     .columns = [](const StudyTable& table) { return headings(sweep_columns(table.sweep)); },
     .run =
         [](const ObservedCase& work) {

@@ -115,6 +115,7 @@ std::string options_text(const StudyTable& table) {
                           method.scaling ? to_string(*method.scaling) : "none", to_string(method.space),
                           field_text(table.coarse.kappa), field_text(table.coarse.threshold.value_or(0)),
                           table.coarse.counts);
+  if (sweep.schwarz()) text += "scheme = schwarz\n";
   if (table.observable->moving)
     text += fmt::format("steps = {}\nlead_in = {}\n", fmt::join(table.steps, ", "), to_string(table.lead_in));
   if (table.observable->uses("contact_solvers"))

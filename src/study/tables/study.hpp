@@ -18,8 +18,8 @@ using KnownCells = std::vector<std::pair<std::string, Cell>>;
 
 /// What a table of a study measures.
 struct Observable {
-  std::string_view name, summary;             ///< in study files and in `nscdd list`
-  std::array<std::string_view, 8> keys = {};  ///< of a study file, apart from those that every observable uses
+  std::string_view name, summary;              ///< in study files and in `nscdd list`
+  std::array<std::string_view, 10> keys = {};  ///< of a study file, apart from those that every observable uses
   std::vector<Column> (*columns)(const StudyTable&) = nullptr;  ///< of its results, `case` the first
   Index (*run)(const ObservedCase&) = nullptr;  ///< computes the rows of a case; returns how many did not converge
   /// The number of rows of each case, and the known cells of one of them. Null if the number is not known before the

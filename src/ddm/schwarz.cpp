@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/ddm/contraction.hpp>
+
+namespace nscdd {
+
+Decomposition whole_masses(const Decomposition& parts) {
+  Decomposition whole = parts;
+  const Index d = parts.dofs_per_grain();
+  whole.interface = parts.interface.of_copies();
+  for (Index e = 0; e < count(whole.subdomains); ++e) {
+    Subdomain& subdomain = whole.subdomains[at(e)];
+    for (Index i = 0; i < count(subdomain.grains); ++i)
+      subdomain.inertia.segment(d * i, d) *= static_cast<double>(parts.interface.multiplicity(subdomain.grains[at(i)]));
+    subdomain.a = whole.interface.matrix(e);
+  }
+  return whole;
+}
+
+void for_shared_grains(const Interface& of_copies, const std::function<void(Index, Index)>& work) {
+  const std::vector<Gluing>& rows = of_copies.gluing();
+  for (Index first = 0, copies = 0; first < count(rows); first += copies) {
+    copies = of_copies.multiplicity(rows[at(first)].grain);
+    work(first, copies);
+  }
+}
+
+Vector sum_of_others(const Interface& interface, const Vector& p) {
+  const Index d = interface.dofs_per_grain();
+  Vector others(p.size());
+  for_shared_grains(interface, [&](Index first, Index copies) {
+    const auto own = p.segment(d * first, d * copies).reshaped(d, copies);
+    const Vector sum = own.rowwise().sum();
+    others.segment(d * first, d * copies).reshaped(d, copies) = sum.replicate(1, copies) - own;
+  });
+  return others;
+}
+
+Index largest_multiplicity(const Interface& of_copies) {
+  Index largest = 1;
+  for_shared_grains(of_copies, [&](Index, Index copies) { largest = std::max(largest, copies); });
+  return largest;
+}
+
+Vector Contraction::apply(const Vector& f) const {
+  if (!schwarz()) return f - relaxation * preconditioner.solve(system.apply(f));
+  const Vector others = sum_of_others(system.decomposition().interface, f);
+  return f - relaxation * (f + others - preconditioner.solve_generic(system.apply(others)));
+}
+
+Contraction schwarz_contraction(const Decomposition& parts, const Law& law) {
+  const InterfaceFamily family(whole_masses(parts));
+  return {family.at(infinity), family.at(flexibility(law)), 1, DecompositionScheme::schwarz};
+}
+
+}  // namespace nscdd
