@@ -14,6 +14,7 @@ struct Options {
   CaseOptions one;
   SpectralOptions spectral;
   Choice<ContactSet> contacts = ContactSet::all;
+  Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
   Choice<SpectrumSide> end = SpectrumSide::slowest;
   std::string epsilon, eta = "inf", output;
   bool force = false;
@@ -26,8 +27,10 @@ ModeParameters parameters(const Options& options, const Machine& machine, double
   result.epsilon = one_value(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
   result.eta = one_value(parse_eta(options.eta), scale, "--eta", options.eta);
   result.contacts = options.contacts;
+  result.scheme = options.scheme;
   result.side = options.end;
   result.spectral = spectra_on(machine, options.spectral);
+  check_scheme({.eta = {result.eta}, .spectral = result.spectral, .scheme = options.scheme}, "--");
   return result;
 }
 
@@ -40,6 +43,7 @@ void print_spectrum(const Model& model, const ModeParameters& parameters, const 
   const std::string scale = field_text(flexibility_scale(model)) + " 1/kg";
   fmt::print("mean of W_nn         {}\n", model.contacts() == 0 ? "- (no contact)" : scale);
   fmt::print("contacts of Stage 1  {}\n", to_string(parameters.contacts));
+  if (parameters.scheme == DecompositionScheme::schwarz) fmt::print("scheme               schwarz\n");
   fmt::print("spectral radius      {}\n", field_text(mode.spectrum.value));
   if (mode.spectrum.unit_multiplicity > 0)
     fmt::print("  without {} unit eigenvalue(s)  {}\n", mode.spectrum.unit_multiplicity,
@@ -67,8 +71,8 @@ void print_end(const Mode& mode, const SpectralOptions& options) {
   fmt::print("  residual           {:.3g}\n", mode.residual);
 }
 
-void print_shares(const Model& model, const Mode& mode) {
-  fmt::print("  spread over        {:.1f} of {} gluing rows\n\n", spread(mode), model.parts.interface.gluing().size());
+void print_shares(const Mode& mode, std::string_view rows) {
+  fmt::print("  spread over        {:.1f} of {} {}\n\n", spread(mode), mode.rows.gluing().size(), rows);
   fmt::print("{:<14}{:>7}{:>12}\n", "subdomains", "rows", "share");
   const auto print = [](const std::string& name, const InterfaceShare& pair) {
     const double percent = 100 * pair.share;
@@ -76,9 +80,10 @@ void print_shares(const Model& model, const Mode& mode) {
   };
   InterfaceShare rest;
   std::size_t shown = 0;
-  for (const InterfaceShare& share : shares_by_interface(model.parts, mode))
+  for (const InterfaceShare& share : shares_by_interface(mode))
     if (shown++ < interfaces_shown) {
-      print(fmt::format("{} | {}", share.first, share.second), share);
+      print(share.first < 0 ? fmt::format("{}", share.second) : fmt::format("{} | {}", share.first, share.second),
+            share);
     } else {
       rest.rows += share.rows;
       rest.share += share.share;
@@ -124,7 +129,7 @@ int run(const Options& options, const Machine& machine) {
   print_spectrum(model, wanted, mode);
   if (mode.found()) {
     print_end(mode, wanted.spectral);
-    print_shares(model, mode);
+    print_shares(mode, wanted.scheme == DecompositionScheme::schwarz ? "copies" : "gluing rows");
   }
   tell_doubts(model, mode);
   return 0;
@@ -140,6 +145,7 @@ Action declare_modes(Command& command) {
   command.preset("--eta NUMBER[W]", options->eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
   declare_contacts(command, options->contacts);
+  declare_scheme(command, options->scheme);
   command.fields(options->spectral);
   command.preset("--end", options->end,
                  "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high");

@@ -12,14 +12,15 @@ struct Options {
   CaseOptions one;
   SpectralOptions spectral;
   Choice<ContactSet> contacts = ContactSet::active;
+  Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
   std::string epsilon = "0", csv;
   Reopening how;
   Limits limits;
 };
 
 // One quantity per line.
-void print_report(const OptimumResult& result) {
-  for (const auto& [heading, value] : optimum_columns(true)) {
+void print_report(const OptimumResult& result, DecompositionScheme scheme) {
+  for (const auto& [heading, value] : optimum_columns(true, scheme)) {
     const std::string unit = heading.unit == "1" || heading.unit.empty() ? "" : " " + heading.unit;
     fmt::print("{:<26}{:<30}{}\n", heading.name, to_text(value(result)) + unit, heading.description);
   }
@@ -31,7 +32,9 @@ StudyTable table_of(const Options& options, const Machine& machine) {
   work.observable = &observables::optimum;
   std::tie(work.sweep.epsilon, work.sweep.relative_epsilon) = parse_epsilon(options.epsilon);
   work.sweep.contacts = options.contacts;
+  work.sweep.scheme = options.scheme;
   work.sweep.spectral = spectra_on(machine, options.spectral);
+  check_scheme(work.sweep, "--");
   work.cases = {options.one.resolve({options.csv})};
   return work;
 }
@@ -53,14 +56,14 @@ int run(const Options& options, const Context& context) {
     Index reports = 0;
     optima(model, work.sweep, [&](const OptimumResult& result) {
       if (reports++ > 0) fmt::print("\n");
-      print_report(result);
+      print_report(result, work.sweep.scheme);
       tell(result);
     });
     return 0;
   }
   Interruption interruption(machine.processes);
   SharedTable csv(machine, options.csv, table_work(work), options.how);
-  const ResultColumns<OptimumResult> columns = optimum_columns(work.sweep.relative_epsilon);
+  const ResultColumns<OptimumResult> columns = optimum_columns(work.sweep.relative_epsilon, work.sweep.scheme);
   const auto write = [&](const OptimumResult& result) {
     tell(result);
     csv->write(row(columns, result));
@@ -81,6 +84,7 @@ Action declare_optimum(Command& command) {
   command.preset("--epsilon SPEC", options->epsilon,
                  "flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   declare_contacts(command, options->contacts);
+  declare_scheme(command, options->scheme);
   command.fields(options->spectral, {"certify", "eigenvalues"});
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
   command.add("--force", options->how.force, "replace existing outputs");
@@ -88,7 +92,7 @@ Action declare_optimum(Command& command) {
   options->limits.declare(command);
   command.footer =
       R"(The eta of the smallest radius of the enriched algorithm, from which eta on it converges, from which on it
-beats the generic algorithm, and the same with the best relaxation.
+beats the generic algorithm, and the same with the best relaxation. Of the scheme schwarz, the best relaxation.
 Examples:
   nscdd optimum disks8                        the nonsmooth case, active contacts
   nscdd optimum disks8 --epsilon 0,1 --contacts all --csv -)";

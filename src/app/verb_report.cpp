@@ -21,6 +21,7 @@ struct Options {
   SpectralOptions spectral;
   std::string epsilon = "0,1e-3:1e3:7W", eta = "1e-3:1e3:25W,inf", output, steps, convergence;
   std::vector<std::string> contacts;
+  Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
   bool no_optimum = false, force = false;
   Limits limits;
 };
@@ -35,11 +36,14 @@ PackingReportParameters parameters(const Options& options, const Machine& machin
   sweep.spectral = spectra_on(machine, options.spectral);
   std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(options.epsilon);
   std::tie(sweep.eta, sweep.relative_eta) = parse_eta(options.eta);
+  sweep.scheme = options.scheme;
+  if (sweep.schwarz() && options.eta == Options{}.eta) std::tie(sweep.eta, sweep.relative_eta) = parse_eta("inf");
+  check_scheme(sweep, "--");
   for (auto* of_slider : {&sweep.epsilon, &sweep.eta}) sort_unique(*of_slider);
   std::set<ContactSet> sets;
   for (const std::string& name : options.contacts) sets.insert(Choice<ContactSet>::parse(name, "--contacts"));
   result.contact_sets.assign(sets.begin(), sets.end());
-  result.optima = !options.no_optimum;
+  result.optima = !options.no_optimum && !sweep.schwarz();  // the best eta
   return result;
 }
 
@@ -148,6 +152,7 @@ Action declare_report(Command& command) {
            "contacts of Stage 1: all, active or unilateral, may be given again; by default all, and with a load active "
            "too")
       .words = all_names<ContactSet>();
+  declare_scheme(command, options->scheme);
   command.fields(options->spectral, {"eigenvalues"});
   command.named("--certify").help += "; the page shows the intervals";
   command.add("--no-optimum", options->no_optimum, "leave out the best eta, which takes some 130 spectra per epsilon");

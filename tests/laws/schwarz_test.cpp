@@ -6,6 +6,7 @@
 #include "../support/spectra.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
+#include "study/linear/modes.hpp"
 #include "study/linear/observed_rate.hpp"
 #include <nscdd/ddm/schwarz.hpp>
 #include <nscdd/spectra/spectral_radius.hpp>
@@ -182,6 +183,26 @@ TEST_CASE("schwarz: 4 disks have 1/sqrt 5, two subdomains a spectrum that is sym
     if (grains == 4) CHECK(std::abs(rigid.value - 1 / std::sqrt(5.0)) < 1e-14);
     CHECK(std::abs(rigid.eigenvalue_min + rigid.eigenvalue_max) < 1e-14);
   }
+}
+
+TEST_CASE("schwarz: without an impulse that others feel J is 0, and has no mode") {
+  const Decomposition parts = build(strip(8)).parts;
+  const Decomposition none = restrict_contacts(parts, std::vector<char>(at(parts.contacts), 0));
+  const Model cube = build([] {
+    Case one;
+    one.spec.packing = CubicLattice{{.columns = 2, .rows = 2, .layers = 2, .radius = 0.5}};
+    one.spec.partition = GridPartitioner{{2, 2, 1}};
+    return one;
+  }());
+  for (const Decomposition& some : {none, cube.parts})
+    for (const double epsilon : {0.0, 1.0}) {
+      const Contraction b = schwarz_contraction(some, LinearViscous{epsilon});
+      CHECK(b.rows() > 4);
+      const Mode mode = mode_of(b, SpectrumSide::slowest, {.certify = true});
+      CHECK(mode.spectrum.value < 1e-14);
+      CHECK(mode.spectrum.certified);
+      CHECK_FALSE(mode.found());
+    }
 }
 
 TEST_CASE("schwarz: neither the numbers of grains nor the gluing matter, nor masses scaled with 1/epsilon") {

@@ -243,7 +243,7 @@ TEST_CASE("mode tables: one row per copy and per gluing row, jumps of both agree
     double total = 0;
     Index counted = 0;
     double before = infinity;
-    for (const InterfaceShare& pair : shares_by_interface(model.parts, mode)) {
+    for (const InterfaceShare& pair : shares_by_interface(mode)) {
       CHECK(pair.first < pair.second);
       CHECK(pair.share <= before);
       before = pair.share;

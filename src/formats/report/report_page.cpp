@@ -144,7 +144,9 @@ std::string filled(const PageOrigin& origin, const Json& data, const char* title
 
 std::string packing_page(const Model& model, const PackingReport& report, const ProblemReport* problem,
                          const PageOrigin& origin) {
-  return page::filled(origin, page::json_of(model, report, problem), ": nscdd report");
+  page::Json json = page::json_of(model, report, problem);
+  if (report.scheme != DecompositionScheme::nscdd) json["scheme"] = std::string(to_string(report.scheme));
+  return page::filled(origin, json, ": nscdd report");
 }
 
 std::string run_page(const RunReport& report, const PageOrigin& origin) {

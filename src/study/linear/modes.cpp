@@ -28,6 +28,22 @@ void derive(Mode& mode, const Contraction& b) {
     mode.shares.push_back(mode.impulses.segment(d * k, d).dot(pf.segment(d * k, d)));
 }
 
+// The same of the scheme schwarz, where F was found up to its size.
+void derive_schwarz(Mode& mode, const Contraction& b) {
+  const Decomposition& parts = b.system.decomposition();
+  Vector& p = mode.impulses;
+  const double mu = 1 - (1 - mode.eigenvalue) / b.relaxation;  // of omega = 1
+  const auto work = [&](const Vector& others) { return Vector(-others.cwiseProduct(b.preconditioner.apply(p)) / mu); };
+  p *= mode_sign(p) / std::sqrt(work(sum_of_others(parts.interface, p)).sum());
+  const Vector others = sum_of_others(parts.interface, p), shares = work(others);
+  mode.velocities = StageOneAnswers(parts).velocities(b.system.flexibility(), -others);
+  mode.jumps = parts.interface.exchange(mode.velocities);
+  const auto size = [&](const Vector& x) { return std::sqrt(x.dot(b.preconditioner.apply(x))); };
+  mode.residual = std::max(size(b.apply(p) - mode.eigenvalue * p) / size(p), mode.spectrum.residual);
+  const Index d = parts.dofs_per_grain();
+  for (Index k = 0; k < shares.size() / d; ++k) mode.shares.push_back(shares.segment(d * k, d).sum());
+}
+
 using Velocity = std::array<double, 3>;
 
 Velocity velocity_of(const Mode& mode, const GrainCopy& copy, Index dimension) {
@@ -83,9 +99,14 @@ Mode mode_of(const Contraction& b, SpectrumSide side, SpectralOptions options, b
   mode.eigenvalue = low ? mode.spectrum.subdominant_min : mode.spectrum.subdominant_max;
   if (values.size() > 1) mode.next = values[1];
   mode.converged = certain && (mode.spectrum.converged || found.size() > 0);
-  if (found.size() == 0) return mode;
-  mode.impulses = normalised(found, b.preconditioner);
-  derive(mode, b);
+  const bool nilpotent = b.schwarz() && std::abs(b.relaxation - 1 + mode.eigenvalue) <= 1e-14;  // mu = 0
+  if (found.size() == 0 || nilpotent) return mode;
+  mode.rows = b.system.decomposition().interface;
+  mode.impulses = b.schwarz() ? found : normalised(found, b.preconditioner);
+  if (b.schwarz())
+    derive_schwarz(mode, b);
+  else
+    derive(mode, b);
   // The other end of the spectrum may not have converged.
   mode.converged = mode.converged && mode.residual <= options.tolerance * std::max(1.0, std::abs(mode.eigenvalue));
   return mode;
@@ -93,6 +114,9 @@ Mode mode_of(const Contraction& b, SpectrumSide side, SpectralOptions options, b
 
 Mode interface_mode(const Model& model, const ModeParameters& parameters) {
   const Selection selection = select(model, parameters.contacts);
+  if (parameters.scheme == DecompositionScheme::schwarz)
+    return mode_of(schwarz_contraction(selection.stage_one(model), LinearViscous{parameters.epsilon}), parameters.side,
+                   parameters.spectral, selection.certain);
   const InterfaceFamily stage_two(model.parts);
   // With the same contacts P and S are of one family, which shares data.
   const InterfaceFamily stage_one = selection.restricted ? InterfaceFamily(*selection.restricted) : stage_two;
@@ -100,10 +124,10 @@ Mode interface_mode(const Model& model, const ModeParameters& parameters) {
                  selection.certain);
 }
 
-std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, const Mode& mode) {
+std::vector<InterfaceShare> shares_by_interface(const Mode& mode) {
   std::map<std::pair<Index, Index>, InterfaceShare> pairs;
   for (std::size_t k = 0; k < mode.shares.size(); ++k) {
-    const Gluing& row = parts.interface.gluing()[k];
+    const Gluing& row = mode.rows.gluing()[k];
     const auto [first, second] = std::minmax(row.first.subdomain, row.second.subdomain);
     InterfaceShare& pair = pairs[{first, second}];
     pair = {first, second, pair.rows + 1, pair.share + mode.shares[k]};
@@ -136,13 +160,16 @@ ResultColumns<ModeImpulse> mode_impulse_columns(Index dimension) {
         {"grain", "1", "number of the shared grain", [](const One& r) { return r.gluing().grain; }},
         {"subdomain_first", "1", "subdomain of the copy that feels the opposite of the impulse",
          [](const One& r) { return r.gluing().first.subdomain; }},
-        {"subdomain_second", "1", "subdomain of the copy that feels the impulse",
+        {"subdomain_second", "1",
+         "subdomain of the copy that feels the impulse; -1 with schwarz, whose rows are copies",
          [](const One& r) { return r.gluing().second.subdomain; }}},
        vector_columns<One>(dimension, "{}", "m", "centre",
                            [](const One& r, Index k) { return coordinate(r.model.packing, r.gluing().grain, k); }),
-       vector_columns<One>(dimension, "impulse_{}", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J",
+       vector_columns<One>(dimension, "impulse_{}", "kg m/s",
+                           "interface impulse F of the mode, F^T P F = 1 J; with schwarz the resultant on the copy",
                            of(&Mode::impulses)),
-       vector_columns<One>(dimension, "jump_{}", "m/s", "velocity of the first copy minus that of the second",
+       vector_columns<One>(dimension, "jump_{}", "m/s",
+                           "velocity of the first copy minus that of the second; with schwarz of the copy",
                            of(&Mode::jumps)),
        {{"share", "1", "of F^T P F; all shares add up to 1",
          [](const One& r) { return r.mode.shares[at(r.number)]; }}}});
@@ -152,7 +179,7 @@ void mode_impulses(const Model& model, const ModeParameters& parameters, const M
                    const Sink<ModeImpulse>& sink) {
   require_geometry(model, "mode");
   if (!mode.found()) return;
-  for (Index k = 0; k < count(model.parts.interface.gluing()); ++k) sink({model, parameters, mode, k});
+  for (Index k = 0; k < count(mode.rows.gluing()); ++k) sink({model, parameters, mode, k});
 }
 
 ResultColumns<ModeVelocity> mode_velocity_columns(Index dimension) {

@@ -23,6 +23,7 @@ struct ModeParameters {
   ContactSet contacts = ContactSet::all;
   SpectrumSide side = SpectrumSide::slowest;
   SpectralOptions spectral = {};
+  DecompositionScheme scheme = DecompositionScheme::nscdd;
 };
 
 /// An eigenvector of the contraction operator, B F = mu F, with its velocities. Without loads the algorithm started
@@ -32,8 +33,15 @@ struct ModeParameters {
 /// so that the jumps are sum_E A_E V_E = - S F = - lambda P F, lambda = (1 - mu) / omega with a relaxation omega.
 /// F is normalised to F^T P F = 1 J, with its largest component positive (the first of those equal within 1e-6). If an
 /// eigenvalue is multiple, F is one vector of its eigenspace: see `next`.
+///
+/// Of the scheme schwarz, F are the resultants p of contact impulses on the copies, J p = mu p, and `rows` has the
+/// copies. V_E are the velocities under the sums o of the resultants of the other copies, and `jumps` those of the
+/// copies. p is normalised to - o^T M_b^-1 p / mu = 1 J, which is r^T (D + epsilon) r of the impulses r; the residual
+/// is
+/// ||J p - mu p|| in the norm of M_b^-1, over that of p.
 struct Mode {
   SpectralRadius spectrum;
+  Interface rows;                          ///< of F
   SpectrumSide side = SpectrumSide::high;  ///< `low` or `high`
   double eigenvalue = not_a_number;        ///< mu
   double next = not_a_number;              ///< the eigenvalue next to it, inwards; NaN unless the solver finds two
@@ -86,14 +94,14 @@ Vector normalised(const Vector& f, const InterfaceOperator& preconditioner);
 
 /// The part of a mode on the interface between two subdomains.
 struct InterfaceShare {
-  Index first = 0, second = 0;  ///< subdomains, first < second
+  Index first = 0, second = 0;  ///< subdomains, first < second; of copies the first is -1
   Index rows = 0;               ///< gluing row blocks between them
   double share = 0;             ///< sum of their shares
 };
 
 /// Shares of every interface between two subdomains, largest first. A grain of more than two subdomains counts for the
 /// pairs that the gluing ties.
-std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, const Mode& mode);
+std::vector<InterfaceShare> shares_by_interface(const Mode& mode);
 
 /// The number of row blocks over which the mode spreads: (sum |s_k|)^2 / sum s_k^2.
 double spread(const Mode& mode);
@@ -106,7 +114,7 @@ struct ModeImpulse {
   const Mode& mode;
   Index number;  ///< of the row block
 
-  const Gluing& gluing() const { return model.parts.interface.gluing()[at(number)]; }
+  const Gluing& gluing() const { return mode.rows.gluing()[at(number)]; }
 };
 ResultColumns<ModeImpulse> mode_impulse_columns(Index dimension = 2);
 void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,

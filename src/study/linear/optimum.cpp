@@ -5,8 +5,49 @@
 #include "study/tables/study.hpp"
 
 namespace nscdd {
+namespace {
 
-ResultColumns<OptimumResult> optimum_columns(bool relative) {
+ResultColumns<OptimumResult> relaxation_columns() {
+  using One = OptimumResult;
+  const auto of = [](auto member) { return [member](const One& r) { return r.best.*member; }; };
+  return joined<One>(
+      {columns_of(&One::of_case, case_columns()),
+       {{"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit", &One::epsilon},
+        {"scheme", "", "schwarz", [](const One&) { return DecompositionScheme::schwarz; }},
+        {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1, left out of every radius of this table",
+         of(&Optimum::unit_multiplicity)},
+        {"radius", "1", "radius without relaxation", of(&Optimum::generic_radius)},
+        {"status", "", "interior, no_interface, already_exact or not_converged", of(&Optimum::status)},
+        {"convergent_below", "1", "the iteration converges for every relaxation below this",
+         of(&Optimum::convergent_from)},
+        {"best_relaxation", "1", "relaxation of the smallest radius", of(&Optimum::generic_relaxation)},
+        {"best_radius", "1", "radius there", of(&Optimum::generic_relaxed_radius)},
+        {"residual", "1", "of the spectrum", of(&Optimum::residual)}}});
+}
+
+// With the scheme schwarz; see optimum_columns.
+Optimum best_relaxation(const Decomposition& stage_one, double epsilon, const SpectralOptions& options) {
+  if (stage_one.interface_size() == 0) return {.status = OptimumStatus::no_interface};
+  const SpectralRadius found = spectral_radius(schwarz_contraction(stage_one, LinearViscous{epsilon}), options);
+  const double low = 1 - found.subdominant_max, high = 1 - found.subdominant_min;
+  Optimum best{.unit_multiplicity = found.unit_multiplicity,
+               .generic_radius = found.subdominant,
+               .convergent_from = 2 / high,
+               .generic_relaxed_radius = (high - low) / (high + low),
+               .generic_relaxation = 2 / (high + low),
+               .residual = found.residual,
+               .spectra = 1,
+               .failure = found.failure};
+  if (!found.converged)
+    best.status = OptimumStatus::not_converged;
+  else if (!(found.subdominant > 1e-14))
+    best.status = OptimumStatus::already_exact;
+  return best;
+}
+
+}  // namespace
+
+ResultColumns<OptimumResult> optimum_columns(bool relative, DecompositionScheme scheme) {
   static const ResultColumns<Optimum> best{
       {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1, left out of every radius of this table",
        &Optimum::unit_multiplicity},
@@ -36,7 +77,10 @@ ResultColumns<OptimumResult> optimum_columns(bool relative) {
        [](const OptimumResult& r) { return r.best.eta / r.scale; }},
       {"relaxed_best_eta_relative", "1", "relaxed_best_eta in multiples of mean_w_nn",
        [](const OptimumResult& r) { return r.best.relaxed_eta / r.scale; }}};
-  return relative ? joined<OptimumResult>({columns, in_multiples}) : columns;
+  const bool schwarz = scheme == DecompositionScheme::schwarz;
+  ResultColumns<OptimumResult> all = schwarz ? relaxation_columns() : columns;
+  if (relative) all.insert(all.end(), in_multiples.begin(), in_multiples.begin() + (schwarz ? 2 : 4));
+  return all;
 }
 
 Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink, const Monitor& monitor,
@@ -47,12 +91,14 @@ Index optima(const Model& model, const SweepParameters& sweep, const Sink<Optimu
 Index optima(const Model& model, const Selection& selection, const SweepParameters& sweep,
              const Sink<OptimumResult>& sink, const Monitor& monitor, Index first) {
   const double scale = flexibility_scale(model);
+  check_scheme(sweep);
   Index failed = 0;
   const Index total = count(sweep.epsilon);
   for (Index i = first; i < total; ++i) {
     const double asked = sweep.epsilon[at(i)], epsilon = sweep.relative_epsilon ? asked * scale : asked;
     OptimumResult result{selection.of_case, epsilon,
-                         optimum(model.parts, selection.stage_one(model), epsilon, sweep.spectral),
+                         sweep.schwarz() ? best_relaxation(selection.stage_one(model), epsilon, sweep.spectral)
+                                         : optimum(model.parts, selection.stage_one(model), epsilon, sweep.spectral),
                          sweep.relative_epsilon ? asked : epsilon / scale, scale};
     OptimumStatus& status = result.best.status;
     if (!selection.certain && status != OptimumStatus::no_interface) {
@@ -69,13 +115,17 @@ Index optima(const Model& model, const Selection& selection, const SweepParamete
 constinit const Observable observables::optimum{
     .name = "optimum",
     .summary = "best flexibility eta of the enriched algorithm, with and without relaxation",
-    .keys = {"epsilon", "contacts", "solver", "certify"},
-    .columns = [](const StudyTable& table) { return headings(optimum_columns(table.sweep.relative_epsilon)); },
+    .keys = {"epsilon", "contacts", "solver", "certify", "scheme"},
+    .columns =
+        [](const StudyTable& table) {
+          return headings(optimum_columns(table.sweep.relative_epsilon, table.sweep.scheme));
+        },
     .run =
         [](const ObservedCase& work) {
           const SweepParameters& sweep = work.table.sweep;
-          return optima(build(work.one), sweep, as_rows(optimum_columns(sweep.relative_epsilon), work.sink),
-                        work.monitor, work.first);
+          return optima(build(work.one), sweep,
+                        as_rows(optimum_columns(sweep.relative_epsilon, sweep.scheme), work.sink), work.monitor,
+                        work.first);
         },
     .rows = [](const StudyTable& table) { return count(table.sweep.epsilon); },
     .known =

@@ -50,7 +50,9 @@ void keep_mode(RadiusGrid& grid, Index row, Index column, const SweepResult& res
   const bool low = side == SpectrumSide::low;
   const Vector& f = low ? radius.mode_min : radius.mode_max;
   if (f.size() == 0 || f.isZero(0) || !radius.converged) return;
-  const auto velocities = answers.velocities(result.point.epsilon, mode_sign(f) * f);
+  const bool of_copies = stage_one.interface.gluing().front().second.subdomain < 0;  // f are resultants of schwarz
+  const Vector load = of_copies ? Vector(-sum_of_others(stage_one.interface, f)) : f;
+  const auto velocities = answers.velocities(result.point.epsilon, mode_sign(f) * load);
   grid.modes.push_back({row, column, side, low ? radius.subdominant_min : radius.subdominant_max,
                         relative_velocities(stage_one.interface, velocities, stage_one.dofs_per_grain(), dimension)});
 }
@@ -58,7 +60,8 @@ void keep_mode(RadiusGrid& grid, Index row, Index column, const SweepResult& res
 void fill(RadiusGrid& grid, const Model& model, const PackingReportParameters& parameters, const ModePlaces& places,
           Progress& progress) {
   const Selection selection = select(model, grid.contacts, grid.choice);
-  const Decomposition& stage_one = selection.stage_one(model);
+  const Decomposition stage_one =
+      parameters.sweep.schwarz() ? whole_masses(selection.stage_one(model)) : selection.stage_one(model);
   StageOneAnswers answers(stage_one);
   SweepParameters asked = parameters.sweep;
   asked.contacts = grid.contacts;
@@ -118,6 +121,7 @@ std::optional<PackingReport> report_packing(const Model& model, const PackingRep
   const SweepParameters& sweep = parameters.sweep;
   PackingReport report;
   report.scale = flexibility_scale(model);
+  report.scheme = sweep.scheme;
   report.inspection = inspect(model, model.has_geometry() ? 0 : ranks_up_to_by_default);
   report.epsilon = in_units(sweep.epsilon, sweep.relative_epsilon, report.scale);
   report.eta = in_units(sweep.eta, sweep.relative_eta, report.scale);

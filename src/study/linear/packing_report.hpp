@@ -38,8 +38,9 @@ struct RadiusGrid {
 struct PackingReport {
   std::vector<double> epsilon, eta;  ///< of the grid, 1/kg
   double scale = 1;                  ///< flexibility_scale of the case, 1/kg
-  Inspection inspection;             ///< of packings without ranks
-  Vector impulses;                   ///< of the contacts in the linear rigid problem, kg m/s; empty without a load
+  DecompositionScheme scheme = DecompositionScheme::nscdd;
+  Inspection inspection;  ///< of packings without ranks
+  Vector impulses;        ///< of the contacts in the linear rigid problem, kg m/s; empty without a load
   std::vector<RadiusGrid> grids;
 };
 

@@ -18,6 +18,10 @@ function showPacking() {
   const velocities = new Map();  // of modes, unpacked once
 
   byId('figures').append(byId('packing').content);
+  if (data.scheme === 'schwarz') {
+    for (const id of ['eta', 'eta-value', 'along-eta', 'along-eta-title', 'numbers']) byId(id).hidden = true;
+    document.querySelector('label[for=eta]').textContent = 'Scheme schwarz: block Jacobi with whole masses, without η';
+  }
   const [picture, scene] = drawn ? makePicture() : [];
 
   const grid = () => data.grids[state.grid];
