@@ -17,16 +17,27 @@ double one_value(const FlexibilityValues& values, double scale, std::string_view
 }
 
 Contraction contraction_of(const std::shared_ptr<Model>& model, const std::string& epsilon_text,
-                           const std::string& eta_text, const std::string& contacts, double relaxation) {
+                           const std::string& eta_text, const std::string& contacts, double relaxation,
+                           const std::string& scheme_text) {
   const double scale = flexibility_scale(*model);
   const double epsilon = one_value(parse_epsilon(epsilon_text), scale, "epsilon");
   const double eta = one_value(parse_eta(eta_text), scale, "eta");
   check_bounds(relaxation, Field{.above = 0}, "relaxation");
   const ContactSet set = Choice<ContactSet>::parse(contacts, "contacts");
+  const auto scheme_asked = Choice<DecompositionScheme>::parse(scheme_text, "scheme");
+  check_scheme({.eta = {eta}, .scheme = scheme_asked});
   LongWork work;
   return work.run(0, [&] {
     const Enriched scheme{eta};  // eta = infinity is the generic algorithm
     const LinearViscous law{epsilon};
+    if (scheme_asked == DecompositionScheme::schwarz) {
+      Contraction j =
+          set == ContactSet::all
+              ? schwarz_contraction(model->parts, law)
+              : schwarz_contraction(restrict_contacts(model->parts, choose_contacts(*model, set).active), law);
+      j.relaxation = relaxation;
+      return j;
+    }
     Contraction b = set == ContactSet::all
                         ? contraction(model->parts, scheme, law)
                         : contraction(model->parts, scheme, law, choose_contacts(*model, set).active);
@@ -72,10 +83,11 @@ void bind_operators(py::module_& module) {
       .def_property_readonly("preconditioner", [](const B& b) { return b.preconditioner; })
       .def_property_readonly("system", [](const B& b) { return b.system; })
       .def_readonly("relaxation", &B::relaxation)
+      .def_property_readonly("scheme", [](const B& b) { return std::string(to_string(b.scheme)); })
       .def_property_readonly("rows", &B::rows)
       .def("apply", applied<B>([](const B& b, const Vector& f) { return b.apply(f); }), py::arg("f"));
   module.def("contraction", &contraction_of, py::arg("parts"), py::arg("epsilon"), py::arg("eta"), py::arg("contacts"),
-             py::arg("relaxation"));
+             py::arg("relaxation"), py::arg("scheme"));
 }
 
 std::string shown(const SpectralRadius& radius) {

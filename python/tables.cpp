@@ -31,17 +31,20 @@ py::list table(const ResultColumns<Result>& columns, SweepParameters& parameters
   return columns_of_rows(headings(columns), rows);
 }
 
-SweepParameters parameters_of(const std::string& epsilon, const std::string& contacts, const TableOptions& options) {
+SweepParameters parameters_of(const std::string& epsilon, const std::string& contacts, const std::string& scheme,
+                              const TableOptions& options) {
   SweepParameters parameters;
   std::tie(parameters.epsilon, parameters.relative_epsilon) = parse_epsilon(epsilon);
   parameters.contacts = Choice<ContactSet>::parse(contacts, "contacts");
   parameters.spectral = options.spectral;
+  parameters.scheme = Choice<DecompositionScheme>::parse(scheme, "scheme");
   return parameters;
 }
 
 py::list swept(const Model& model, const std::string& epsilon, const std::string& eta, const std::string& relaxation,
-               const std::string& sweeps, const std::string& contacts, const TableOptions& options) {
-  SweepParameters parameters = parameters_of(epsilon, contacts, options);
+               const std::string& sweeps, const std::string& contacts, const std::string& scheme,
+               const TableOptions& options) {
+  SweepParameters parameters = parameters_of(epsilon, contacts, scheme, options);
   std::tie(parameters.eta, parameters.relative_eta) = parse_eta(eta);
   parameters.relaxation = parse_relaxation(relaxation);
   parameters.gauss_seidel_sweeps = parse_sweeps(sweeps);
@@ -77,11 +80,11 @@ py::tuple traced(const Model& model, const std::string& epsilon, const std::stri
 }
 
 py::list optimised(const Model& model, const std::string& epsilon, const std::string& contacts,
-                   const TableOptions& options) {
-  SweepParameters parameters = parameters_of(epsilon, contacts, options);
+                   const std::string& scheme, const TableOptions& options) {
+  SweepParameters parameters = parameters_of(epsilon, contacts, scheme, options);
   LongWork watch(options.progress);
   return table<OptimumResult>(
-      optimum_columns(parameters.relative_epsilon), parameters, watch, options.threads,
+      optimum_columns(parameters.relative_epsilon, parameters.scheme), parameters, watch, options.threads,
       [&](const auto& sink, const Monitor& monitor) { optima(model, parameters, sink, monitor); });
 }
 
@@ -104,10 +107,11 @@ void bind_tables(py::module_& module) {
            }),
            py::arg("options"), py::arg("progress"), py::arg("threads"));
   module.def("sweep", &swept, py::arg("parts"), py::arg("epsilon"), py::arg("eta"), py::arg("relaxation"),
-             py::arg("gauss_seidel_sweeps"), py::arg("contacts"), py::arg("options"));
+             py::arg("gauss_seidel_sweeps"), py::arg("contacts"), py::arg("scheme"), py::arg("options"));
   module.def("curve", &traced, py::arg("parts"), py::arg("epsilon"), py::arg("eta"), py::arg("tolerance"),
              py::arg("relaxation"), py::arg("contacts"), py::arg("options"));
-  module.def("optimum", &optimised, py::arg("parts"), py::arg("epsilon"), py::arg("contacts"), py::arg("options"));
+  module.def("optimum", &optimised, py::arg("parts"), py::arg("epsilon"), py::arg("contacts"), py::arg("scheme"),
+             py::arg("options"));
   module.attr("sweep_columns_text") = columns_text(sweep_columns());
   module.attr("curve_columns_text") = columns_text(curve_columns({}));
   module.attr("optimum_columns_text") = columns_text(optimum_columns(false));

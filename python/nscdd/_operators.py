@@ -90,8 +90,15 @@ class Contraction(LinearOperator):
     def _matvec(self, f: np.ndarray) -> np.ndarray:
         return _applied(self._core.apply, f)
 
+    @property
+    def scheme(self) -> str:
+        """"nscdd" or "schwarz"."""
+        return self._core.scheme
+
     def _rmatvec(self, f: np.ndarray) -> np.ndarray:
         given = np.ravel(f)
+        if self.scheme == "schwarz":
+            raise NotImplementedError("the adjoint of the scheme schwarz")
         return given - self.relaxation * self.system.matvec(self.preconditioner.solve(given))
 
     def __repr__(self) -> str:
@@ -100,16 +107,20 @@ class Contraction(LinearOperator):
 
 
 def contraction(parts: Decomposition, epsilon: float | str, eta: float | str | None = math.inf, *,
-                contacts: str = "all", relaxation: float = 1.0) -> Contraction:
+                contacts: str = "all", relaxation: float = 1.0, scheme: str = "nscdd") -> Contraction:
     """The contraction operator of the two-stage algorithm.
 
     epsilon   flexibility of the contacts, 1/kg, or a text such as "0.1W" in multiples of the mean of W_nn; 0 is rigid
     eta       flexibility of the network that Stage 2 sees, likewise; inf (or None) is the generic algorithm
     contacts  of Stage 1: "all", "active" or "unilateral" (see `chosen_contacts`)
+    scheme    "nscdd", or "schwarz": block Jacobi with whole masses, which has no eta. Its operator maps resultants of
+              contact impulses on the copies of shared grains; `system` is then N_E (M_E + K_E / epsilon)^-1 N_E^T of the
+              subdomains, `preconditioner` the inverse of the masses of the copies
 
     Raises Error for values out of bounds, and if the choice of contacts depends on impulses that all vanish.
     """
-    core = _core.contraction(parts, _arguments.spec(epsilon), _arguments.spec(eta), contacts, float(relaxation))
+    core = _core.contraction(parts, _arguments.spec(epsilon), _arguments.spec(eta), contacts, float(relaxation),
+                             scheme)
     return Contraction(core, parts)
 
 

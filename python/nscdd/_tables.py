@@ -41,7 +41,7 @@ class Table(dict[str, np.ndarray]):
 @_arguments.takes(_core.spectral_options)
 def sweep(parts: Decomposition, epsilon: _arguments.Values, eta: _arguments.Values | None = math.inf, *,
           relaxation: _arguments.Values = 1.0, gauss_seidel_sweeps: _arguments.Values | None = None,
-          contacts: str = "all", progress: _arguments.Progress = None, threads: int = 0,
+          contacts: str = "all", scheme: str = "nscdd", progress: _arguments.Progress = None, threads: int = 0,
           **options: _arguments.Option) -> Table:
     """Spectral radii at every point of a sweep: a row for each combination of the values given, the last list running
     fastest. Values are numbers, or texts as `nscdd sweep` takes them: "1e-3:1e3:61", "0.1W,1W".
@@ -54,7 +54,7 @@ def sweep(parts: Decomposition, epsilon: _arguments.Values, eta: _arguments.Valu
     """
     how = _core.TableOptions(dict(options), _arguments.progress(progress), threads)
     return Table(_core.sweep(parts, _arguments.spec(epsilon), _arguments.spec(eta), _arguments.spec(relaxation),
-                             _arguments.spec(gauss_seidel_sweeps), contacts, how))
+                             _arguments.spec(gauss_seidel_sweeps), contacts, scheme, how))
 
 
 class CurveTable(Table):
@@ -94,13 +94,14 @@ def curve(parts: Decomposition, epsilon: _arguments.Values | tuple[float, float]
 
 
 @_arguments.takes(_core.spectral_options, without=["eigenvalues"])
-def optimum(parts: Decomposition, epsilon: _arguments.Values = 0.0, *, contacts: str = "active",
+def optimum(parts: Decomposition, epsilon: _arguments.Values = 0.0, *, contacts: str = "active", scheme: str = "nscdd",
             progress: _arguments.Progress = None, threads: int = 0, **options: _arguments.Option) -> Table:
     """The best flexibility eta of Stage 2, with and without relaxation: a row for each epsilon. `progress` counts rows.
-    The columns `status` and `relaxed_status` say how a row was found. Columns:
+    The columns `status` and `relaxed_status` say how a row was found. The scheme "schwarz" has columns of the best
+    relaxation in their place. Columns:
     """
     how = _core.TableOptions(dict(options), _arguments.progress(progress), threads)
-    return Table(_core.optimum(parts, _arguments.spec(epsilon), contacts, how))
+    return Table(_core.optimum(parts, _arguments.spec(epsilon), contacts, scheme, how))
 
 
 if sweep.__doc__ and optimum.__doc__ and curve.__doc__:  # not with python3 -OO

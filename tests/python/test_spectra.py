@@ -204,3 +204,28 @@ def test_options_are_named_by_signatures_and_documentation():
         nscdd.curve(parts, (1, 2), eigenvalues=2)
     with pytest.raises(nscdd.Error, match="certify: expected True or False, met 'yes'"):
         nscdd.spectral_radius(nscdd.contraction(parts, 1.0), certify="yes")
+
+
+def test_the_scheme_schwarz_is_block_jacobi_on_all_contacts():
+    parts = nscdd.decompose(lattice(6, 5, 1), (2, 2))
+    h, mass = parts.H.toarray(), parts.M.diagonal()
+    w = h.T @ (h / mass[:, None])
+    owner = np.empty(parts.contacts, int)
+    for e, one in enumerate(parts.subdomains):
+        owner[one.contacts] = e
+    epsilon = 0.2
+    unit = epsilon * np.eye(len(w))
+    j = np.eye(len(w)) - np.linalg.solve(w * (owner[:, None] == owner) + unit, w + unit)
+    mu = np.sort(np.linalg.eigvals(j).real)
+    b = nscdd.contraction(parts, epsilon, scheme="schwarz")
+    found = nscdd.spectral_radius(b, certify=True)
+    close([found.eigenvalue_min, found.eigenvalue_max], mu[[0, -1]])
+    assert found.certified and b.scheme == "schwarz"
+    close(b @ found.mode_min, found.eigenvalue_min * found.mode_min, 1e-8)
+    table = nscdd.sweep(parts, epsilon, scheme="schwarz", relaxation=[1, "optimal"])
+    close(table["spectral_radius"], [found.value, (mu[-1] - mu[0]) / (2 - mu[0] - mu[-1])])
+    best = nscdd.optimum(parts, epsilon, contacts="all", scheme="schwarz")
+    close(best["best_relaxation"], table["relaxation"][1:])
+    assert abs(nscdd.mode(b).shares.sum() - 1) < 1e-10
+    with pytest.raises(nscdd.Error, match="eta: expected none with scheme schwarz"):
+        nscdd.contraction(parts, epsilon, 0.3, scheme="schwarz")
