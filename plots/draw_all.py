@@ -24,6 +24,7 @@ import profiles
 import relaxation
 import scalability
 import scalability_in_space
+import schwarz
 import shear_in_space
 import size
 import style
@@ -43,6 +44,7 @@ DRAW = {
     "relaxation": relaxation.draw,
     "inexact-stage-one": inexact_stage_one.draw,
     "observed-rate": observed_rate.draw,
+    "schwarz": schwarz.draw,
     "size": size.draw,
     "scalability": scalability.draw,
     "disorder": disorder.draw,

@@ -114,7 +114,7 @@ TEST_CASE("study file: a key that its observable does not use is refused") {
   refused("spectral_radius", "seed = 2", {"table[0].seed"});
   refused("links", "scheme = \"schwarz\"", {"table[0].scheme"});
   refused("spectral_radius", "scheme = \"additive\"", {"table[0].scheme", "schwarz"});
-  refused("spectral_radius", "scheme = \"schwarz\"\neta = 2", {"study.toml:5: table[0].scheme", "eta: expected none"});
+  refused("spectral_radius", "scheme = \"schwarz\"\neta = 2", {"study.toml:5: eta: expected none with scheme schwarz"});
 }
 
 TEST_CASE("study file: cases that move are judged before anything is run") {
