@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contact problems of steps cut into subdomains, against the stored W of the whole step.
+#include "../support/sanitized.hpp"
 #include "../support/spheres.hpp"
 #include "contact_solvers/stored_contacts.hpp"
 #include "linalg/random.hpp"
@@ -155,4 +156,19 @@ TEST_CASE("a grain with very many contacts takes as many colours, and shares the
     const GrainContact<2>& contact = divided.step.problem.contacts[at(c)];
     CHECK(relative_velocity(contact, velocities).n + contact.bias.n == doctest::Approx(u[2 * c]).epsilon(1e-9));
   }
+}
+
+TEST_CASE("very many contacts of a step that is cut are swept: gradients need a stored W" * doctest::skip(sanitized)) {
+  Dynamics dynamics = cut_dynamics("coulomb");
+  dynamics.time.gravity = {0, 0};
+  std::vector<Grain> row;  // neighbours collide in pairs at q_m
+  for (int k = 0; k < 100'002; ++k) {
+    const double speed = k % 2 == 0 ? 1 : -1;
+    row.push_back({.x = k - dynamics.time.step * speed / 2, .velocity_x = speed});
+  }
+  const GranularStep<2> step = solve_step(simulation_of(row, dynamics, {2, 1}));
+  CHECK(step.report.contacts > 100'000);
+  CHECK(step.report.status == SolverStatus::converged);
+  CHECK(step.report.last.sweeps > 0);
+  for (const GrainMotion& velocity : step.all_grains) REQUIRE(std::abs(velocity[0]) < 1e-9);
 }

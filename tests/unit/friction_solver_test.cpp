@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/fclib_files.hpp"
 #include "../support/matrices.hpp"
-#include "../support/other_maker.hpp"
 #include "../support/problems.hpp"
 #include "../support/sanitized.hpp"
-#include "contact_solvers/automatic.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/active_set.hpp"
@@ -215,13 +213,6 @@ TEST_CASE("auto leaves very many contacts to accelerated gradients" * doctest::s
   const FrictionSolution steps = solve_friction(problem, {.tolerance = 1e-9, .maximum_sweeps = 0});
   CHECK(steps.status == FrictionStatus::converged);  // without a sweep there are still Newton's steps
   CHECK(steps.factorisations > 0);
-  StoredContacts<2> stored(problem);
-  OtherMaker<2, StoredContacts<2>> without{stored, stored};  // its W, which gradients need
-  const FrictionSolverOptions options{.tolerance = 1e-9};
-  const FrictionObserver nobody;
-  SolverRun<2> run(without, options, {}, nobody);
-  automatic(without, run);
-  CHECK(run.best().impulses == sweeps.impulses);
 }
 
 TEST_CASE("continuation needs no sweeps, and nothing but a judgement where the guess solves") {

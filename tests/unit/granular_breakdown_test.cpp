@@ -65,6 +65,13 @@ TEST_CASE("status: diverged as soon as impulses are a million times those of the
   CHECK(watch.judge({.iteration = 22, .zeta = 1, .impulses = 4.1e12}, {}) == SolverStatus::diverged);
 }
 
+TEST_CASE("status: an indicator that is not a number, or impulses or jumps that are not finite, end a step at once") {
+  for (const IterationRecord& record : {IterationRecord{.iteration = 1, .zeta = not_a_number, .impulses = 1},
+                                        IterationRecord{.iteration = 1, .zeta = 1, .impulses = infinity},
+                                        IterationRecord{.iteration = 1, .zeta = 1, .gluing = infinity, .impulses = 1}})
+    CHECK(IterationWatch(swept().solver).judge(record, {}) == SolverStatus::no_number);
+}
+
 TEST_CASE("status: diverged under an enrichment that is far too stiff, and the state is as it was") {
   Dynamics dynamics = swept();
   dynamics.interaction.friction = 0.3;
