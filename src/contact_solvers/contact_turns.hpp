@@ -3,6 +3,8 @@
 
 #include <nscdd/core/types.hpp>
 
+#include <bit>
+
 /// The order in which a sweep visits contacts.
 namespace nscdd {
 
@@ -16,14 +18,30 @@ class GreedyColours {
   explicit GreedyColours(Index nodes) : words_(1, std::vector<Word>(at(nodes))) {}
 
   /// The least colour that no contact of the block has marked at the nodes `seen`; marks it at `marked`.
-  Index take_least(std::span<const Index> seen, std::span<const Index> marked, Index block = 0);
+  Index take_least(std::span<const Index> seen, std::span<const Index> marked, Index block = 0) {
+    for (std::size_t word = 0;; ++word) {
+      if (word == words_.size()) words_.emplace_back(words_.front().size());
+      std::uint64_t all = 0;
+      for (const Index node : seen) all |= taken(word, node, block);
+      const int least = std::countr_one(all);
+      if (least == 64) continue;
+      for (const Index node : marked) taken(word, node, block) |= std::uint64_t{1} << least;
+      return 64 * static_cast<Index>(word) + least;
+    }
+  }
 
  private:
   struct Word {
     Index block = 0;          // in which colours were taken last
     std::uint64_t taken = 0;  // a bit for each colour
   };
-  std::uint64_t& taken(std::size_t word, Index node, Index block);
+  // Without a branch on memory: grains of an interleaved order are far apart there, and are waited for together.
+  std::uint64_t& taken(std::size_t word, Index node, Index block) {
+    Word& here = words_[word][at(node)];
+    here.taken = here.block == block ? here.taken : 0;
+    here.block = block;
+    return here.taken;
+  }
 
   std::vector<std::vector<Word>> words_;  // of each node, 64 colours in a word
 };

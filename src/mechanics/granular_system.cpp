@@ -47,12 +47,6 @@ std::vector<std::vector<double> GranularState::*> numbers_of_grains(Index dimens
           &State::spin_x, &State::spin_y, &State::spin};
 }
 
-GrainMotion motion_of(const GranularState& state, std::size_t i, double radius) {
-  if (state.z.empty()) return {state.velocity_x[i], state.velocity_y[i], 0, 0, 0, radius * state.spin[i]};
-  return {state.velocity_x[i],      state.velocity_y[i],      state.velocity_z[i],
-          radius * state.spin_x[i], radius * state.spin_y[i], radius * state.spin[i]};
-}
-
 void set_motion(GranularState& state, std::size_t i, const GrainMotion& v, double radius) {
   state.velocity_x[i] = v[0];
   state.velocity_y[i] = v[1];

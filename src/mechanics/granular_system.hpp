@@ -186,7 +186,11 @@ inline Place centre_of(const GranularState& state, std::size_t grain) {
 }
 
 /// Gets and sets the velocity of a grain; the speed of the rim is `radius` x spin.
-GrainMotion motion_of(const GranularState& state, std::size_t grain, double radius);
+inline GrainMotion motion_of(const GranularState& state, std::size_t i, double radius) {
+  if (state.z.empty()) return {state.velocity_x[i], state.velocity_y[i], 0, 0, 0, radius * state.spin[i]};
+  return {state.velocity_x[i],      state.velocity_y[i],      state.velocity_z[i],
+          radius * state.spin_x[i], radius * state.spin_y[i], radius * state.spin[i]};
+}
 void set_motion(GranularState& state, std::size_t grain, const GrainMotion& velocity, double radius);
 
 /// Moves the centre of a grain there, m, and turns the grain by an axis times an angle, rad.

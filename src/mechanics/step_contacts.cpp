@@ -70,24 +70,37 @@ class ContactSearch {
 
   void visit_pairs() {
     const double range = path_.followed() ? std::max(foreseen_, path_.reach) : foreseen_;  // bodies may have parted
+    const bool flat = where_.z.empty(), periodic = system_.period.any();
     for_each_near_pair({where_.x, where_.y, where_.z}, system_.radius, system_.period, 1, range, [&](Index a, Index b) {
-      const Place from = where_.centre(at(a));
-      Place to = where_.centre(at(b)), apart = system_.apart(from, to);
-      if (system_.period.any()) to = moved_along(from, 1, apart);
-      const double touch = system_.radius[at(a)] + system_.radius[at(b)];
-      const double near = touch + range, in_reach = touch + foreseen_;
-      const double square = dot(apart, apart);
-      if (square > near * near || !system_.may_touch(a, b)) return;
-      const double distance = std::sqrt(square);
-      if (!(distance > 0)) return visit_concentric(a, b, touch);
-      Place half;
-      for (std::size_t k = 0; k < 3; ++k) {
-        half[k] = (from[k] + to[k]) / 2;
-        apart[k] /= distance;
+      const std::size_t i = at(a), j = at(b);
+      if (!periodic) {  // most of these pairs are too far apart
+        const double x = where_.x[j] - where_.x[i], y = where_.y[j] - where_.y[i];
+        const double z = flat ? 0 : where_.z[j] - where_.z[i];
+        const double near = system_.radius[i] + system_.radius[j] + range;
+        if (x * x + y * y + z * z > near * near) return;
       }
-      if (system_.period.any()) half = moved_along(half, 1, system_.period.into_cell(half));
-      visit_if_near({a, b, apart, half, distance - touch}, square <= in_reach * in_reach);
+      visit_pair(a, b, range);
     });
+  }
+
+  // Apart from the loop over all pairs, which then needs few registers.
+  [[gnu::noinline]] void visit_pair(Index a, Index b, double range) {
+    const Place from = where_.centre(at(a));
+    Place to = where_.centre(at(b)), apart = system_.apart(from, to);
+    if (system_.period.any()) to = moved_along(from, 1, apart);
+    const double touch = system_.radius[at(a)] + system_.radius[at(b)];
+    const double near = touch + range, in_reach = touch + foreseen_;
+    const double square = dot(apart, apart);
+    if (square > near * near || !system_.may_touch(a, b)) return;
+    const double distance = std::sqrt(square);
+    if (!(distance > 0)) return visit_concentric(a, b, touch);
+    Place half;
+    for (std::size_t k = 0; k < 3; ++k) {
+      half[k] = (from[k] + to[k]) / 2;
+      apart[k] /= distance;
+    }
+    if (system_.period.any()) half = moved_along(half, 1, system_.period.into_cell(half));
+    visit_if_near({a, b, apart, half, distance - touch}, square <= in_reach * in_reach);
   }
 
   void visit_concentric(Index a, Index b, double touch) {

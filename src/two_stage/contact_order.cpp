@@ -76,6 +76,7 @@ std::vector<Index> by_colour(std::vector<Index> order, const std::vector<GrainCo
   GreedyColours taken(count(bodies));
   std::vector<Index> colours(contacts.size());
   std::vector<std::array<Index, 2>> ends;  // free ones, first of all contacts: far apart in memory, waited for together
+  ends.reserve(order.size());
   for (const Index c : order) {
     const Index a = contacts[at(c)].a, b = contacts[at(c)].b;
     ends.push_back({bodies[at(a)].inverse_mass > 0 ? a : b, bodies[at(b)].inverse_mass > 0 ? b : a});

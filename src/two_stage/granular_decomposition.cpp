@@ -16,6 +16,8 @@ void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice
           std::uint64_t seed, std::vector<std::int32_t>& local) {
   std::vector<GrainContact<D>> natural;
   std::vector<std::array<double, 3>> points;
+  natural.reserve(subdomain.numbers.size());
+  points.reserve(subdomain.numbers.size());
   for (const Index c : subdomain.numbers) {
     natural.push_back(problem.contacts[at(c)]);
     points.push_back(problem.geometry[at(c)].point);
