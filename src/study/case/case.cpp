@@ -101,7 +101,6 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
     if (start.system.free(i)) set_motion(start.state, at(i), motions[at(i)], 1);
 }
 
-// A model without its decomposition.
 Model without_parts(const Case& one, const Monitor& monitor) try {
   Model model;
   model.name = one.spec.name;

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/linear/coarse.hpp"
+#include "study/tables/study.hpp"
+
+namespace nscdd {
+namespace {
+
+std::string_view name_of(std::optional<Scaling> scaling) { return scaling ? to_string(*scaling) : "none"; }
+
+ResultColumns<FactorWork> work_columns(const std::string& name, const std::string& words) {
+  return {{name + "_entries", "1", "entries of the factors of " + words, &FactorWork::entries},
+          {name + "_flops", "1", "additions and multiplications of their factorisation", &FactorWork::flops}};
+}
+
+}  // namespace
+
+ResultColumns<CoarseResult> coarse_columns(bool relative) {
+  using R = CoarseResult;
+  static const auto columns = joined<R>(
+      {columns_of(&R::of_case, case_columns()),
+       {{"epsilon", "1/kg", "flexibility of the linear law", &R::epsilon},
+        {"preconditioner", "", "X, X_eta (eta = 10 epsilon), lumped or dirichlet",
+         [](const R& r) { return r.method.preconditioner; }},
+        {"scaling", "", "weights of the copies of shared grains: multiplicity, stiffness, deluxe, or none",
+         [](const R& r) { return name_of(r.method.scaling); }},
+        {"coarse_space", "", "none, rigid or geneo", [](const R& r) { return r.method.space; }},
+        {"primal_dofs", "1", "velocities of shared grains n_P", &R::primal_size},
+        {"rank_x0", "1", "rank of X_0: interface unknowns that the rigid network leaves free to move", &R::rank},
+        {"self_stresses", "1", "that cross the interface: n_Gamma - rank X_0", &R::self_stresses},
+        {"cross_points", "1", "grains that three or more subdomains share", &R::cross_points},
+        {"modes", "1", "independent vectors of the coarse space", &R::modes},
+        {"kappa", "1", "condition number of P^-1 X_epsilon, with the coarse space", &R::kappa},
+        {"eigenvalue_low", "1", "smallest eigenvalue of P^-1 X_epsilon", &R::lambda_min},
+        {"eigenvalue_high", "1", "largest eigenvalue of P^-1 X_epsilon", &R::lambda_max},
+        {"certified", "", "inertia counts prove that no eigenvalue lies outside these two", &R::certified},
+        {"threshold", "1", "GenEO takes vectors with an eigenvalue below this", &R::threshold},
+        {"bound", "1", "bound of kappa that the threshold implies", &R::bound},
+        {"modes_30", "1", "fewest vectors of GenEO for kappa <= 30", [](const R& r) { return r.fewest[0]; }},
+        {"modes_100", "1", "fewest vectors of GenEO for kappa <= 100", [](const R& r) { return r.fewest[1]; }},
+        {"any_30", "1", "no deflation by fewer vectors has kappa <= 30", [](const R& r) { return r.any[0]; }},
+        {"any_100", "1", "no deflation by fewer vectors has kappa <= 100", [](const R& r) { return r.any[1]; }},
+        {"iterations", "1", "of conjugate gradients to 1e-8, for random jumps", &R::iterations},
+        {"predicted", "1", "the same from the spectrum; nan above 2 500 unknowns", &R::predicted}},
+       columns_of(&R::local, work_columns("local", "M_E + K_E/epsilon")),
+       columns_of(&R::interface, work_columns("interface", "the primal interface C")),
+       columns_of(&R::coarse, work_columns("coarse", "the coarse problem U^T C U")),
+       columns_of(&R::undivided, work_columns("undivided", "M + K/epsilon of the undivided packing")),
+       {{"clear_ranks", "", "no singular value is near the tolerance of a rank", &R::clear_ranks},
+        {"converged", "", "spectrum and conjugate gradients converged", &R::converged}}});
+  static const ResultColumns<R> in_multiples{
+      {"mean_w_nn", "1/kg", "mean of W_nn over the contacts", &R::scale},
+      {"epsilon_relative", "1", "epsilon in multiples of mean_w_nn", [](const R& r) { return r.epsilon / r.scale; }}};
+  return relative ? joined<R>({columns, in_multiples}) : columns;
+}
+
+constinit const Observable observables::coarse_space{
+    .name = "coarse_space",
+    .summary = "condition numbers of preconditioned interface problems, and the coarse vectors that they need",
+    .keys = {"epsilon", "contacts", "preconditioner", "scaling", "coarse_space", "kappa", "threshold", "counts"},
+    .columns = [](const StudyTable& table) { return headings(coarse_columns(table.sweep.relative_epsilon)); },
+    .run =
+        [](const ObservedCase& work) {
+          const SweepParameters& sweep = work.table.sweep;
+          return coarse_spaces(build(work.one), sweep, work.table.coarse,
+                               as_rows(coarse_columns(sweep.relative_epsilon), work.sink), work.monitor, work.first);
+        },
+    .rows = [](const StudyTable& table) { return count(table.sweep.epsilon) * count(methods_of(table.coarse)); },
+    .known =
+        [](const StudyTable& table, Index row) {
+          const Index methods = count(methods_of(table.coarse));
+          const CoarseMethod method = methods_of(table.coarse)[at(row % methods)];
+          const double epsilon = table.sweep.epsilon[at(row / methods)];
+          KnownCells cells{{"preconditioner", to_cell(to_string(method.preconditioner))},
+                           {"scaling", to_cell(name_of(method.scaling))},
+                           {"coarse_space", to_cell(to_string(method.space))}};
+          if (!table.sweep.relative_epsilon) cells.emplace_back("epsilon", epsilon);
+          return cells;
+        }};
+
+}  // namespace nscdd
