@@ -114,11 +114,11 @@ std::pair<GranularStep<D>, GranularDecomposition<D>> divide_step(const Simulatio
     const StepSolver& solver = simulation.dynamics.solver;
     const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
     GranularStep<D> step = share_step<D>(simulation);
-    auto parts =
-        decompose(step.problem, step.partition, solver.order, seed, step.process_of_subdomain, simulation.processes);
+    auto parts = decompose(step.problem, step.partition, solver.order, seed, step.process_of_subdomain,
+                           simulation.processes, copy_mass(solver));
     for (const Gluing& row : parts.interface.gluing())
       if (step.shared_grains.empty() || step.shared_grains.back() != row.grain) step.shared_grains.push_back(row.grain);
-    step.report.interface_size = parts.interface_size();
+    step.report.interface_size = parts.interface.size();
     step.report.residual.scale = parts.scale;
     return std::pair(std::move(step), std::move(parts));
   });

@@ -76,6 +76,35 @@ const GrainVelocity<D>& copy_of(const GranularDecomposition<D>& parts, const Gra
   return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
 }
 
+// Rows of F, and the masses of their copies.
+template <int D>
+void add_rows(GranularDecomposition<D>& parts, const StepProblem<D>& problem) {
+  constexpr Index size = unknowns_of_grain<D>;
+  const Interface& interface = parts.interface;
+  const auto& gluing = interface.gluing();
+  const bool whole = parts.copies == CopyMass::whole;
+  std::vector<Index> first_row(gluing.size());  // by the first gluing of a grain
+  for (Index k = 0; k < count(gluing); k += interface.multiplicity(gluing[at(k)].grain) - 1) {
+    const Index grain = gluing[at(k)].grain, body = body_of(problem, grain), q = interface.multiplicity(grain);
+    const Index first = first_row[at(k)] = count(parts.copy_mass), last = first + (whole ? q : q - 1);
+    const double part = whole ? 1 : static_cast<double>(q);
+    const double mass = body < 0 ? 0 : 1 / (problem.free[at(body)].inverse_mass * part);
+    for (Index row = first; row < last; ++row) {
+      const GrainCopy copy = interface.copies(grain)[at(row - first)];
+      parts.copy_mass.push_back(mass);
+      parts.subdomain_of_row.push_back(copy.subdomain);
+      if (!whole || interface.process_of(copy.subdomain) != interface.processes().rank) continue;
+      GranularSubdomain<D>& subdomain = parts.subdomains[at(copy.subdomain)];
+      subdomain.whole_copies.push_back({copy.grain, row, first, last, subdomain.velocities[at(copy.grain)]});
+    }
+  }
+  if (whole)
+    parts.sum_of_neighbours = interface.between_neighbours([&](Index k, Index) {
+      const Index first = first_row[at(k)];
+      return Interface::Entries{size * first, size * (first + interface.multiplicity(gluing[at(k)].grain))};
+    });
+}
+
 template <int D>
 auto unknowns_of_copies(const GranularDecomposition<D>& parts) {
   return [&](Index e, Index grain) { return unknowns(copy_of(parts, {e, grain})); };
@@ -98,7 +127,8 @@ ImpulseScale GranularDecomposition<D>::scale_of(const StepProblem<D>& problem, c
 template <int D>
 GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,
                                    Choice<ContactOrder> order, std::uint64_t seed,
-                                   const std::vector<Index>& process_of_subdomain, const Processes& processes) {
+                                   const std::vector<Index>& process_of_subdomain, const Processes& processes,
+                                   CopyMass mass) {
   check(partition, count(problem.contacts));
   // Number, row and impulse of each contact; copies and points are made for one subdomain at a time.
   constexpr double of_contact = sizeof(Index) + sizeof(ContactRow<D>) + sizeof(SweptVector<D>);
@@ -107,6 +137,7 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
                  fmt::format("subdomains with {} contacts", problem.contacts.size()), "fewer grains");
   GranularDecomposition<D> parts;
   parts.contacts = count(problem.contacts);
+  parts.copies = mass;
   parts.scale = GranularDecomposition<D>::scale_of(problem, partition, processes);
   parts.subdomains.resize(at(partition.subdomains));
   for (Index c = 0; c < count(problem.contacts); ++c)
@@ -114,21 +145,28 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
   std::vector<std::int32_t> local(problem.free.size(), -1);
   for (GranularSubdomain<D>& subdomain : parts.subdomains) fill(subdomain, problem, order, seed, local);
   parts.interface = interface_of(parts, problem, process_of_subdomain, processes);
-  const auto copies = [&](Index number) { return static_cast<double>(parts.interface.multiplicity(number)); };
   for (GranularSubdomain<D>& subdomain : parts.subdomains)
-    for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
-      subdomain.velocities[i].inverse_mass *= copies(problem.numbers[at(subdomain.bodies[i])]);
-  for (const Gluing& row : parts.interface.gluing()) {
-    const Index body = body_of(problem, row.grain);
-    parts.copy_mass.push_back(body < 0 ? 0 : 1 / (problem.free[at(body)].inverse_mass * copies(row.grain)));
-  }
+    for (std::size_t i = 0; i < subdomain.bodies.size() && mass == CopyMass::shares; ++i)
+      subdomain.velocities[i].inverse_mass *=
+          static_cast<double>(parts.interface.multiplicity(problem.numbers[at(subdomain.bodies[i])]));
+  add_rows(parts, problem);
   parts.interface.meet_neighbours();
   return parts;
 }
 
 template <int D>
 Vector GranularDecomposition<D>::interface_jumps() const {
-  return interface.exchange_with_neighbours(unknowns_of_copies(*this));
+  if (copies == CopyMass::shares) return interface.exchange_with_neighbours(unknowns_of_copies(*this));
+  constexpr Index size = unknowns_of_grain<D>;
+  Vector jumps = Vector::Zero(interface_size());
+  for_each_in_parallel(count(subdomains), [&](Index e) {
+    for (const WholeCopy<D>& copy : subdomains[at(e)].whole_copies) {
+      const GrainUnknowns<D> own = unknowns(copy_of(*this, {e, copy.grain})), common = unknowns(copy.common);
+      for (Index k = 0; k < size; ++k) jumps[size * copy.own + k] = own[at(k)] - common[at(k)];
+    }
+  });
+  sum_of_neighbours({jumps.data(), at(jumps.size())});
+  return jumps;
 }
 
 template <int D>
@@ -139,13 +177,37 @@ Vector GranularDecomposition<D>::all_interface_jumps() const {
 template <int D>
 Vector GranularDecomposition<D>::free_velocities() const {
   std::vector<double> values;
-  for (const GranularSubdomain<D>& subdomain : subdomains)
-    for (const GrainVelocity<D>& v : subdomain.velocities) {
-      if (v.inverse_mass == 0) continue;
-      const GrainUnknowns<D> own = unknowns(v);
-      values.insert(values.end(), own.begin(), own.end());
-    }
+  const auto append = [&](const GrainVelocity<D>& v) {
+    if (v.inverse_mass == 0) return;
+    const GrainUnknowns<D> own = unknowns(v);
+    values.insert(values.end(), own.begin(), own.end());
+  };
+  for (const GranularSubdomain<D>& subdomain : subdomains) {
+    std::ranges::for_each(subdomain.velocities, append);
+    std::ranges::for_each(subdomain.whole_copies, append, &WholeCopy<D>::common);
+  }
   return Vector::Map(values.data(), count(values));
+}
+
+template <int D>
+double GranularDecomposition<D>::part_of_dot(Index subdomain, const Vector& f, const Vector& g) const {
+  if (copies == CopyMass::shares) return interface.part_of_dot(subdomain, f, g);
+  constexpr Index size = unknowns_of_grain<D>;
+  double sum = 0;
+  for (const WholeCopy<D>& copy : subdomains[at(subdomain)].whole_copies)
+    sum += f.segment(size * copy.own, size).dot(g.segment(size * copy.own, size));
+  return sum;
+}
+
+template <int D>
+double GranularDecomposition<D>::squared_jumps(Index subdomain, const Vector& g) const {
+  if (copies == CopyMass::shares) return part_of_dot(subdomain, g, g);
+  constexpr Index size = unknowns_of_grain<D>;
+  double sum = 0;
+  for (const WholeCopy<D>& copy : subdomains[at(subdomain)].whole_copies)
+    if (copy.own + 1 < copy.last)
+      sum += (g.segment(size * copy.own, size) - g.segment(size * (copy.own + 1), size)).squaredNorm();
+  return sum;
 }
 
 template <int D>
@@ -162,12 +224,21 @@ double GranularDecomposition<D>::glued_speed_squared(Index subdomain) const {
 
 template <int D>
 Vector GranularDecomposition<D>::generic_interface_solve(const Vector& g) const {
-  return interface.solve_generic([&](Index row, Index k) { return copy_mass[at(row)] * inertia_ratio<D>(k); }, g);
+  const auto inertia = [&](Index row, Index k) { return copy_mass[at(row)] * inertia_ratio<D>(k); };
+  if (copies == CopyMass::shares) return interface.solve_generic(inertia, g);
+  Vector f(g.size());
+  for (Index i = 0; i < f.size(); ++i) f[i] = inertia(i / unknowns_of_grain<D>, i % unknowns_of_grain<D>) * g[i];
+  return f;
 }
 
 template <int D>
 void GranularDecomposition<D>::apply_interface_impulses(const Vector& change) {
   for_each_in_parallel(count(subdomains), [&](Index e) {
+    for (WholeCopy<D>& copy : subdomains[at(e)].whole_copies) {
+      push(subdomains[at(e)].velocities[at(copy.grain)], load_of_others<D>(change, copy.first, copy.last, copy.own));
+      push(copy.common, load_of_others<D>(change, copy.first, copy.last, -1));
+    }
+    if (copies == CopyMass::whole) return;
     for (const Tie& tie : interface.ties(e)) {
       GrainUnknowns<D> impulse;
       for (Index k = 0; k < unknowns_of_grain<D>; ++k)
@@ -218,9 +289,9 @@ Partition partition_of_columns(const Partition& of_contacts, Index dimension) {
 template struct GranularDecomposition<2>;
 template struct GranularDecomposition<3>;
 template GranularDecomposition<2> decompose(const StepProblem<2>&, const Partition&, Choice<ContactOrder>,
-                                            std::uint64_t, const std::vector<Index>&, const Processes&);
+                                            std::uint64_t, const std::vector<Index>&, const Processes&, CopyMass);
 template GranularDecomposition<3> decompose(const StepProblem<3>&, const Partition&, Choice<ContactOrder>,
-                                            std::uint64_t, const std::vector<Index>&, const Processes&);
+                                            std::uint64_t, const std::vector<Index>&, const Processes&, CopyMass);
 template ReferenceProblem reference_problem(const StepProblem<2>&, Index);
 template ReferenceProblem reference_problem(const StepProblem<3>&, Index);
 

@@ -16,13 +16,43 @@ void add(GrainVelocity<D>& v, const Change& change) {
   v = with_unknowns(sum, v.inverse_mass);
 }
 
-/// One subdomain E of a step: its contacts in sweep order, and their bodies. A shared grain has its share of mass.
+/// Mass of the copies of a shared grain. It decides what subdomains exchange.
+enum class CopyMass {
+  shares,  ///< of 1/q each: impulses F_Gamma glue the copies, and jumps of velocity correct F_Gamma
+  /// The whole one (Schwarz): F is the resultant of the contact impulses on each copy, a load on all other copies.
+  whole,
+};
+
+inline CopyMass copy_mass(const StepSolver& solver) {
+  return has_part(solver.algorithm, StepPart::whole_copies) ? CopyMass::whole : CopyMass::shares;
+}
+
+/// A copy with the whole mass of its grain.
+template <int D>
+struct WholeCopy {
+  Index grain = 0;               ///< local number
+  Index own = 0;                 ///< row of its resultant
+  Index first = 0, last = 0;     ///< rows of all copies of the grain
+  GrainVelocity<D> common = {};  ///< V_free + M^-1 times the resultants exchanged, equal for all copies
+};
+
+/// Sum of the rows [first, last) of F but for row `own`.
+template <int D>
+GrainUnknowns<D> load_of_others(const Vector& f, Index first, Index last, Index own) {
+  GrainUnknowns<D> load{};
+  for (Index row = first; row < last; ++row)
+    for (Index k = 0; k < unknowns_of_grain<D> && row != own; ++k) load[at(k)] += f[unknowns_of_grain<D> * row + k];
+  return load;
+}
+
+/// One subdomain E of a step: its contacts in sweep order, and their bodies. A shared grain has the mass of a copy.
 template <int D>
 struct GranularSubdomain {
   std::vector<Index> bodies;   ///< of the step problem, in the order the sweep meets them
   std::vector<Index> numbers;  ///< of the contacts, in the step problem
   ContactRows<D> contacts;
   std::vector<GrainVelocity<D>> velocities;
+  std::vector<WholeCopy<D>> whole_copies;  ///< empty if copies have shares of mass
 
   GrainContact<D> contact(std::size_t k) const { return contacts.contact(k, velocities); }
   /// Open, stick or slide for each contact, at its present impulse.
@@ -40,26 +70,34 @@ struct GranularDecomposition {
   Index contacts = 0;  ///< of the step problem
   std::vector<GranularSubdomain<D>> subdomains;
   Interface interface;  ///< in StepProblem::numbers, with GrainUnknowns per grain
-  /// kg, of either copy in each row of the gluing: the share of its grain; 0 for grains of other ranks
+  CopyMass copies = CopyMass::shares;
+  /// kg, of a copy in each row of F, a row of the gluing or a whole copy; 0 for grains of other ranks
   std::vector<double> copy_mass;
-  ImpulseScale scale;  ///< of all contacts on all ranks, with whole grains
+  std::vector<Index> subdomain_of_row;                       ///< of the whole copy, or of the first copy of the gluing
+  std::function<void(std::span<double>)> sum_of_neighbours;  ///< of resultants
+  ImpulseScale scale;                                        ///< of all contacts on all ranks, with whole grains
 
-  Index interface_size() const { return interface.size(); }  ///< n_Gamma
+  Index interface_size() const { return unknowns_of_grain<D> * count(copy_mass); }  ///< of F, n_Gamma if it glues
 
   /// The scale of the impulses of a step, summed by subdomains: no bit depends on the ranks.
   static ImpulseScale scale_of(const StepProblem<D>& problem, const Partition& partition, const Processes& processes);
 
-  /// Jumps sum_E A_E V_E, n_Gamma, in rows of grains of which this rank has a copy. Neighbours exchange them.
+  /// Jumps sum_E A_E V_E, or V_E - V_common of whole copies, in rows of grains of which this rank has a copy.
+  /// Neighbours exchange them.
   Vector interface_jumps() const;
   /// The same in all rows; collective.
   Vector all_interface_jumps() const;
-  /// Unknowns of the free bodies, subdomain by subdomain, m/s.
+  /// The part of f^T g from rows of a subdomain. The parts of all subdomains add up to f^T g.
+  double part_of_dot(Index subdomain, const Vector& f, const Vector& g) const;
+  /// The part of |sum A_E V_E|^2, with jumps g.
+  double squared_jumps(Index subdomain, const Vector& g) const;
+  /// Unknowns of the free bodies, subdomain by subdomain, each followed by V_common of its whole copies, m/s.
   Vector free_velocities() const;
   /// Sum of |V|^2, rim speed included, over the copies of shared grains in a subdomain.
   double glued_speed_squared(Index subdomain) const;
-  /// X_inf^-1 g, see Interface::solve_generic. Rims have their own inertia.
+  /// X_inf^-1 g, see Interface::solve_generic; M g of whole copies. Rims have their own inertia.
   Vector generic_interface_solve(const Vector& g) const;
-  /// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma.
+  /// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma; the load of the other copies on a whole one.
   void apply_interface_impulses(const Vector& change);
 };
 
@@ -69,8 +107,8 @@ struct GranularDecomposition {
 template <int D>
 GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,
                                    Choice<ContactOrder> order, std::uint64_t seed,
-                                   const std::vector<Index>& process_of_subdomain = {},
-                                   const Processes& processes = {});
+                                   const std::vector<Index>& process_of_subdomain = {}, const Processes& processes = {},
+                                   CopyMass copies = CopyMass::shares);
 
 /// M and H of a step for the linear analysis. A grain has the rows of its unknowns (a disk x, y, rim with inertia m, m,
 /// m/2), empty ones in H if it is driven. Columns D c, ... are the normal and the tangential directions of contact c.

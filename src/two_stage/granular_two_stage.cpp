@@ -68,6 +68,7 @@ void GranularTwoStage<D>::start(const std::vector<RememberedGluing>& gluing) {
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
       if (const LocalVector<D> r = subdomain.contacts.impulse(k); carries(r))
         apply_impulse(subdomain.contact(k), r, subdomain.velocities);
+  if (parts_.copies == CopyMass::whole) return exchange_resultants();
   if (gluing.empty()) return;
   constexpr Index size = unknowns_of_grain<D>;
   // Along the chain of a grain, F of a row is that of the row before plus the impulse on the copy between.
@@ -219,17 +220,16 @@ template <int D>
 void GranularTwoStage<D>::iterate() {
   ++iteration_;
   std::vector<SweepSums> sums = stage_one();
-  const Interface& interface = parts_.interface;
   const Index subdomains = count(parts_.subdomains);
   Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(quantities, subdomains);
   if (parts_.interface_size() > 0) {
     const Vector pushed = speeds_of_interface_impulses(parts_, interface_impulses_);
     const Vector g = enriched_now() ? parts_.all_interface_jumps() : parts_.interface_jumps();
     for_each_in_parallel(subdomains, [&](Index e) {
-      terms(jumps, e) = interface.part_of_dot(e, g, g);
+      terms(jumps, e) = parts_.squared_jumps(e, g);
       // Velocities of resting copies are the rounding of M_E^-1 A_E^T F.
       terms(speeds, e) = std::max(parts_.glued_speed_squared(e),
-                                  ImpulseScale::squared_rounding * interface.part_of_dot(e, pushed, pushed));
+                                  ImpulseScale::squared_rounding * parts_.part_of_dot(e, pushed, pushed));
     });
     if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
       Vector change;
@@ -241,9 +241,9 @@ void GranularTwoStage<D>::iterate() {
       }
       const Vector second = change - last_change_;
       for_each_in_parallel(subdomains, [&](Index e) {
-        terms(interface_changes, e) = interface.part_of_dot(e, change, change);
-        terms(second_changes, e) = interface.part_of_dot(e, second, second);
-        terms(interface_squares, e) = interface.part_of_dot(e, interface_impulses_, interface_impulses_);
+        terms(interface_changes, e) = parts_.part_of_dot(e, change, change);
+        terms(second_changes, e) = parts_.part_of_dot(e, second, second);
+        terms(interface_squares, e) = parts_.part_of_dot(e, interface_impulses_, interface_impulses_);
       });
       last_change_ = std::move(change);
     }

@@ -94,7 +94,7 @@ class GranularTwoStage {
     return parts_.interface.processes().sum_of_parts(std::move(terms))[0];
   }
   double dot(const Vector& f, const Vector& g) const {
-    return summed([&](Index e) { return parts_.interface.part_of_dot(e, f, g); });
+    return summed([&](Index e) { return parts_.part_of_dot(e, f, g); });
   }
   void gather_interface_impulses();
   SweepSums sweeps(GranularSubdomain<D>& subdomain) const;
@@ -106,6 +106,8 @@ class GranularTwoStage {
     return enriched_now() ? enriched_->solve(g) : parts_.generic_interface_solve(g);
   }
   void correct(const Vector& change);
+  // Whole copies then have the same velocity, that of all impulses.
+  void exchange_resultants() { correct(parts_.generic_interface_solve(parts_.interface_jumps())); }
   Vector conjugate_step(const Vector& jumps, std::vector<SweepSums>& sums);
 
   GranularDecomposition<D> parts_;

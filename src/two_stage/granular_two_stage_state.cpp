@@ -36,14 +36,14 @@ void GranularTwoStage<D>::gather_interface_impulses() {
   const Processes& all = interface.processes();
   constexpr Index size = unknowns_of_grain<D>;
   const auto visit = [&](Index process, const auto& each) {
-    for (Index row = 0; row < count(interface.gluing()); ++row)
-      if (interface.process_of(interface.gluing()[at(row)].first.subdomain) == process)
+    for (Index row = 0; row < count(parts_.subdomain_of_row); ++row)
+      if (interface.process_of(parts_.subdomain_of_row[at(row)]) == process)
         for (Index k = 0; k < size; ++k) each(interface_impulses_[size * row + k]);
   };
   std::vector<double> own;
   visit(all.rank, [&](double& number) { own.push_back(number); });
   const std::vector<double> numbers = all.gather(own);
-  if (count(numbers) != interface.size()) throw Error(other_steps);
+  if (count(numbers) != parts_.interface_size()) throw Error(other_steps);
   auto next = numbers.begin();
   for (Index process = 0; process < all.size; ++process) visit(process, [&](double& number) { number = *next++; });
 }
@@ -52,6 +52,7 @@ template <int D>
 typename GranularTwoStage<D>::Solution GranularTwoStage<D>::gather(const StepProblem<D>& problem) {
   const Interface& interface = parts_.interface;
   const Processes& all = interface.processes();
+  if (parts_.copies == CopyMass::whole) exchange_resultants();
   gather_interface_impulses();
   Solution result{problem.contacts, problem.free};
   std::vector<SentCopy<D>> copies;
@@ -83,11 +84,15 @@ std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
   constexpr Index size = unknowns_of_grain<D>;
   std::vector<RememberedGluing> result;
   const auto& rows = parts_.interface.gluing();
+  Index before = 0;                          // shared grains
   for (Index row = 0; row < count(rows);) {  // A_E^T F: along a chain, F of the row after a copy minus that before it
     const Index grain = rows[at(row)].grain, first = row, last = row + parts_.interface.multiplicity(grain) - 1;
     for (const GrainCopy& copy : parts_.interface.copies(grain)) {
       RememberedGluing one{grain, copy.subdomain};
-      for (Index k = 0; k < size; ++k) {
+      if (parts_.copies == CopyMass::whole)
+        std::ranges::transform(load_of_others<D>(interface_impulses_, first + before, last + before + 1, row + before),
+                               one.impulse.begin(), std::negate<>{});
+      for (Index k = 0; k < size && parts_.copies == CopyMass::shares; ++k) {
         if (row > first) one.impulse[at(k)] -= interface_impulses_[size * (row - 1) + k];
         if (row < last) one.impulse[at(k)] += interface_impulses_[size * row + k];
       }
@@ -95,6 +100,7 @@ std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
       ++row;
     }
     row = last;
+    ++before;
   }
   return result;
 }

@@ -15,6 +15,8 @@ enum class StepPart : unsigned {
   enriched_stage_two = 16,  ///< its preconditioner by the contact network
   cut_systems = 32,         ///< linear systems that are cut into subdomains, see CutContacts
   softer_network = 64,      ///< a network that preconditions them, softer than their contacts
+  exchanges = 128,          ///< between subdomains after their sweeps: Algorithm 1 and Schwarz's method
+  whole_copies = 256,       ///< of shared grains, see CopyMass
 };
 constexpr StepPart operator|(StepPart a, StepPart b) { return StepPart{unsigned(a) | unsigned(b)}; }
 
@@ -23,6 +25,7 @@ enum class StepAlgorithm {
   nlgs,
   generic,
   enriched,
+  schwarz,
   automatic,
   continuation,
   newton,
@@ -43,8 +46,9 @@ inline constexpr auto step_algorithms = [] {
   using enum FrictionAlgorithm;
   return std::to_array<StepAlgorithmParts>({
       {"nlgs", {}, sweeps | relaxation},
-      {"generic", {}, sweeps | relaxation | subdomains | stage_two},
-      {"enriched", {}, sweeps | relaxation | subdomains | stage_two | enriched_stage_two},
+      {"generic", {}, sweeps | relaxation | subdomains | exchanges | stage_two},
+      {"enriched", {}, sweeps | relaxation | subdomains | exchanges | stage_two | enriched_stage_two},
+      {"schwarz", {}, sweeps | relaxation | subdomains | exchanges | whole_copies},
       {"auto", automatic, relaxation},
       {"continuation", continuation, iterations},
       {"newton", newton, relaxation},

@@ -161,7 +161,7 @@ struct StepSolver {
           Field{.description = "iterations between two checks of the criterion", .minimum = 1, .maximum = 1e9});
     visit(iterations, "tolerance", self.tolerance,
           Field{.description = "tolerance on the indicator", .minimum = 0, .maximum = 1});
-    visit(stage_two, "gluing_tolerance", self.gluing_tolerance,
+    visit(exchanges, "gluing_tolerance", self.gluing_tolerance,
           Field{.description = "largest jump at the interface of a converged step, relative to the speeds of "
                                "its grains (not required of the semi-implicit scheme)",
                 .minimum = 0});
@@ -183,8 +183,10 @@ struct StepSolver {
                   "iterations in which the enriched Stage 2 acts; the semi-implicit scheme: once, on the contacts that "
                   "carried an impulse in the last step"});
     visit(stage_two, "interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
-    visit(stage_two, "interface_relaxation", self.interface_relaxation,
-          Field{.description = "relaxation omega of Stage 2", .above = 0, .maximum = 1000});
+    visit(exchanges, "interface_relaxation", self.interface_relaxation,
+          Field{.description = "relaxation omega of Stage 2, or of the resultants that Schwarz's method exchanges",
+                .above = 0,
+                .maximum = 1000});
     visit(cut_systems, "interface_network", self.interface_network,
           Field{.description = "contacts that precondition the interface of the two-stage Newton method and ADMM"});
     visit(softer_network, "interface_flexibility", self.interface_flexibility,

@@ -136,7 +136,7 @@ TEST_CASE_FIXTURE(Session, "simulate: a restart from another start is refused wi
 TEST_CASE_FIXTURE(Session, "simulate: what does not fit together names the file, the option or the key") {
   file("shear.toml", replaced(moving_case(), "\"zeta\"", "\"gluing\""));
   check_refused("simulate shear.toml --algorithm nlgs -o run.h5",
-                {"shear.toml:21: solver.criterion: expected solver.algorithm generic or enriched"});
+                {"shear.toml:21: solver.criterion: expected solver.algorithm generic, enriched or schwarz"});
   file("shear.toml", moving_case() + "\n[[prescribed]]\ngrain = 1000\nvelocity = [0, 0]\n");
   check_refused("simulate shear.toml -o run.h5", {"shear.toml:46: prescribed[0].grain: expected"});
   file("shear.toml", moving_case());

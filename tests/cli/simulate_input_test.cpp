@@ -27,7 +27,14 @@ TEST_CASE_FIXTURE(MovingSession, "simulate: a value without effect is refused, n
   };
   refused("--set solver.eta=2", {"--set solver.eta: expected solver.algorithm enriched", "met generic"});
   refused("--set solver.interface_relaxation=0.5 --algorithm nlgs",
-          {"--set solver.interface_relaxation: expected solver.algorithm generic or enriched", "met nlgs"});
+          {"--set solver.interface_relaxation: expected solver.algorithm generic, enriched or schwarz", "met nlgs"});
+  for (const std::string key : {"eta=30W", "network=active", "enrichment=first_iteration", "switch=linear",
+                                "interface_method=conjugate_gradient", "interface_network=all"})
+    refused("--algorithm schwarz --set solver." + key,
+            {"--set solver." + key.substr(0, key.find('=')) + ": expected solver.algorithm ", "met schwarz"});
+  for (const std::string omega : {"0", "-0.5"})
+    refused("--algorithm schwarz --set solver.interface_relaxation=" + omega,
+            {"solver.interface_relaxation: expected a finite number > 0 and <= 1000, met " + omega});
   refused("--set partition.grid=2,2 --algorithm nlgs", {"--set partition.grid", "met nlgs"});
   refused("--set interaction.law=frictionless --set interaction.tangential_restitution=0.5",
           {"--set interaction.tangential_restitution: expected interaction.law", "met frictionless"});
@@ -85,11 +92,12 @@ TEST_CASE_FIXTURE(Session, "simulate: a case without [solver] is solved by auto,
   const auto refused = [&](const std::string& options, const std::string& part) {
     check_refused("simulate new.toml -o none.h5 " + options, {part + " with it, met auto"});
   };
-  refused("--criterion zeta", "--criterion: expected solver.algorithm nlgs, generic or enriched");
-  refused("--gauss-seidel-sweeps 1", "--gauss-seidel-sweeps: expected solver.algorithm nlgs, generic or enriched");
+  refused("--criterion zeta", "--criterion: expected solver.algorithm nlgs, generic, enriched or schwarz");
+  refused("--gauss-seidel-sweeps 1",
+          "--gauss-seidel-sweeps: expected solver.algorithm nlgs, generic, enriched or schwarz");
   refused("--eta 30W", "--eta: expected solver.algorithm enriched");
   refused("--subdomains 2x1",
-          "--subdomains: expected --algorithm generic, enriched, two_stage_newton or two_stage_admm");
+          "--subdomains: expected --algorithm generic, enriched, schwarz, two_stage_newton or two_stage_admm");
   const std::string divided = answer(
       "simulate new.toml --steps 3 --algorithm generic --criterion zeta --tolerance "
       "1e-3 --iterations 100000 -o generic.h5");

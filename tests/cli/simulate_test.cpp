@@ -145,9 +145,11 @@ TEST_CASE_FIXTURE(MovingSession, "simulate: 50 steps and a restart to 100 are 10
 }
 
 TEST_CASE_FIXTURE(MovingSession, "simulate: a restart between two decompositions keeps the one before, and eta") {
-  for (const std::string& options : Texts{"--set solver.redecompose=4", "--algorithm enriched --eta optimal",
-                                          "--algorithm enriched --eta optimal --gauss-seidel-sweeps 20 --set "
-                                          "solver.redecompose=4"}) {
+  for (const std::string& options :
+       Texts{"--set solver.redecompose=4", "--algorithm schwarz --set solver.redecompose=4",
+             "--algorithm enriched --eta optimal",
+             "--algorithm enriched --eta optimal --gauss-seidel-sweeps 20 --set "
+             "solver.redecompose=4"}) {
     CAPTURE(options);
     const std::string line = "simulate shear.toml --iterations 30 --force " + options;
     answer(line + " -o whole.h5 --steps 11");

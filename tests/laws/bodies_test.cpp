@@ -62,7 +62,7 @@ Simulation two_clumps(Choice<StepAlgorithm> algorithm, double friction, std::arr
       {clump("left", 0, 2, {0.4, 0.3}, 2, 0.5, {1, 0.2, 3}), clump("right", 3, 5, {2.4, 0.4}, 3, 0.9, {-1, 0, -1})});
   dynamics.interaction.friction = friction;
   dynamics.solver.algorithm = algorithm;
-  if (has_part(algorithm, StepPart::stage_two)) dynamics.solver.gluing_tolerance = 1e-12;
+  if (has_part(algorithm, StepPart::exchanges)) dynamics.solver.gluing_tolerance = 1e-12;
   return simulation_of(grains, dynamics, grid);
 }
 
@@ -336,7 +336,8 @@ TEST_CASE("sweeps, the contact solver and Algorithm 1 in two subdomains find the
   CHECK(std::abs(swept.body_velocities[0].x - 1) > 0.1);
   for (const auto& [algorithm, grid] : {std::pair(StepAlgorithm::automatic, std::array<Index, 2>{1, 1}),
                                         {StepAlgorithm::generic, {2, 2}},
-                                        {StepAlgorithm::enriched, {2, 2}}}) {
+                                        {StepAlgorithm::enriched, {2, 2}},
+                                        {StepAlgorithm::schwarz, {2, 2}}}) {
     const GranularState other = end_of(algorithm, grid);
     CAPTURE(to_string(algorithm));
     for (std::size_t k = 0; k < 2; ++k) {

@@ -91,7 +91,9 @@ std::vector<Variant> variants() {
            .eta = "20",
            .sweeps = 10,
            .method = "conjugate_gradient"},
-          {.name = "enriched once", .algorithm = "enriched", .eta = "3", .sweeps = 3, .enrichment = "first_iteration"}};
+          {.name = "enriched once", .algorithm = "enriched", .eta = "3", .sweeps = 3, .enrichment = "first_iteration"},
+          {.name = "schwarz", .algorithm = "schwarz"},
+          {.name = "schwarz, relaxed", .algorithm = "schwarz", .sweeps = 10, .omega = 0.45}};
 }
 
 // One sweep as a textbook has it: contact by contact v = H^T V, the local solution, V += M^-1 H (change of
@@ -132,7 +134,7 @@ GranularStep<2> swept_by_hand(const GranularStep<2>& step, const Dynamics& dynam
 
 }  // namespace
 
-TEST_CASE("one subdomain, generic or enriched, is plain Gauss-Seidel and a loop over sweeps, bit for bit") {
+TEST_CASE("one subdomain, generic, enriched or schwarz, is plain Gauss-Seidel and a loop over sweeps, bit for bit") {
   struct Local {
     double relaxation, tangential_restitution;
   };
@@ -150,7 +152,7 @@ TEST_CASE("one subdomain, generic or enriched, is plain Gauss-Seidel and a loop 
         dynamics.solver.maximum_iterations = 12;
         Simulation simulation = shaken_lattice(7, 6, dynamics, {1, 1});
         const GranularStep<2> plain = solve_step(simulation);
-        for (const std::string algorithm : {"generic", "enriched"}) {
+        for (const std::string algorithm : {"generic", "enriched", "schwarz"}) {
           simulation.dynamics.solver.algorithm = algorithm;
           CHECK(same_bits(solve_step(simulation), plain));
         }

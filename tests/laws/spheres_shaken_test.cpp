@@ -54,7 +54,7 @@ TEST_CASE("spheres: every algorithm finds the velocities of plain sweeps where t
   const GranularStep<3> plain = solve_step<3>(whole);
   REQUIRE(plain.report.status == SolverStatus::converged);
   REQUIRE(plain.report.residual.active > 20);
-  for (const char* name : {"generic", "enriched", "newton", "admm", "two_stage_newton", "two_stage_admm"})
+  for (const char* name : {"generic", "enriched", "schwarz", "newton", "admm", "two_stage_newton", "two_stage_admm"})
     for (const Components<Index>& grid : {Components<Index>{2, 2, 2}, Components<Index>{3, 1, 1}}) {
       CAPTURE(std::string(name));
       Simulation cut = whole;
@@ -68,7 +68,7 @@ TEST_CASE("spheres: every algorithm finds the velocities of plain sweeps where t
 }
 
 TEST_CASE("spheres: with friction every algorithm solves the step, and cut ones glue") {
-  for (const char* name : {"nlgs", "generic", "enriched", "newton", "two_stage_newton", "two_stage_admm"}) {
+  for (const char* name : {"nlgs", "generic", "enriched", "schwarz", "newton", "two_stage_newton", "two_stage_admm"}) {
     CAPTURE(std::string(name));
     Simulation simulation = shaken_cube(4, shaken(0.3), {2, 2, 2});
     simulation.dynamics.solver.algorithm = name;

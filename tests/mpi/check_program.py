@@ -394,6 +394,7 @@ def close_runs(folder):
     methods = {
         "enriched": ["--algorithm", "enriched", "--eta", "30W", *zeta],
         "best": ["--algorithm", "enriched", "--eta", "optimal", *zeta],
+        "schwarz": ["--algorithm", "schwarz", "--set", "solver.interface_relaxation=0.5", *zeta],
         "active": ["--algorithm", "enriched", "--set", "solver.network=active", "--set",
                    "solver.interface_method=conjugate_gradient", *zeta],
         "once": ["--algorithm", "enriched", "--set", "solver.enrichment=semi_implicit", *zeta],

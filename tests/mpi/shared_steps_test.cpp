@@ -22,7 +22,7 @@ const Processes& all() {
 Dynamics dynamics_of(const std::string& algorithm) {
   Dynamics dynamics = tight();
   dynamics.solver.algorithm = algorithm;
-  dynamics.solver.tolerance = algorithm == "generic" ? dynamics.solver.tolerance : 1e-9;
+  dynamics.solver.tolerance = algorithm == "generic" || algorithm == "schwarz" ? dynamics.solver.tolerance : 1e-9;
   dynamics.solver.interface_network = "none";  // the bits of one process
   dynamics.solver.redecompose = 3;
   return dynamics;
@@ -50,7 +50,8 @@ Simulation clumped(const std::string& algorithm) {
   Dynamics dynamics = dynamics_of(algorithm);
   dynamics.interaction.friction = 0.3;
   dynamics.solver.warm_start = true;
-  dynamics.solver.maximum_iterations = 60;  // bits are equal on the way, too
+  dynamics.solver.maximum_iterations = 60;                                  // bits are equal on the way, too
+  if (algorithm == "schwarz") dynamics.solver.interface_relaxation = 0.25;  // a clump is in up to eight subdomains
   const Packing lattice = generate(Generator{HexagonalLattice{.columns = 9, .rows = 6, .radius = 0.5}});
   double foot = infinity;
   for (const double y : lattice.y) foot = std::min(foot, y - 0.5);
@@ -146,9 +147,10 @@ void check_run(const Simulation& start, int steps) {
 }  // namespace
 
 TEST_CASE("shared steps: every contact is in one process, which knows all contacts of its grains") {
-  for (const std::string algorithm : {"generic", "two_stage_newton", "two_stage_admm"}) {
+  for (const std::string algorithm : {"generic", "schwarz", "two_stage_newton", "two_stage_admm"}) {
     CAPTURE(algorithm);
-    const bool generic = algorithm == "generic";  // others exchange more messages, which take long on few cores
+    const bool generic = algorithm == "generic" ||
+                         algorithm == "schwarz";  // others exchange more messages, which take long on few cores
     check_run(shaken(algorithm), generic ? 5 : 2);
     check_run(cohesive(algorithm), generic ? 4 : 1);
     check_run<3>(shaken_cube(generic ? 3 : 2, dynamics_of(algorithm), {2, 2, 2}), 1);
@@ -157,9 +159,11 @@ TEST_CASE("shared steps: every contact is in one process, which knows all contac
 
 TEST_CASE("shared steps: clumps and a pushed wall in several processes move as in one, bit for bit") {
   if (all().size > 2) return;  // more ranks than cores exchange messages for minutes
-  const Simulation start = clumped("generic");
-  REQUIRE(start.system.free_bodies.size() == 4);
-  check_run(start, 4);
+  for (const std::string algorithm : {"generic", "schwarz"}) {
+    const Simulation start = clumped(algorithm);
+    REQUIRE(start.system.free_bodies.size() == 4);
+    check_run(start, 4);
+  }
 }
 
 TEST_CASE("shared steps: criteria that are sums and maxima over all contacts have the bits of one process") {
@@ -179,14 +183,14 @@ TEST_CASE("shared steps: criteria that are sums and maxima over all contacts hav
 }
 
 TEST_CASE("shared steps: processes without contacts, and steps without any") {
-  for (const std::string algorithm : {"generic", "two_stage_newton", "two_stage_admm"}) {
+  for (const std::string algorithm : {"generic", "schwarz", "two_stage_newton", "two_stage_admm"}) {
     CAPTURE(algorithm);
     const GranularStep<2> bed = solve_step(apart(algorithm));
     const auto& used = bed.partition.subdomain_of_contact;
     CHECK(std::set<Index>(used.begin(), used.end()).size() < 5);
     check_run(apart(algorithm), algorithm == "generic" ? 3 : 1);
     check_run(free_fall(algorithm), 1);
-    if (algorithm == "generic") continue;
+    if (algorithm == "generic" || algorithm == "schwarz") continue;
     // With a network in Stage 2 the shared factor takes processes without unknowns.
     Simulation active = apart(algorithm);
     active.dynamics.solver.interface_network = "active";

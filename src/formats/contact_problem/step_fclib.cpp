@@ -139,7 +139,8 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
     if (!all.contains(subdomain))
       fail("step {}: expected a subdomain that has contacts ({}), met {}", after.state.step,
            all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain);
-    const GranularDecomposition<D> parts = decompose(step, partition, ContactOrder::natural, 0);
+    const GranularDecomposition<D> parts =
+        decompose(step, partition, ContactOrder::natural, 0, {}, {}, copy_mass(before.dynamics.solver));
     const GranularSubdomain<D> part = with_ascending_bodies(parts.subdomains[at(subdomain)]);
     std::vector<GrainContact<D>> contacts;
     for (std::size_t k = 0; k < part.contacts.size(); ++k)

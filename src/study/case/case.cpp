@@ -245,8 +245,8 @@ void check_dynamics(const CaseSpec& spec) {
   const auto refuse = [](std::string_view expected, std::string_view met) {
     throw Error("solver.criterion", fmt::format("expected {} with criterion gluing, met {}", expected, met));
   };
-  if (!has_part(solver.algorithm, StepPart::stage_two))
-    refuse("solver.algorithm " + algorithms_with(StepPart::stage_two),
+  if (!has_part(solver.algorithm, StepPart::exchanges))
+    refuse("solver.algorithm " + algorithms_with(StepPart::exchanges),
            fmt::format("{}, which has no interface", to_string(solver.algorithm)));
   if (semi_implicit(solver)) refuse("another solver.enrichment", "semi_implicit, which does not iterate on the jumps");
 }
