@@ -13,7 +13,9 @@ constexpr double radius_tolerance = 1e-6;
 // One subdomain in y: what its contacts and its neighbours add.
 struct LocalMaps {
   FrozenNetwork network;
-  SparseMatrix gluing;  // M^-1/2 A^T
+  Vector root;          // of the network, then of V_common of whole copies
+  SparseMatrix gluing;  // M^-1/2 A^T; the loads of the other copies on whole ones
+  SparseMatrix own;     // M^-1/2 in the rows of its whole copies
 };
 
 template <int D>
@@ -22,15 +24,30 @@ LocalMaps local_maps(const GranularDecomposition<D>& parts, Index e, const std::
   const GranularSubdomain<D>& subdomain = parts.subdomains[at(e)];
   std::vector<FrozenContact<D>> own;
   for (const Index contact : subdomain.numbers) own.push_back(frozen[at(contact)]);
-  LocalMaps maps{frozen_network(subdomain, own), {}};
+  LocalMaps maps{frozen_network(subdomain, own), {}, {}, {}};
   const Vector& root = maps.network.root;
-  SparseEntries gluing;
-  for (const Tie& tie : parts.interface.ties(e))
-    for (Index k = 0; k < unknowns; ++k) {
-      const Index row = maps.network.rows[at(tie.grain)].first + k;
-      gluing.add(row, unknowns * tie.row + k, tie.sign / root[row]);
+  maps.root.resize(root.size() + unknowns * count(subdomain.whole_copies));
+  maps.root.head(root.size()) = root;
+  SparseEntries gluing, resultants;
+  if (parts.copies == CopyMass::shares)
+    for (const Tie& tie : parts.interface.ties(e))
+      for (Index k = 0; k < unknowns; ++k) {
+        const Index row = maps.network.rows[at(tie.grain)].first + k;
+        gluing.add(row, unknowns * tie.row + k, tie.sign / root[row]);
+      }
+  Index common = root.size();
+  for (const WholeCopy<D>& copy : subdomain.whole_copies)
+    for (Index k = 0; k < unknowns; ++k, ++common) {
+      const Index row = maps.network.rows[at(copy.grain)].first + k;
+      maps.root[common] = root[row];
+      resultants.add(row, unknowns * copy.own + k, 1 / root[row]);
+      for (Index other = copy.first; other < copy.last; ++other) {
+        gluing.add(common, unknowns * other + k, 1 / root[row]);
+        if (other != copy.own) gluing.add(row, unknowns * other + k, 1 / root[row]);
+      }
     }
-  maps.gluing = gluing.matrix(root.size(), parts.interface_size());
+  maps.gluing = gluing.matrix(maps.root.size(), parts.interface_size());
+  maps.own = resultants.matrix(root.size(), parts.interface_size());
   return maps;
 }
 
@@ -86,6 +103,7 @@ FrozenIteration<D>::FrozenIteration(GranularDecomposition<D> parts, std::vector<
   for (GranularSubdomain<D>& subdomain : resting_.subdomains) {
     subdomain.contacts = {};
     for (GrainVelocity<D>& v : subdomain.velocities) v = {.inverse_mass = v.inverse_mass};
+    for (WholeCopy<D>& copy : subdomain.whole_copies) copy.common = {.inverse_mass = copy.common.inverse_mass};
   }
   SparseEntries impulses, gluing;
   Index size = 0, columns = 0;
@@ -98,8 +116,8 @@ FrozenIteration<D>::FrozenIteration(GranularDecomposition<D> parts, std::vector<
     gluing.add_block(maps.gluing, size, 0);
     for (const Index column : network.turning) turning.push_back(columns + column);
     columns += network.impulses.cols();
-    size += network.root.size();
-    root.insert(root.end(), network.root.begin(), network.root.end());
+    size += maps.root.size();
+    root.insert(root.end(), maps.root.begin(), maps.root.end());
   }
   Index row = size;
   for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
@@ -120,13 +138,16 @@ Vector FrozenIteration<D>::apply(const Vector& y, Index iterations) const {
   GranularDecomposition<D> work = resting_;
   const Vector velocities = y.cwiseQuotient(root_);
   Index k = 0;
-  for (GranularSubdomain<D>& subdomain : work.subdomains)
-    for (GrainVelocity<D>& v : subdomain.velocities) {
-      if (v.inverse_mass == 0) continue;
-      GrainUnknowns<D> own;
-      for (double& one : own) one = velocities[k++];
-      v = with_unknowns(own, v.inverse_mass);
-    }
+  const auto set = [&](GrainVelocity<D>& v) {
+    if (v.inverse_mass == 0) return;
+    GrainUnknowns<D> own;
+    for (double& one : own) one = velocities[k++];
+    v = with_unknowns(own, v.inverse_mass);
+  };
+  for (GranularSubdomain<D>& subdomain : work.subdomains) {
+    std::ranges::for_each(subdomain.velocities, set);
+    std::ranges::for_each(subdomain.whole_copies, set, &WholeCopy<D>::common);
+  }
   std::vector<Vector> across;
   for (const GranularSubdomain<D>& subdomain : parts_.subdomains) {
     Index size = 0;
@@ -163,16 +184,17 @@ Matrix frozen_contraction(const GranularDecomposition<D>& parts, const std::vect
   Matrix system = Matrix::Zero(parts.interface_size(), parts.interface_size());
   for (Index e = 0; e < count(parts.subdomains); ++e) {
     const LocalMaps maps = local_maps(parts, e, frozen);
-    const Matrix a(maps.gluing);
-    Matrix kept = a;
     const FrozenNetwork& network = maps.network;
+    const Matrix a = Matrix(maps.gluing).topRows(network.root.size());
+    const bool whole = parts.copies == CopyMass::whole;
+    Matrix kept = whole ? Matrix(-maps.own) : a;  // M^-1/2 times the jumps, with signs
     if (network.impulses.cols() > 0) {
       Matrix w(network.resting.transpose() * network.impulses);
       w.diagonal() += network.flexibility;
       const double threshold = std::numeric_limits<double>::epsilon() * static_cast<double>(w.rows());
       kept -= network.impulses * minimum_norm_map(w, threshold)(network.resting.transpose() * a);
     }
-    system += a.transpose() * kept;
+    system += whole ? Matrix(-(maps.own.transpose() * kept)) : Matrix(a.transpose() * kept);
   }
   Matrix b = Matrix::Identity(system.rows(), system.cols());
   for (Index k = 0; k < system.cols(); ++k) {

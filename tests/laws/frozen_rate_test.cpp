@@ -96,26 +96,33 @@ TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction o
   }
 }
 
-TEST_CASE("frozen iteration: many sweeps are an exact Stage 1, with sliding contacts too") {
+TEST_CASE("frozen iteration: many sweeps are an exact Stage 1, with sliding contacts and whole copies too") {
   // Contacts of a deposit that touch are as many as it needs: no network is close to a dependent one.
   const Simulation simulation = sheared_box(30, {2, 1});
   const StepProblem<2> problem = prepare_step<2>(start_of(simulation), false);
-  const GranularDecomposition<2> parts = decompose(problem, partition_step(simulation, problem.geometry), "natural", 1);
-  for (const auto& sliding : {std::vector<ContactStatus>{ContactStatus::slide_forward},
-                              {ContactStatus::slide_forward, ContactStatus::slide_backward},
-                              {ContactStatus::slide_backward, ContactStatus::slide_backward,
-                               ContactStatus::slide_forward, ContactStatus::open}}) {
-    std::vector<ContactStatus> statuses;
-    for (std::size_t k = 0; k < problem.contacts.size(); ++k) statuses.push_back(sliding[k % sliding.size()]);
-    const std::vector<FrozenContact<2>> frozen = frozen_contacts(parts, statuses);
-    const double exact = frozen_radius(frozen_contraction(parts, frozen, {})).value;
-    const double many = frozen_radius(FrozenIteration(parts, frozen, 20000, {})).value;
-    CHECK(many == doctest::Approx(exact).epsilon(1e-6));
-    const FrozenIteration few(parts, frozen, 3, {});
-    const Vector y = few.project(Vector::LinSpaced(few.rows(), -1, 1));
-    CHECK((few.apply(y, 2) - few.apply(few.apply(y))).norm() < 1e-12 * y.norm());
-    CHECK(frozen_radius(few, {}, 5).value == doctest::Approx(frozen_radius(few).value).epsilon(1e-9));
-  }
+  const Partition partition = partition_step(simulation, problem.geometry);
+  struct Iterated {
+    CopyMass copies;
+    double omega;
+  };
+  for (const Iterated& one : {Iterated{CopyMass::shares, 1}, {CopyMass::whole, 1}, {CopyMass::whole, 0.45}})
+    for (const auto& sliding : {std::vector<ContactStatus>{ContactStatus::slide_forward},
+                                {ContactStatus::slide_forward, ContactStatus::slide_backward},
+                                {ContactStatus::slide_backward, ContactStatus::slide_backward,
+                                 ContactStatus::slide_forward, ContactStatus::open}}) {
+      INFO("whole copies: ", one.copies == CopyMass::whole, ", omega = ", one.omega);
+      const auto parts = decompose(problem, partition, "natural", 1, {}, {}, one.copies);
+      std::vector<ContactStatus> statuses;
+      for (std::size_t k = 0; k < problem.contacts.size(); ++k) statuses.push_back(sliding[k % sliding.size()]);
+      const std::vector<FrozenContact<2>> frozen = frozen_contacts(parts, statuses);
+      const double exact = frozen_radius(frozen_contraction(parts, frozen, {}, one.omega)).value;
+      const double many = frozen_radius(FrozenIteration(parts, frozen, 20000, {}, one.omega)).value;
+      CHECK(many == doctest::Approx(exact).epsilon(1e-6));
+      const FrozenIteration few(parts, frozen, 3, {}, one.omega);
+      const Vector y = few.project(Vector::LinSpaced(few.rows(), -1, 1));
+      CHECK((few.apply(y, 2) - few.apply(few.apply(y))).norm() < 1e-12 * y.norm());
+      CHECK(frozen_radius(few, {}, 5).value == doctest::Approx(frozen_radius(few).value).epsilon(1e-9));
+    }
 }
 
 TEST_CASE("frozen iteration: with sliding contacts, changes of the velocities of the run follow it") {
@@ -190,7 +197,7 @@ TEST_CASE("predicted and observed rates agree with friction, where contacts slid
 
 TEST_CASE("the solution of a step, cut into subdomains, is a fixed point of Algorithm 1 with its interface impulses") {
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {3, 2}})
-    for (const std::string algorithm : {"generic", "enriched"})
+    for (const std::string algorithm : {"generic", "enriched", "schwarz"})
       for (const Index sweeps : {1, 3}) {
         INFO("grid[1] = ", grid[1], ", algorithm = ", algorithm, ", sweeps = ", sweeps);
         Simulation simulation = box_with_turning_walls(60, 2);
@@ -203,7 +210,8 @@ TEST_CASE("the solution of a step, cut into subdomains, is a fixed point of Algo
         solver.gauss_seidel_sweeps = sweeps;
         PreparedStep<2> step = prepare_solution(simulation);
         const Vector z = restart_at(step.iteration, solution.contacts);
-        REQUIRE(z.tail(step.share.report.interface_size).norm() > 0.1 * z.norm());
+        const Index unknowns = step.iteration.parts().interface_size();
+        REQUIRE(z.tail(unknowns).norm() > 0.1 * z.norm());
         CHECK((step.iteration.state() - z).norm() < 1e-14 * z.norm());
         // Every copy has the velocity of its grain in the undivided packing.
         const double speed = largest_speed(solution.velocities, simulation.system.grains());
@@ -217,7 +225,7 @@ TEST_CASE("the solution of a step, cut into subdomains, is a fixed point of Algo
         CHECK((step.iteration.state() - z).norm() < 1e-10 * z.norm());
         // Other interface impulses are left at once.
         Vector other = z;
-        other.tail(step.share.report.interface_size) *= 1.001;
+        other.tail(unknowns) *= 1.001;
         step.iteration.restart(other);
         step.iteration.iterate();
         CHECK((step.iteration.state() - other).norm() > 1e-6 * z.norm());
@@ -227,7 +235,7 @@ TEST_CASE("the solution of a step, cut into subdomains, is a fixed point of Algo
 TEST_CASE("next to the solution of a step the rate of Algorithm 1 is the radius of its frozen iteration") {
   for (const Index grains : {40, 60})
     for (const Index sweeps : {1, 10})
-      for (const std::string algorithm : {"generic", "enriched"}) {
+      for (const std::string algorithm : {"generic", "enriched", "schwarz"}) {
         INFO("grains = ", grains, ", sweeps = ", sweeps, ", algorithm = ", algorithm);
         Simulation simulation = box_with_turning_walls(grains, grains == 40 ? 1 : 2);
         StepSolver& solver = simulation.dynamics.solver;
@@ -289,7 +297,7 @@ TEST_CASE("a rate is not predicted for iterations that are not the frozen one") 
   simulation.dynamics.solver.contact_relaxation = 1;
   simulation.dynamics.solver.algorithm = "nlgs";
   CHECK_THROWS_WITH_AS(predicted_observed(simulation),
-                       doctest::Contains("solver.algorithm: expected generic or enriched for a rate that is "
+                       doctest::Contains("solver.algorithm: expected generic, enriched or schwarz for a rate that is "
                                          "predicted, met nlgs"),
                        Error);
   simulation = sheared_box(20, {1, 1});

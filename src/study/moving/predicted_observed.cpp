@@ -151,7 +151,7 @@ void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner
   const auto expect = [](bool right, const char* key, std::string_view expected, std::string_view met) {
     if (!right) fail("{}: expected {} for a rate that is predicted, met {}", key, expected, met);
   };
-  expect(has_part(solver.algorithm, StepPart::stage_two), "solver.algorithm", algorithms_with(StepPart::stage_two),
+  expect(has_part(solver.algorithm, StepPart::exchanges), "solver.algorithm", algorithms_with(StepPart::exchanges),
          to_string(solver.algorithm));
   expect(subdomains(partitioner) > 1, "partition", "two subdomains or more", "one");
   expect(solver.interface_method == InterfaceMethod::richardson, "solver.interface_method", "richardson",
