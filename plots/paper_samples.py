@@ -62,11 +62,12 @@ def draw_sides(results, output, formats):
     handles = {}
     for axes, letter, (sample, title) in zip(grid.flat, "ab", SAMPLES.items()):
         for partition, colour in PARTITIONS.items():
-            for program, algorithm, look in (("nscdd", None, {"linewidth": 1.1}),
+            for program, algorithm, look in (("nscdd", ("nlgs", "generic"), {"linewidth": 1.1}),
+                                             ("nscdd", ("schwarz",), {"linewidth": 1.1, "linestyle": (0, (1, 1.3))}),
                                              ("LMGC90", ("nlgs", "nscdd"), {"linewidth": 0.8, "linestyle": DASHED}),
                                              ("LMGC90", ("schwarz",), {"linewidth": 0.8, "linestyle": (0, (1, 1.3))})):
                 own = [r for r in style.where(rows, sample=sample, program=program, partition=partition)
-                       if algorithm is None or r["algorithm"] in algorithm]
+                       if r["algorithm"] in algorithm]
                 if not own:
                     continue
                 label = f"{'nscdd' if program == 'nscdd' else program}, {METHODS[own[0]['algorithm']]}, {partition}"
