@@ -121,6 +121,71 @@ TEST_CASE("FETI-Dirichlet and the balanced primal interface have one upper spect
   });
 }
 
+// sum_E B_E Q_E B_E^T with B_E = (sum A W^-1 A^T)^-1 A_E W_E^-1, W_E the weights that a copy asks for [Rixen and
+// Farhat].
+Matrix literal_preconditioner(const Model& model, const PrimalInterface& interface, bool lumped, bool stiffness) {
+  const Index n = model.parts.interface_size();
+  Matrix gram = Matrix::Zero(n, n), sum = gram;
+  std::vector<Matrix> jumps;
+  for (std::size_t e = 0; e < interface.subdomains.size(); ++e) {
+    const CondensedSubdomain& one = interface.subdomains[e];
+    const Matrix a = Matrix(model.parts.subdomains[e].a)(Eigen::all, one.local);
+    const Vector weight = stiffness ? Vector(one.block.diagonal()) : Vector::Ones(one.block.rows());
+    jumps.push_back(a * weight.cwiseInverse().asDiagonal());
+    gram += jumps.back() * a.transpose();
+  }
+  for (std::size_t e = 0; e < jumps.size(); ++e) {
+    const CondensedSubdomain& one = interface.subdomains[e];
+    const Matrix b = Matrix(Dense(gram).inverse()) * jumps[e];
+    sum += b * (lumped ? one.block : Matrix(Dense(one.flexibility).inverse())) * b.transpose();
+  }
+  return sum;
+}
+
+TEST_CASE("lumped and Dirichlet preconditioners are the formulas of the literature") {
+  on_every_interface([](const Model& model) {
+    for (const bool stiffness : {false, true})
+      for (const bool lumped : {false, true}) {
+        const auto interface = weighted(model, 0.01, stiffness ? Scaling::stiffness : Scaling::multiplicity);
+        const LocalPreconditioner p(model.parts, interface,
+                                    lumped ? LocalStiffness::lumped : LocalStiffness::dirichlet);
+        const Matrix literal = literal_preconditioner(model, *interface, lumped, stiffness);
+        for (Index k = 0; k < literal.cols(); ++k)
+          CHECK((p.solve(Vector::Unit(literal.cols(), k)) - literal.col(k)).norm() < 1e-8 * literal.norm());
+      }
+  });
+}
+
+TEST_CASE("spectra of preconditioners do not depend on gluing, numbering, or the unit of mass") {
+  for (const Scaling scaling : scalings) {
+    const Case one = random_lattice(2, 8, 6, {3, 2});
+    const Model model = build(one);
+    const auto spectrum = [&](const Model& of, GluingShape shape, double unit) {
+      const ReferenceProblem problem{.dimension = of.problem.dimension,
+                                     .dofs_per_grain = of.problem.dofs_per_grain,
+                                     .columns_per_contact = of.problem.columns_per_contact,
+                                     .inertia = unit * of.problem.inertia,
+                                     .h = of.problem.h,
+                                     .arriving_velocity = of.problem.arriving_velocity,
+                                     .centres = of.problem.centres};
+      PrimalInterface interface =
+          condense(decompose(problem, of.partition, shape), 1e-3 * flexibility_scale(of) / unit);
+      weigh(interface, scaling);
+      const CoarseProblem coarse(interface, geneo_vectors(interface, 0.2));
+      Vector all(2 * interface.size());
+      all << BalancedSpectrum(interface, no_coarse_space(interface)).all(0),
+          Vector::Constant(interface.size(), static_cast<double>(coarse.size()));
+      return all;
+    };
+    const Vector reference = spectrum(model, GluingShape::chain, 1);
+    for (const Vector& other : {spectrum(model, GluingShape::star, 1), spectrum(model, GluingShape::chain, 7),
+                                spectrum(build(renumbered(one, 5)), GluingShape::chain, 1)}) {
+      REQUIRE(other.size() == reference.size());
+      CHECK((other.array() / reference.array() - 1).abs().maxCoeff() < 1e-7);
+    }
+  }
+}
+
 TEST_CASE("GenEO keeps its bound, Lanczos and inertia agree with the dense spectrum, interlacing is never beaten") {
   on_every_interface([](const Model& model) {
     for (const Scaling scaling : scalings)
