@@ -11,8 +11,7 @@ namespace {
 struct Options {
   CaseOptions one;
   Choice<ContactSet> contacts = ContactSet::all;
-  std::string epsilon = "1e-6W,1e-4W,1e-2W", preconditioner = "dirichlet", scaling = "multiplicity,deluxe",
-              space = "none,geneo", csv;
+  std::string epsilon = "1e-6W,1e-4W,1e-2W", preconditioner, scaling, space, csv;
   CoarseParameters parameters;
   Reopening how;
   Limits limits;
@@ -46,7 +45,7 @@ void print_row(const CoarseResult& result) {
   };
   const CoarseMethod& method = result.method;
   fmt::print("{:<11.4g}{:<16}{:<14}{:<8}{:>6}{:>11}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}{}\n", result.epsilon / result.scale,
-             to_string(method.preconditioner), method.scaling ? to_string(*method.scaling) : "-",
+             to_string(*method.preconditioner), method.scaling ? to_string(*method.scaling) : "-",
              to_string(method.space), result.modes, number(result.kappa()), number(result.bound), result.iterations,
              number(result.fewest[0]), number(result.any[0]), number(result.fewest[1]), number(result.any[1]),
              result.converged ? result.certified ? "" : "  not certified" : "  not converged");
@@ -59,10 +58,13 @@ StudyTable table_of(const Options& options) {
   std::tie(work.sweep.epsilon, work.sweep.relative_epsilon) = parse_epsilon(options.epsilon);
   work.sweep.contacts = options.contacts;
   work.coarse = options.parameters;
-  work.coarse.preconditioners = parse_names<InterfacePreconditioner>(options.preconditioner, "--preconditioner");
-  work.coarse.scalings = parse_names<Scaling>(options.scaling, "--scaling");
-  work.coarse.spaces = parse_names<CoarseSpace>(options.space, "--coarse-space");
-  check_coarse(work.coarse, "--");
+  const auto names = [](const std::string& spec, const char* option, auto& all) {
+    if (!spec.empty()) all = parse_names<typename std::decay_t<decltype(all)>::value_type>(spec, option);
+  };
+  names(options.preconditioner, "--preconditioner", work.coarse.preconditioners);
+  names(options.scaling, "--scaling", work.coarse.scalings);
+  names(options.space, "--coarse-space", work.coarse.spaces);
+  check_coarse(work.coarse, true);
   work.cases = {options.one.resolve({options.csv})};
   return work;
 }
@@ -110,12 +112,17 @@ Action declare_coarse(Command& command) {
   command.preset("--epsilon SPEC", options->epsilon,
                  "flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); above 0");
   declare_contacts(command, options->contacts);
-  command.preset("--preconditioner LIST", options->preconditioner, "X, X_eta (eta = 10 epsilon), lumped, dirichlet");
-  command.preset("--scaling LIST", options->scaling, "weights of shared grains: multiplicity, stiffness, deluxe");
-  command.preset("--coarse-space LIST", options->space, "none, rigid, geneo; with dirichlet");
-  command.preset(
-      "--kappa NUMBER", options->parameters.kappa,
-      "condition number that geneo shall keep; its threshold is then the most subdomains around one over it");
+  command.add("--preconditioner LIST", options->preconditioner,
+              "X, X_eta, X_eta_active, lumped, dirichlet [dirichlet]; X_eta: eta = 10 epsilon, on all contacts or on "
+              "those of X_epsilon");
+  command.add(
+      "--scaling LIST", options->scaling,
+      "weights of shared grains: multiplicity, stiffness, deluxe [multiplicity,deluxe]; with lumped and dirichlet");
+  command.add("--coarse-space LIST", options->space, "none, rigid, geneo [none,geneo]; with dirichlet");
+  command.add("--kappa NUMBER", options->parameters.kappa,
+              "condition number that geneo shall keep [30]; its threshold is N_n / kappa, N_n the most subdomains that "
+              "share grains "
+              "with one, itself included");
   command.add("--threshold NUMBER", options->parameters.threshold, "threshold of geneo instead");
   command.add("--counts", options->parameters.counts, "ranks and counts only, without spectra");
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");

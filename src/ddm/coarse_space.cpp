@@ -114,6 +114,10 @@ CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold) 
   return united(interface, local);
 }
 
+double geneo_threshold(const PrimalInterface& interface, double kappa) {
+  return static_cast<double>(interface.most_neighbours()) / kappa;
+}
+
 CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts) {
   const Index d = interface.dofs_per_grain;
   std::vector<LocalVectors> local(interface.subdomains.size());

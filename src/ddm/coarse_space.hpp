@@ -23,6 +23,8 @@ struct CoarseVectors {
 /// GenEO [Spillane, Dolean, Hauret, Nataf, Pechstein, Scheichl, Numer. Math. 126 (2014)]: all vectors with lambda <
 /// `threshold`. With all of them in the coarse space, no eigenvalue of the balanced N C is above N_n / threshold.
 CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold);
+/// The threshold N_n / kappa, with which GenEO keeps a condition number.
+double geneo_threshold(const PrimalInterface& interface, double kappa);
 
 /// Needs the centres of the grains (Subdomain::centres), d per grain; throws Error without.
 CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts);

@@ -45,7 +45,7 @@ void add_needs(std::vector<Need>& needs, const StepSolver& solver) {
       is_not(SystemPreconditioner::network));
   add("solver.coarse_space", "solver.interface_preconditioner", solver.interface_preconditioner,
       is(SystemPreconditioner::dirichlet));
-  add("solver.coarse_kappa", "solver.coarse_space", solver.coarse_space, is(CoarseSpace::geneo));
+  add("solver.coarse_kappa", "solver.coarse_space", solver.coarse_space, is(SystemCoarseSpace::geneo));
   for (const char* path : {"solver.switch_after", "solver.switch_flexibility"})
     add(path, "solver.switch", solver.model, is_not(SwitchedModel::none));
   add("solver.switch_cells", "solver.switch", solver.model, is(SwitchedModel::homogenised));

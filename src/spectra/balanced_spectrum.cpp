@@ -50,11 +50,13 @@ double BalancedSpectrum::largest(Index k) const {
 std::optional<Index> BalancedSpectrum::fewest(double kappa) const {
   if (largest(0) <= kappa) return 0;
   Index too_few = 0, enough = coarse_.size();
-  if (!(largest(enough) <= kappa)) return std::nullopt;
+  if (!(largest(enough) <= kappa) || std::isnan(largest(0))) return std::nullopt;
   Index next = coarse_.below(1 / kappa);  // the bound of GenEO would be sharp there
   while (enough - too_few > 1) {
     if (next <= too_few || next >= enough) next = (too_few + enough) / 2;
-    (largest(next) <= kappa ? enough : too_few) = next;
+    const double value = largest(next);
+    if (std::isnan(value)) return std::nullopt;
+    (value <= kappa ? enough : too_few) = next;
     next = -1;
   }
   return enough;
@@ -97,6 +99,14 @@ std::optional<Index> BalancedSpectrum::above(double shift, Index k) const {
   if (k > 0) bordered.bottomLeftCorner(k, n) = whitened_vectors(k).transpose();
   const std::optional<Index> negative = negative_eigenvalues(std::move(bordered));
   return negative ? std::optional(*negative - k) : std::nullopt;
+}
+
+bool BalancedSpectrum::holds(double lowest, double highest, Index k) const {
+  const Index n = interface_.size(), left = n - k;
+  const double rounding = 2.3e-16 * static_cast<double>(n) * largest(0);
+  if (n > dense_limit || left <= 0 || !(rounding < end_width * lowest)) return left <= 0;
+  return above(highest * (1 + end_width), k) == Index{0} && above(highest * (1 - end_width), k) > Index{0} &&
+         above(lowest * (1 - end_width), k) == left;
 }
 
 Index fewest_deflated(const Vector& eigenvalues, double kappa) {

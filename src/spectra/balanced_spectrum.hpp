@@ -26,7 +26,12 @@ class BalancedSpectrum {
   /// `dense_limit` unknowns, or if LAPACK fails.
   std::optional<Index> above(double shift, Index k) const;
 
+  /// Whether inertia counts prove that the largest eigenvalue is within a relative `end_width` of `highest`, and that
+  /// none is below `lowest` by more. False if rounding of L^T N L may hide more than that.
+  bool holds(double lowest, double highest, Index k) const;
+
   static constexpr Index dense_limit = 5000;
+  static constexpr double end_width = 1e-6;
 
  private:
   const Matrix& whitened() const;  // L^T N L

@@ -86,19 +86,20 @@ Decomposition CutContacts<D>::stage_two() const {
   return result;
 }
 
+// None if a subdomain is not positive definite in double precision.
 template <int D>
-LocalPreconditioner CutContacts<D>::local_preconditioner() const {
+std::optional<LocalPreconditioner> CutContacts<D>::local_preconditioner() const {
   const Decomposition parts = stage_two();
   const auto interface = std::make_shared<PrimalInterface>(condense(parts, 1));
+  if (!interface->definite()) return std::nullopt;
   weigh(*interface, options_.scaling);
-  if (options_.preconditioner == SystemPreconditioner::lumped) return {parts, interface, LocalStiffness::lumped};
+  if (options_.preconditioner == SystemPreconditioner::lumped)
+    return LocalPreconditioner(parts, interface, LocalStiffness::lumped);
   std::shared_ptr<const CoarseProblem> coarse;
-  if (options_.coarse_space == CoarseSpace::rigid)
-    coarse = std::make_shared<const CoarseProblem>(*interface, rigid_vectors(*interface, parts));
-  if (options_.coarse_space == CoarseSpace::geneo && interface->definite())
+  if (options_.coarse_space == SystemCoarseSpace::geneo)
     coarse = std::make_shared<const CoarseProblem>(
-        *interface, geneo_vectors(*interface, static_cast<double>(interface->most_neighbours()) / options_.kappa));
-  return {parts, interface, LocalStiffness::dirichlet, coarse};
+        *interface, geneo_vectors(*interface, geneo_threshold(*interface, options_.kappa)));
+  return LocalPreconditioner(parts, interface, LocalStiffness::dirichlet, coarse);
 }
 
 template <int D>
@@ -120,9 +121,9 @@ bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
     regular[at(i)] = lu_[at(i)]->factorise(k);
   });
   symmetric_ = !processes().any(!std::ranges::all_of(e_, [](const auto& block) { return block == block.transpose(); }));
-  if (parts_.interface_size() > 0 && options_.preconditioner != SystemPreconditioner::network)
-    local_.emplace(local_preconditioner());
-  else if (parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
+  const bool local = parts_.interface_size() > 0 && options_.preconditioner != SystemPreconditioner::network;
+  if (local && !(local_ = local_preconditioner())) return false;
+  if (!local && parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
     preconditioner_ = InterfaceFamily(stage_two(), 0, options_.inertia).at(options_.flexibility);
   return !processes().any(std::ranges::count(regular, 0) > 0);
 }

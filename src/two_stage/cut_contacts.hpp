@@ -16,7 +16,7 @@ struct CutOptions {
   Index maximum_iterations = 500;
   SystemPreconditioner preconditioner = SystemPreconditioner::network;
   Scaling scaling = Scaling::deluxe;
-  CoarseSpace coarse_space = CoarseSpace::none;
+  SystemCoarseSpace coarse_space = SystemCoarseSpace::none;
   double kappa = 30;           ///< that GenEO shall keep
   InertiaMethod inertia = {};  ///< factorises P, see InterfaceOperator::solve
 };
@@ -71,7 +71,7 @@ class CutContacts {
   enum class Zeros { stored, left_out };
   SparseMatrix blocks_of(Index subdomain, const Blocks& blocks, Zeros zeros) const;
   Decomposition stage_two() const;
-  LocalPreconditioner local_preconditioner() const;
+  std::optional<LocalPreconditioner> local_preconditioner() const;
 
   Decomposition parts_;
   CutOptions options_;

@@ -62,6 +62,10 @@ constexpr auto names_of(SystemPreconditioner) {
   return std::to_array<std::string_view>({"network", "lumped", "dirichlet"});
 }
 
+/// Its coarse space, with dirichlet.
+enum class SystemCoarseSpace { none, geneo };
+constexpr auto names_of(SystemCoarseSpace) { return std::to_array<std::string_view>({"none", "geneo"}); }
+
 /// In which iterations an enriched Stage 2 acts.
 enum class Enrichment {
   every_iteration,
@@ -134,7 +138,7 @@ struct StepSolver {
   double interface_flexibility = 10;  ///< c, eta / alpha
   Choice<SystemPreconditioner> interface_preconditioner = SystemPreconditioner::network;
   Choice<Scaling> interface_scaling = Scaling::deluxe;
-  Choice<CoarseSpace> coarse_space = CoarseSpace::none;
+  Choice<SystemCoarseSpace> coarse_space = SystemCoarseSpace::none;
   double coarse_kappa = 30;
   Index redecompose = 1;
   Choice<SwitchedModel> model = SwitchedModel::none;  ///< key `switch`

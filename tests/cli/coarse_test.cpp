@@ -46,8 +46,7 @@ TEST_CASE_FIXTURE(Session, "coarse: vectors of GenEO, ranks and bounds are those
 
 TEST_CASE_FIXTURE(Session, "coarse: rigid motions cure a lattice, in the plane and in space") {
   for (const std::string& one :
-       Texts{"coarse hexagonal --set packing.columns=24 --set packing.rows=24 --subdomains 4x4",
-             "coarse fcc.toml"}) {
+       Texts{"coarse hexagonal --set packing.columns=24 --set packing.rows=24 --subdomains 4x4", "coarse fcc.toml"}) {
     CAPTURE(one);
     file("fcc.toml",
          "[packing]\ngenerator = \"fcc\"\ncolumns = 6\nrows = 6\nlayers = 6\nradius = 0.5\n[masses]\nmodel = "
@@ -61,7 +60,7 @@ TEST_CASE_FIXTURE(Session, "coarse: rigid motions cure a lattice, in the plane a
   }
 }
 
-TEST_CASE_FIXTURE(Session, "coarse: X and X_eta are those of the sweep, and an interrupted table goes on") {
+TEST_CASE_FIXTURE(Session, "coarse: X and X_eta are those of the sweep, and counts are those of the network") {
   const std::string line =
       "coarse hexagonal --epsilon 0.01,1 --preconditioner X,X_eta,lumped,dirichlet --scaling multiplicity ";
   answer(line + "--csv whole.csv");
@@ -73,10 +72,22 @@ TEST_CASE_FIXTURE(Session, "coarse: X and X_eta are those of the sweep, and an i
     CHECK(std::abs(1 - at(table, row, "eigenvalue_low") - at(sweep, of_sweep, "eigenvalue_max")) < 1e-9);
     CHECK(std::abs(1 - at(table, row, "eigenvalue_high") - at(sweep, of_sweep, "eigenvalue_min")) < 1e-9);
   }
-  const std::string text = read("whole.csv");
-  file("part.csv", text.substr(0, text.find('\n', text.find("lumped")) + 1));
   CHECK(contains(answer("coarse disks4 --counts"), "rank of X_0         4"));
   ended(2, line + "--csv whole.csv", {"whole.csv", "--force"});
+}
+
+TEST_CASE_FIXTURE(Session, "coarse: active contacts, and subdomains in pieces") {
+  const CsvTable active = read_table(answer(
+      "coarse hexagonal --contacts active --epsilon 1e-4W --preconditioner X_eta,X_eta_active,dirichlet --csv -"));
+  REQUIRE(active.rows.size() == 6);
+  CHECK(active.number(0, "active_contacts") < active.number(0, "contacts"));
+  CHECK(active.number(1, "kappa") <= 10 * (1 + 1e-9));  // X_eta of the contacts of X_epsilon
+  CHECK(active.number(0, "kappa") > 10);                // of all
+  for (std::size_t row = 2; row < 6; ++row) CHECK(active.text(row, "certified") == "true");
+  // Lone pairs of grains: subdomains in pieces, and grains that touch nothing.
+  file("pieces.csv", "x,y,radius,mass\n0,0,0.5,1\n1,0,0.5,1\n2,0,0.5,1\n0,5,0.5,1\n1,5,0.5,1\n2,5,0.5,1\n9,9,0.5,1\n");
+  const CsvTable pieces = read_table(answer("coarse pieces.csv --subdomains 2x1 --coarse-space rigid,geneo --csv -"));
+  for (std::size_t row = 0; row < pieces.rows.size(); ++row) CHECK(pieces.text(row, "converged") == "true");
 }
 
 TEST_CASE_FIXTURE(Session, "coarse: bad input is refused by name") {
@@ -86,5 +97,11 @@ TEST_CASE_FIXTURE(Session, "coarse: bad input is refused by name") {
   ended(2, "coarse disks8 --subdomains 1x1", {"expected subdomains that share grains, met an empty interface"});
   ended(2, "coarse disks8 --scaling best", {"--scaling: expected one of", "deluxe", "met \"best\""});
   ended(2, "coarse disks8 --preconditioner X,X", {"expected each name once, met 'X' again"});
+  ended(2, "coarse disks8 --preconditioner X --scaling deluxe", {"--scaling: expected the preconditioner lumped or"});
+  ended(2, "coarse disks8 --preconditioner lumped --coarse-space rigid",
+        {"--coarse-space: expected the preconditioner"});
+  ended(2, "coarse disks8 --coarse-space none --kappa 5", {"--kappa: expected the coarse space geneo with it"});
+  ended(2, "coarse disks8 --threshold 0.1 --kappa 5", {"--threshold: expected either it or kappa, met both"});
+  ended(2, "coarse disks8 --counts --scaling deluxe", {"--scaling: expected", "met counts, without spectra"});
   ended(2, "coarse disks8 --contacts frozen", {"expected a contact problem with --contacts frozen, met a packing"});
 }

@@ -228,14 +228,16 @@ TEST_CASE_FIXTURE(Session, "resume: two runs never write one table") {
   CHECK(refused);
 }
 
-TEST_CASE_FIXTURE(Session, "resume: a killed table of optima ends as one in one piece") {
-  const Session whole;
-  const std::string line = "optimum disks8 --epsilon 0,1e-3:1e3:60 --contacts all --csv long.csv";
-  whole.answer(line);
-  kill_work(*this, replaced(line, "long", "long"));
-  answer(line + " --resume");
-  CHECK(read("long.csv") == whole.read("long.csv"));
-  CHECK(files(*this) == 1);
+TEST_CASE_FIXTURE(Session, "resume: a killed table of optima or of coarse spaces ends as one in one piece") {
+  for (const std::string& line : Texts{"optimum disks8 --epsilon 0,1e-3:1e3:60 --contacts all --csv long.csv",
+                                       "coarse disks8 --epsilon 1e-3:1e3:60 --csv long.csv"}) {
+    const Session whole, killed;
+    whole.answer(line);
+    kill_work(killed, line);
+    killed.answer(line + " --resume");
+    CHECK(killed.read("long.csv") == whole.read("long.csv"));
+    CHECK(files(killed) == 1);
+  }
 }
 
 TEST_CASE_FIXTURE(Session, "resume: a killed study ends as one in one piece") {

@@ -63,7 +63,7 @@ TEST_CASE("lumped and Dirichlet preconditioners, and coarse spaces, find the sam
       const auto [found, iterations] = solve_with({.preconditioner = dirichlet, .scaling = scaling});
       CHECK((found - expected).norm() < 1e-8 * expected.norm());
       const auto [coarse, fewer] = solve_with(
-          {.preconditioner = dirichlet, .scaling = scaling, .coarse_space = CoarseSpace::geneo, .kappa = 1.5});
+          {.preconditioner = dirichlet, .scaling = scaling, .coarse_space = SystemCoarseSpace::geneo, .kappa = 1.5});
       CHECK((coarse - expected).norm() < 1e-8 * expected.norm());
       if (!slides) {
         CHECK(iterations < by_inertia);

@@ -156,10 +156,10 @@ void read_coarse(StrictTable& section, CoarseParameters& coarse) {
   names("preconditioner", coarse.preconditioners);
   names("scaling", coarse.scalings);
   names("coarse_space", coarse.spaces);
-  section.read("kappa", coarse.kappa);
+  if (section.has("kappa")) section.read("kappa", coarse.kappa.emplace());
   if (section.has("threshold")) section.read("threshold", coarse.threshold.emplace());
   section.read("counts", coarse.counts);
-  section.located("kappa", [&] { check_coarse(coarse); });
+  section.located("coarse_space", [&] { check_coarse(coarse); });
 }
 
 StudyTable read_table(StrictTable section, const CaseFinder& find) {

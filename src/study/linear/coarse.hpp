@@ -8,7 +8,7 @@ namespace nscdd {
 
 /// Entries of a sparse factor and the operations of its factorisation, by its symbolic analysis.
 struct FactorWork {
-  double entries = 0, flops = 0;
+  double entries = not_a_number, flops = not_a_number;
 };
 
 struct CoarseResult {
@@ -21,14 +21,14 @@ struct CoarseResult {
   Index cross_points = 0;                                       ///< grains shared by three or more subdomains
   bool clear_ranks = true;                                      ///< see InterfaceOperator::nullity_is_clear
   double lambda_min = not_a_number, lambda_max = not_a_number;  ///< of P^-1 X_eps, with the coarse space
-  bool certified = false;  ///< inertia counts prove that no eigenvalue lies outside the two
-  Index modes = 0;         ///< independent vectors of the coarse space
+  bool certified = false;       ///< inertia counts prove the largest, and that none is smaller than the smallest
+  double modes = not_a_number;  ///< independent vectors of the coarse space
   double threshold = not_a_number, bound = not_a_number;  ///< of GenEO: N_n / threshold bounds kappa
-  /// Fewest GenEO vectors, in the order of lambda, for kappa <= 30 and 100; fewest vectors of any deflation of the
-  /// same preconditioner without coarse space (interlacing). NaN where not computed.
+  /// Fewest GenEO vectors, in the order of lambda, for eigenvalues of at most 30 and 100; a lower bound of the vectors
+  /// of any deflation of this preconditioner with these condition numbers (interlacing). NaN where not computed.
   std::array<double, 2> fewest{not_a_number, not_a_number}, any{not_a_number, not_a_number};
-  Index iterations = 0;             ///< of conjugate gradients, to 1e-8, for jumps drawn at random
-  double predicted = not_a_number;  ///< the same from the spectrum
+  double iterations = not_a_number;  ///< of conjugate gradients, to 1e-8, for jumps drawn at random
+  double predicted = not_a_number;   ///< the same from the spectrum
   FactorWork local, interface, coarse, undivided;
   bool converged = true;
 

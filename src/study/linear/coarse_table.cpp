@@ -5,7 +5,7 @@
 namespace nscdd {
 namespace {
 
-std::string_view name_of(std::optional<Scaling> scaling) { return scaling ? to_string(*scaling) : "none"; }
+std::string_view name_of(const auto& word) { return word ? to_string(*word) : "none"; }
 
 ResultColumns<FactorWork> work_columns(const std::string& name, const std::string& words) {
   return {{name + "_entries", "1", "entries of the factors of " + words, &FactorWork::entries},
@@ -19,8 +19,8 @@ ResultColumns<CoarseResult> coarse_columns(bool relative) {
   static const auto columns = joined<R>(
       {columns_of(&R::of_case, case_columns()),
        {{"epsilon", "1/kg", "flexibility of the linear law", &R::epsilon},
-        {"preconditioner", "", "X, X_eta (eta = 10 epsilon), lumped or dirichlet",
-         [](const R& r) { return r.method.preconditioner; }},
+        {"preconditioner", "", "X, X_eta or X_eta_active (eta = 10 epsilon), lumped, dirichlet, or none",
+         [](const R& r) { return name_of(r.method.preconditioner); }},
         {"scaling", "", "weights of the copies of shared grains: multiplicity, stiffness, deluxe, or none",
          [](const R& r) { return name_of(r.method.scaling); }},
         {"coarse_space", "", "none, rigid or geneo", [](const R& r) { return r.method.space; }},
@@ -32,11 +32,12 @@ ResultColumns<CoarseResult> coarse_columns(bool relative) {
         {"kappa", "1", "condition number of P^-1 X_epsilon, with the coarse space", &R::kappa},
         {"eigenvalue_low", "1", "smallest eigenvalue of P^-1 X_epsilon", &R::lambda_min},
         {"eigenvalue_high", "1", "largest eigenvalue of P^-1 X_epsilon", &R::lambda_max},
-        {"certified", "", "inertia counts prove that no eigenvalue lies outside these two", &R::certified},
+        {"certified", "", "inertia counts prove these two ends", &R::certified},
         {"threshold", "1", "GenEO takes vectors with an eigenvalue below this", &R::threshold},
         {"bound", "1", "bound of kappa that the threshold implies", &R::bound},
-        {"modes_30", "1", "fewest vectors of GenEO for kappa <= 30", [](const R& r) { return r.fewest[0]; }},
-        {"modes_100", "1", "fewest vectors of GenEO for kappa <= 100", [](const R& r) { return r.fewest[1]; }},
+        {"modes_30", "1", "fewest vectors of GenEO for no eigenvalue above 30", [](const R& r) { return r.fewest[0]; }},
+        {"modes_100", "1", "fewest vectors of GenEO for no eigenvalue above 100",
+         [](const R& r) { return r.fewest[1]; }},
         {"any_30", "1", "no deflation by fewer vectors has kappa <= 30", [](const R& r) { return r.any[0]; }},
         {"any_100", "1", "no deflation by fewer vectors has kappa <= 100", [](const R& r) { return r.any[1]; }},
         {"iterations", "1", "of conjugate gradients to 1e-8, for random jumps", &R::iterations},
@@ -70,7 +71,7 @@ constinit const Observable observables::coarse_space{
           const Index methods = count(methods_of(table.coarse));
           const CoarseMethod method = methods_of(table.coarse)[at(row % methods)];
           const double epsilon = table.sweep.epsilon[at(row / methods)];
-          KnownCells cells{{"preconditioner", to_cell(to_string(method.preconditioner))},
+          KnownCells cells{{"preconditioner", to_cell(name_of(method.preconditioner))},
                            {"scaling", to_cell(name_of(method.scaling))},
                            {"coarse_space", to_cell(to_string(method.space))}};
           if (!table.sweep.relative_epsilon) cells.emplace_back("epsilon", epsilon);

@@ -8,30 +8,32 @@ namespace nscdd {
 /// Preconditioners of the interface problem X_eps F = g.
 enum class InterfacePreconditioner {
   inertia,    ///< X, Stage 2 of the generic algorithm
-  network,    ///< X_eta with eta = 10 eps, Stage 2 of the enriched algorithm
+  network,    ///< X_eta of all contacts with eta = 10 eps, Stage 2 of the enriched algorithm
+  active,     ///< the same of the contacts of X_eps
   lumped,     ///< see LocalPreconditioner
   dirichlet,  ///< the same; it alone takes a coarse space
 };
 constexpr auto names_of(InterfacePreconditioner) {
-  return std::to_array<std::string_view>({"X", "X_eta", "lumped", "dirichlet"});
+  return std::to_array<std::string_view>({"X", "X_eta", "X_eta_active", "lumped", "dirichlet"});
 }
 
 /// What is computed at each epsilon of a sweep: X, X_eta, lumped with each scaling, and Dirichlet with each scaling and
-/// coarse space, as far as listed.
+/// coarse space, as far as listed. Empty lists stand for defaults.
 struct CoarseParameters {
-  std::vector<InterfacePreconditioner> preconditioners{InterfacePreconditioner::dirichlet};
-  std::vector<Scaling> scalings{Scaling::multiplicity, Scaling::deluxe};
-  std::vector<CoarseSpace> spaces{CoarseSpace::none, CoarseSpace::geneo};
-  double kappa = 30;                     ///< wanted: GenEO takes the threshold N_n / kappa, which is safe
-  std::optional<double> threshold = {};  ///< of GenEO instead
-  bool counts = false;                   ///< ranks and counts of the network and of factors only
+  std::vector<InterfacePreconditioner> preconditioners;  ///< dirichlet
+  std::vector<Scaling> scalings;                         ///< multiplicity, deluxe
+  std::vector<CoarseSpace> spaces;                       ///< none, geneo
+  std::optional<double> kappa;      ///< that GenEO shall keep (30): its threshold is then N_n / kappa, which is safe
+  std::optional<double> threshold;  ///< of GenEO instead
+  bool counts = false;              ///< ranks and counts of the network and of its factors only
 };
-/// Throws Error for kappa <= 1 and a threshold <= 0. `dashes`: prefix of option names.
-void check_coarse(const CoarseParameters& parameters, std::string_view dashes = "");
+/// Throws Error for parameters that have no effect with the others, kappa <= 1 and a threshold <= 0. `option`: whether
+/// to name them as options.
+void check_coarse(const CoarseParameters& parameters, bool option = false);
 
-/// One preconditioner with one coarse space.
+/// One preconditioner with one coarse space; nothing for counts.
 struct CoarseMethod {
-  InterfacePreconditioner preconditioner = InterfacePreconditioner::dirichlet;
+  std::optional<InterfacePreconditioner> preconditioner = {};
   std::optional<Scaling> scaling = {};
   CoarseSpace space = CoarseSpace::none;
 };

@@ -111,10 +111,10 @@ std::string options_text(const StudyTable& table) {
                       number_list(sweep.gauss_seidel_sweeps, "inf"), to_string(sweep.contacts));
   if (table.observable->uses("coarse_space"))
     for (const CoarseMethod& method : methods_of(table.coarse))
-      text += fmt::format("coarse = {} {} {} {} {} {}\n", to_string(method.preconditioner),
-                          method.scaling ? to_string(*method.scaling) : "none", to_string(method.space),
-                          field_text(table.coarse.kappa), field_text(table.coarse.threshold.value_or(0)),
-                          table.coarse.counts);
+      text +=
+          fmt::format("coarse = {} {} {} {} {}\n", method.preconditioner ? to_string(*method.preconditioner) : "counts",
+                      method.scaling ? to_string(*method.scaling) : "none", to_string(method.space),
+                      field_text(table.coarse.kappa.value_or(0)), field_text(table.coarse.threshold.value_or(0)));
   if (sweep.schwarz()) text += "scheme = schwarz\n";
   if (table.observable->moving)
     text += fmt::format("steps = {}\nlead_in = {}\n", fmt::join(table.steps, ", "), to_string(table.lead_in));
