@@ -11,6 +11,7 @@
 #include <nscdd/core/processes.hpp>
 #include <nscdd/core/table.hpp>
 #include <nscdd/core/types.hpp>
+#include <nscdd/ddm/bddc.hpp>
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/interface.hpp>

@@ -1,18 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/choice.hpp>
-#include <nscdd/ddm/decomposition.hpp>
+#include <nscdd/ddm/bddc.hpp>
 
 namespace nscdd {
-
-/// Weights D_E of the copies of shared grains, with sum_E R_E^T D_E R_E = I.
-enum class Scaling {
-  multiplicity,  ///< 1/q, q copies of the grain
-  stiffness,     ///< the diagonal of M_{E,eps} over its sum
-  deluxe,        ///< (sum_E' S_E')^-1 S_E on each class of grains that the same subdomains share
-};
-constexpr auto names_of(Scaling) { return std::to_array<std::string_view>({"multiplicity", "stiffness", "deluxe"}); }
 
 /// A subdomain condensed onto its n_b unknowns of shared grains, with M_{E,eps} = M_E + K_E / eps.
 struct CondensedSubdomain {

@@ -10,7 +10,7 @@ namespace nscdd::mpi {
 
 /// Throws Error unless PETSc returned 0. `what`: the requested result.
 inline void check(PetscErrorCode code, std::string_view what) {
-  if (code != 0) fail("SLEPc: expected {}, met status {}", what, static_cast<int>(code));
+  if (code != 0) fail("PETSc: expected {}, met status {}", what, static_cast<int>(code));
 }
 
 /// Returns the running session of PETSc and SLEPc, or starts one, which the last copy of the result ends (unless the

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// PCBDDC of PETSc, one subdomain per process, against our solutions and our spectra.
+#include "../support/problems.hpp"
+#include "../support/spectra.hpp"
+#include "ddm/primal_interface.hpp"
+#include "linalg/pencil.hpp"
+#include "spectra/balanced_spectrum.hpp"
+#include <nscdd/mpi/bddc.hpp>
+#include <nscdd/mpi/processes.hpp>
+#include <nscdd/study/sweep.hpp>
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// A deposit with one subdomain per process, whole and shared.
+struct BddcProblem {
+  Processes processes = mpi::processes_of(MPI_COMM_WORLD);
+  Model whole = build(deposit(400, {processes.size > 1 ? processes.size / 2 : 1, processes.size > 1 ? 2 : 1}));
+  Model own = of_process(whole, processes);
+  double scale = flexibility_scale(whole);
+  BddcSolver solver = mpi::bddc(MPI_COMM_WORLD);
+
+  // Checked: it converged to the solution of the undivided packing.
+  BddcSolution solve(const BddcParameters& parameters) const {
+    const BddcSolution found = solver(own.parts, parameters);
+    CHECK(found.converged);
+    CHECK(found.residual < 1e-7);
+    CHECK(found.lambda_min > 0.99);
+    CHECK(found.lambda_min < 1.1);
+    const Subdomain undivided = reassemble(whole.parts);
+    SparseMatrix m = undivided.h * SparseMatrix(undivided.h.transpose()) / parameters.flexibility;
+    m += SparseMatrix(undivided.inertia.asDiagonal());
+    const Vector known = Eigen::SimplicialLLT<SparseMatrix>(m).solve(found.right_hand_side);
+    const Vector error = found.velocities - known;
+    CHECK(error.dot(m * error) < 1e-8 * known.dot(m * known));
+    return found;
+  }
+};
+
+// Eigenvalues of N C, ascending: one-level Neumann-Neumann.
+Vector one_level(const Model& model, double epsilon, Scaling scaling) {
+  PrimalInterface interface = condense(model.parts, epsilon);
+  weigh(interface, scaling);
+  const Matrix lower = Eigen::LLT<Matrix>(Matrix(interface.sparse())).matrixL();
+  return symmetric_values(lower.transpose() * interface.dense_preconditioner() * lower);
+}
+
+}  // namespace
+
+TEST_CASE("bddc: solutions are ours; two subdomains have the spectrum of Neumann-Neumann, or 1 with deluxe weights") {
+  const BddcProblem problem;
+  const double epsilon = 1e-2 * problem.scale;
+  const auto sharing = condense(problem.whole.parts, epsilon).sharing;
+  const auto vertices = std::ranges::count_if(
+      sharing, [&](const auto& one) { return one.size() > 2 || std::ranges::count(sharing, one) == 1; });
+  for (const Scaling scaling : {Scaling::multiplicity, Scaling::stiffness, Scaling::deluxe}) {
+    CAPTURE(to_string(scaling));
+    const BddcSolution found = problem.solve({epsilon, scaling});
+    CHECK(found.coarse_size == 2 * vertices);
+    if (problem.processes.size != 2) continue;
+    const Vector known = one_level(problem.whole, epsilon, scaling);
+    CHECK(found.lambda_max == doctest::Approx(known[known.size() - 1]).epsilon(1e-3));
+    CHECK((found.iterations <= 2) == (scaling == Scaling::deluxe));
+  }
+}
+
+TEST_CASE("bddc: adaptive constraints keep the condition number to a factor, and are as many as laws ask for") {
+  const BddcProblem problem;
+  const double wanted = 30;
+  for (const double relative : {1e-6, 1e-3}) {
+    CAPTURE(relative);
+    const double epsilon = relative * problem.scale;
+    const BddcSolution found = problem.solve({epsilon, Scaling::deluxe, wanted});
+    CHECK(found.lambda_max <= 2 * wanted);  // theory allows a factor that grows with the edges of a subdomain
+    if (problem.processes.size < 4) continue;
+    // A primal velocity removes as many dimensions as it has copies less one, a constraint of an edge one.
+    const Interface& glued = problem.whole.parts.interface;
+    const Index cross = cross_points(problem.whole.parts);
+    Index removed = found.coarse_size - 2 * cross;
+    for (Index grain = 0; grain < glued.grains(); ++grain)
+      if (glued.multiplicity(grain) > 2) removed += 2 * (glued.multiplicity(grain) - 1);
+    const Vector known = one_level(problem.whole, epsilon, Scaling::deluxe);
+    CHECK((known.array() > 1.05 * found.lambda_max).count() <= removed);
+    PrimalInterface interface = condense(problem.whole.parts, epsilon);
+    weigh(interface, Scaling::deluxe);
+    const CoarseProblem candidates(interface,
+                                   geneo_vectors(interface, static_cast<double>(interface.most_neighbours()) / wanted));
+    const std::optional<Index> ours = BalancedSpectrum(interface, candidates).fewest(wanted);
+    CAPTURE(found.coarse_size);
+    REQUIRE(ours);
+    CAPTURE(*ours);
+    CHECK(found.coarse_size <= 4 * *ours + 2 * cross);
+    CHECK(4 * found.coarse_size >= *ours);
+  }
+}
+
+TEST_CASE("bddc: other numbers of processes than of subdomains are refused") {
+  const Processes processes = mpi::processes_of(MPI_COMM_WORLD);
+  const Model own = of_process(build(random_lattice(3, 12, 12, {3, 3})), processes);
+  CHECK_THROWS_WITH_AS(
+      mpi::bddc(MPI_COMM_WORLD)(own.parts, {}),
+      ("bddc: expected as many processes as subdomains, 9, met " + std::to_string(processes.size)).c_str(), Error);
+}
