@@ -49,9 +49,12 @@ void print_row(const CoarseResult& result) {
              to_string(method.space), result.modes, number(result.kappa()), number(result.bound), result.iterations,
              number(result.fewest[0]), number(result.any[0]), number(result.fewest[1]), number(result.any[1]),
              result.converged ? result.certified ? "" : "  not certified" : "  not converged");
+  if (!std::isnan(result.seconds))
+    fmt::print("{:<11}{:.3g} s for the preconditioner, {:.3g} s for the iterations\n", "", result.setup_seconds,
+               result.seconds);
 }
 
-StudyTable table_of(const Options& options) {
+StudyTable table_of(const Options& options, const Machine& machine) {
   StudyTable work;
   work.name = "coarse";
   work.observable = &observables::coarse_space;
@@ -64,19 +67,22 @@ StudyTable table_of(const Options& options) {
   names(options.preconditioner, "--preconditioner", work.coarse.preconditioners);
   names(options.scaling, "--scaling", work.coarse.scalings);
   names(options.space, "--coarse-space", work.coarse.spaces);
+  work.coarse.bddc = machine.bddc;
   check_coarse(work.coarse, true);
+  work.sweep.spectral.inertia = machine.inertia;
   work.cases = {options.one.resolve({options.csv})};
   return work;
 }
 
 int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
-  options.limits.limit_memory();
-  const StudyTable work = table_of(options);
+  options.limits.limit_memory(machine.processes_here);
+  if (options.parameters.counts) require_one_process(machine, "--counts");
+  const StudyTable work = in_turn(machine.processes, [&] { return table_of(options, machine); });
   if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
   if (nothing_to_resume(options.csv, "", table_work(work), options.how, machine)) return 0;
   const ThreadLimit limit = options.limits.limit_threads(machine);
-  const Model model = build(work.cases.front(), progress("generate"));
+  const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);
   if (model.parts.interface_size() == 0)
     fail("{}: expected subdomains that share grains, met an empty interface ({}); --subdomains cuts the packing",
          model.name, why_empty(model));
@@ -91,7 +97,7 @@ int run(const Options& options, const Context& context) {
     if (failed > 0) note("{} row(s) did not converge", failed);
     return 0;
   }
-  Interruption interruption;
+  Interruption interruption(machine.processes);
   SharedTable csv(machine, options.csv, table_work(work), options.how);
   const ResultColumns<CoarseResult> columns = coarse_columns(work.sweep.relative_epsilon);
   const Index failed = coarse_spaces(
@@ -113,12 +119,14 @@ Action declare_coarse(Command& command) {
                  "flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); above 0");
   declare_contacts(command, options->contacts);
   command.add("--preconditioner LIST", options->preconditioner,
-              "X, X_eta, X_eta_active, lumped, dirichlet [dirichlet]; X_eta: eta = 10 epsilon, on all contacts or on "
+              "X, X_eta, X_eta_active, lumped, dirichlet [dirichlet], and bddc by nscdd-mpi; X_eta: eta = 10 epsilon, "
+              "on all contacts or on "
               "those of X_epsilon");
-  command.add(
-      "--scaling LIST", options->scaling,
-      "weights of shared grains: multiplicity, stiffness, deluxe [multiplicity,deluxe]; with lumped and dirichlet");
-  command.add("--coarse-space LIST", options->space, "none, rigid, geneo [none,geneo]; with dirichlet");
+  command.add("--scaling LIST", options->scaling,
+              "weights of shared grains: multiplicity, stiffness, deluxe [multiplicity,deluxe]; with lumped, dirichlet "
+              "and bddc");
+  command.add("--coarse-space LIST", options->space,
+              "none, rigid, geneo [none,geneo]; with dirichlet, and without rigid with bddc");
   command.add("--kappa NUMBER", options->parameters.kappa,
               "condition number that geneo shall keep [30]; its threshold is N_n / kappa, N_n the most subdomains that "
               "share grains "

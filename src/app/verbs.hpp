@@ -3,6 +3,7 @@
 
 #include "app/command.hpp"
 #include "app/progress.hpp"
+#include <nscdd/ddm/bddc.hpp>
 #include <nscdd/spectra/spectral_radius.hpp>
 
 namespace nscdd::app {
@@ -17,6 +18,7 @@ struct Machine {
   Index processes_here = 1;  ///< ranks that share the memory of this computer
   InertiaMethod inertia = multifrontal(processes.counts);
   SpectrumSolver slepc = {};
+  BddcSolver bddc = {};
   Index threads = 0;  ///< default of a rank; 0: all
 
   bool serves(std::string_view verb) const { return verbs.empty() || std::ranges::find(verbs, verb) != verbs.end(); }
@@ -50,7 +52,8 @@ struct Verb {
 };
 
 Declaration declare_sweep, declare_run, declare_network, declare_inspect, declare_optimum, declare_generate,
-    declare_modes, declare_report, declare_solve, declare_simulate, declare_export, declare_coarse, declare_list, declare_manual;
+    declare_modes, declare_report, declare_solve, declare_simulate, declare_export, declare_coarse, declare_list,
+    declare_manual;
 
 /// Text of `nscdd` without a verb: purpose, first examples, verbs.
 std::string short_guide(const std::vector<Verb>& verbs, const Machine& machine);

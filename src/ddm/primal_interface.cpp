@@ -107,6 +107,17 @@ Vector PrimalInterface::apply(const Vector& u) const {
                        [](const CondensedSubdomain& one, const Vector& x) -> Vector { return one.stiffness * x; });
 }
 
+Vector PrimalInterface::apply_dual(const Interface& glued, const Vector& f) const {
+  std::vector<Vector> velocities;
+  for (Index e = 0; e < count(subdomains); ++e) {
+    const CondensedSubdomain& one = subdomains[at(e)];
+    const Vector impulses = glued.distribute(e, f);
+    velocities.push_back(Vector::Zero(impulses.size()));
+    if (!one.rows.empty()) velocities.back()(one.local) = one.flexibility * impulses(one.local);
+  }
+  return glued.exchange(velocities);
+}
+
 Vector PrimalInterface::precondition(const Vector& p) const {
   return sum_of_blocks(*this, p, [](const CondensedSubdomain& one, const Vector& x) -> Vector {
     return one.weights * (one.flexibility * (one.weights.transpose() * x));

@@ -26,12 +26,13 @@ struct PrimalInterface {
   std::vector<CondensedSubdomain> subdomains;
 
   Index size() const { return dofs_per_grain * count(sharing); }  ///< n_P
-  bool definite() const;                       ///< false if a subdomain is not positive definite in double precision
-  Index most_neighbours() const;               ///< N_n: the most subdomains that share grains with one, itself included
-  Vector apply(const Vector& u) const;         ///< C u
-  Vector precondition(const Vector& p) const;  ///< N p
-  SparseMatrix sparse() const;                 ///< C
-  Matrix dense_preconditioner() const;         ///< N
+  bool definite() const;          ///< false if a subdomain is not positive definite in double precision
+  Index most_neighbours() const;  ///< N_n: the most subdomains that share grains with one, itself included
+  Vector apply_dual(const Interface& glued, const Vector& f) const;  ///< X_eps f, of interface impulses
+  Vector apply(const Vector& u) const;                               ///< C u
+  Vector precondition(const Vector& p) const;                        ///< N p
+  SparseMatrix sparse() const;                                       ///< C
+  Matrix dense_preconditioner() const;                               ///< N
 };
 
 /// Condenses the subdomains of one process, 0 < flexibility < infinity. The gluing may have any shape.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd-mpi: the verbs that run on several ranks.
 #include "app/verbs.hpp"
+#include <nscdd/mpi/bddc.hpp>
 #include <nscdd/mpi/multifrontal.hpp>
 #include <nscdd/mpi/processes.hpp>
 #include <nscdd/mpi/slepc.hpp>
@@ -48,11 +49,12 @@ int run(int argc, char** argv) {
   // Destroyed after the last output: freeing the communicator is collective.
   const Processes processes = processes_of(MPI_COMM_WORLD);
   const app::Machine machine{.program = "nscdd-mpi",
-                             .verbs = {"sweep", "optimum", "simulate", "inspect"},
+                             .verbs = {"sweep", "optimum", "simulate", "inspect", "coarse"},
                              .processes = processes,
                              .processes_here = processes_here(),
                              .inertia = multifrontal(MPI_COMM_WORLD, processes.counts),
                              .slepc = slepc(MPI_COMM_WORLD),
+                             .bddc = bddc(MPI_COMM_WORLD),
                              .threads = 1};
   for (std::FILE* stream : {stdout, stderr})  // the other ranks would print the same
     if (!processes.first() && std::freopen("/dev/null", "w", stream) == nullptr)

@@ -103,5 +103,8 @@ TEST_CASE_FIXTURE(Session, "coarse: bad input is refused by name") {
   ended(2, "coarse disks8 --coarse-space none --kappa 5", {"--kappa: expected the coarse space geneo with it"});
   ended(2, "coarse disks8 --threshold 0.1 --kappa 5", {"--threshold: expected either it or kappa, met both"});
   ended(2, "coarse disks8 --counts --scaling deluxe", {"--scaling: expected", "met counts, without spectra"});
+  ended(2, "coarse disks8 --preconditioner bddc",
+        {"--preconditioner: expected X, X_eta, X_eta_active, lumped or dirichlet with nscdd, met bddc, which nscdd-mpi "
+         "has"});
   ended(2, "coarse disks8 --contacts frozen", {"expected a contact problem with --contacts frozen, met a packing"});
 }

@@ -125,6 +125,26 @@ def same_tables(_folder):
             compare(rows(expected), loose, where)
 
 
+def coarse_spaces(_folder):
+    """X and X_eta are those of nscdd; BDDC of PETSc keeps the condition number to a factor."""
+    line = ["coarse", *BED, "--epsilon", "1e-3W", "--csv", "-", "--preconditioner"]
+    code, expected, err = run(0, *line, "X,X_eta")
+    check(code == 0, f"coarse: nscdd ends with {code}: {err}")
+    for processes in (1, 4):
+        code, met, err = run(processes, *line, "X,X_eta")
+        check(code == 0 and err == "", f"coarse, {processes} process(es): exit code {code}, {err}")
+        whole = ("predicted", "interface_", "undivided_") if processes > 1 else ()  # nan on several ranks
+        tables = [[{name: cell for name, cell in row.items() if not name.startswith(whole + ("interface_flops",))
+                    or name == "interface_dofs"} for row in rows(text)] for text in (expected, met)]
+        compare(tables[0], [dict(row, residual="1e-6") for row in tables[1]], f"coarse, {processes} process(es)")
+    code, met, err = run(6, *line, "bddc", "--scaling", "deluxe")
+    check(code == 0 and err == "", f"coarse with bddc: exit code {code}, {err}")
+    none, adaptive = rows(met)
+    check(none["converged"] == adaptive["converged"] == "true" and none["certified"] == "false", f"bddc: {met}")
+    check(int(none["modes"]) == 2 * int(none["cross_points"]) > 0, f"bddc: primal velocities of cross points: {none}")
+    check(float(adaptive["kappa"]) <= 60 < float(none["kappa"]) and adaptive["threshold"] == "30", f"bddc: {met}")
+
+
 def same_reports(folder):
     """inspect: the words of nscdd and its histogram, written once."""
     def inspected(processes, *arguments):
@@ -220,11 +240,20 @@ def refusals(folder):
             "sweep", "disks12", "--epsilon", "1", "--solver", "slepc", "--certify", "--csv", new],
         "--solver arpack: expected a single rank": ["sweep", *BED, "--epsilon", "1", "--eta", "0.3",
                                                     "--solver", "arpack", "--csv", new],
+        "bddc: expected as many processes as subdomains, 6, met 2": ["coarse", *BED, "--preconditioner", "bddc",
+                                                                     "--csv", new],
+        "--preconditioner: expected one other than bddc with the coarse space rigid": [
+            "coarse", *BED, "--preconditioner", "bddc", "--coarse-space", "rigid", "--csv", new],
+        "expected X, X_eta or bddc on several ranks, met dirichlet": ["coarse", *BED, "--csv", new],
+        "--counts: expected a single rank": ["coarse", *BED, "--counts", "--csv", new],
     }
     for message, arguments in cases.items():
         check_refused(2, arguments, message)
     code, _, err = run(0, "sweep", "disks12", "--epsilon", "1", "--solver", "slepc", "--csv", new)
     check(code == 2 and "met slepc, which nscdd-mpi has" in err, f"slepc by nscdd: {code}, {err}")
+    code, _, err = run(0, "coarse", "disks12", "--preconditioner", "bddc", "--csv", new)
+    check(code == 2 and "--preconditioner: expected X, X_eta, lumped or dirichlet" in err
+          and "met bddc, which nscdd-mpi has" in err, f"bddc by nscdd: {code}, {err}")
     code, out, err = run(4, "sweep", "disks4", "--epsilon", "1", "--csv", new)
     check(code == 2 and "at most 2 (one per subdomain), met 4" in err, f"too many processes: {code}, {err}")
     check(sorted(os.listdir(folder)) == ["taken.csv"], f"refusals leave {os.listdir(folder)}")
@@ -548,8 +577,9 @@ def in_own_folder(test):
 
 
 # Two at a time: much of what processes do here is to begin and to end.
-tests = (same_tables, same_reports, same_counts, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs,
-         close_runs, broken_runs, overlapping, too_long, shared_memory, refused_runs, killed_and_restarted)
+tests = (same_tables, coarse_spaces, same_reports, same_counts, nothing_to_share, refusals, one_fails,
+         killed_and_resumed, same_runs, close_runs, broken_runs, overlapping, too_long, shared_memory, refused_runs,
+         killed_and_restarted)
 with ThreadPoolExecutor(2) as pool:
     for done in [pool.submit(in_own_folder, test) for test in tests]:
         done.result()

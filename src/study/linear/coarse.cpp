@@ -3,19 +3,18 @@
 
 #include "core/disjoint_sets.hpp"
 #include "core/fail.hpp"
+#include "ddm/factor_work.hpp"
 #include "ddm/local_preconditioner.hpp"
 #include "linalg/linear_iteration.hpp"
-#include "linalg/multifrontal/analysis.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
-#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include "spectra/balanced_spectrum.hpp"
 #include "study/linear/sweep_points.hpp"
 
 #include <Eigen/Cholesky>
 
-#include <numeric>
+#include <chrono>
 
 namespace nscdd {
 namespace {
@@ -26,35 +25,7 @@ constexpr double softer = 10;        // eta / epsilon of X_eta
 constexpr double ends_apart = 1e-6;  // relative, of the shifts that certify an end
 constexpr Index most_iterations = 5000, most_predicted = 2500, most_lumped = 4000;
 constexpr double cg_tolerance = 1e-8;
-
-FactorWork operator+(const FactorWork& a, const FactorWork& b) { return {a.entries + b.entries, a.flops + b.flops}; }
-
-FactorWork factor_work(const SparseMatrix& symmetric, const std::vector<Index>& group) {
-  if (symmetric.rows() == 0) return {0, 0};
-  const SymmetricAnalysis analysis(SparseMatrix(symmetric.triangularView<Eigen::Lower>()), group);
-  return {analysis.entries(), analysis.work().flops(true)};
-}
-
-// Of M + K, grain by grain.
-FactorWork network_work(const Subdomain& subdomain, Index d) {
-  SparseMatrix k = subdomain.h * subdomain.h.transpose();
-  SparseMatrix diagonal(k.rows(), k.cols());
-  diagonal.setIdentity();
-  std::vector<Index> grain(at(k.rows()));
-  for (Index i = 0; i < k.rows(); ++i) grain[at(i)] = i / d;
-  return factor_work(k + diagonal, grain);
-}
-
-Vector apply(const Interface& glued, const PrimalInterface& interface, const Vector& f) {  // X_eps f
-  std::vector<Vector> velocities;
-  for (Index e = 0; e < count(interface.subdomains); ++e) {
-    const CondensedSubdomain& one = interface.subdomains[at(e)];
-    const Vector impulses = glued.distribute(e, f);
-    velocities.push_back(Vector::Zero(impulses.size()));
-    velocities.back()(one.local) = one.flexibility * impulses(one.local);
-  }
-  return glued.exchange(velocities);
-}
+constexpr double most_residual = 1e-6;  // of a solution of PETSc
 
 // The rows of one case.
 class CoarseStudy {
@@ -63,7 +34,7 @@ class CoarseStudy {
               const CoarseParameters& parameters)
       : parts_(selection.stage_one(model)), all_(model.parts), sweep_(sweep), parameters_(parameters) {
     const Interface& glued = parts_.interface;
-    const InterfaceOperator rigid = InterfaceFamily(parts_, 0).at(0);
+    const InterfaceOperator rigid = InterfaceFamily(parts_, 0, sweep.spectral.inertia).at(0);
     common_.of_case = selection.of_case;
     common_.scale = flexibility_scale(model);
     common_.self_stresses = rigid.nullity();
@@ -78,7 +49,11 @@ class CoarseStudy {
     common_.local = {0, 0};
     for (const Subdomain& one : parts_.subdomains)
       common_.local = common_.local + network_work(one, parts_.dofs_per_grain());
-    common_.undivided = network_work(reassemble(parts_), parts_.dofs_per_grain());
+    common_.local = {processes().sum(common_.local.entries), processes().sum(common_.local.flops)};
+    if (processes().alone())
+      common_.undivided = network_work(reassemble(parts_), parts_.dofs_per_grain());
+    else
+      common_.interface = common_.undivided = {not_a_number, not_a_number};
   }
 
   CoarseResult solve(double epsilon, const CoarseMethod& method) {
@@ -87,6 +62,8 @@ class CoarseStudy {
     result.epsilon = epsilon;
     result.method = method;
     if (!method.preconditioner) return result;
+    if (method.preconditioner == Preconditioner::bddc) return bddc(result);
+    if (!processes().alone()) return stage_two(result), result;
     result.coarse = {0, 0};
     condense_at(epsilon);
     result.interface = interface_work_;
@@ -107,7 +84,7 @@ class CoarseStudy {
       case Preconditioner::lumped:
         lumped(result);
         break;
-      case Preconditioner::dirichlet:
+      default:
         dirichlet(result);
         break;
     }
@@ -115,6 +92,8 @@ class CoarseStudy {
   }
 
  private:
+  const Processes& processes() const { return parts_.interface.processes(); }
+
   void condense_at(double epsilon) {
     if (interface_ && epsilon_ == epsilon) return;
     interface_ = std::make_shared<PrimalInterface>(condense(parts_, epsilon));
@@ -127,37 +106,71 @@ class CoarseStudy {
   }
 
   void iterate(CoarseResult& result, const LinearMap& inverse, const Vector& eigenvalues) const {
+    iterate(
+        result, [&](const Vector& f) { return interface_->apply_dual(parts_.interface, f); }, inverse, eigenvalues);
+  }
+
+  void iterate(CoarseResult& result, const LinearMap& system, const LinearMap& inverse,
+               const Vector& eigenvalues) const {
     RandomStream random(1);
-    const LinearMap system = [&](const Vector& f) { return apply(parts_.interface, *interface_, f); };
     const IterationLimits limits{cg_tolerance, most_iterations};
     const IteratedSolution found =
         conjugate_gradients(system, inverse, random.normal_vector(parts_.interface_size()), limits);
     result.iterations = static_cast<double>(found.iterations);
     result.converged &= found.converged;
+    predict(result, eigenvalues);
+  }
+
+  static void predict(CoarseResult& result, const Vector& eigenvalues) {
     if (eigenvalues.size() > 0 && eigenvalues.size() <= most_predicted)
-      result.predicted = static_cast<double>(predicted_iterations(eigenvalues.cast<std::complex<double>>(), limits));
+      result.predicted = static_cast<double>(
+          predicted_iterations(eigenvalues.cast<std::complex<double>>(), {cg_tolerance, most_iterations}));
+  }
+
+  CoarseResult bddc(CoarseResult result) const {
+    const bool adaptive = result.method.space == CoarseSpace::geneo;
+    if (adaptive) result.threshold = parameters_.threshold.value_or(parameters_.kappa.value_or(30));
+    const BddcSolution found = parameters_.bddc(
+        parts_, {result.epsilon, *result.method.scaling, adaptive ? std::optional(result.threshold) : std::nullopt});
+    result.interface = result.coarse = {not_a_number, not_a_number};
+    result.modes = static_cast<double>(found.coarse_size);
+    result.lambda_min = found.lambda_min;
+    result.lambda_max = found.lambda_max;
+    result.iterations = static_cast<double>(found.iterations);
+    result.setup_seconds = found.setup_seconds;
+    result.seconds = found.seconds;
+    result.converged = found.converged;
+    if (found.converged && !(found.residual < most_residual))
+      fail("{}: bddc: expected a residual of at most {} by nscdd's matrices, met {}", result.of_case.name,
+           most_residual, found.residual);
+    return result;
   }
 
   // X and X_eta: the ends of 1 - spectrum of the contraction.
   void stage_two(CoarseResult& result) const {
-    const double eta = result.method.preconditioner == Preconditioner::inertia ? infinity : softer * epsilon_;
+    const double begun = seconds();
+    const double eta = result.method.preconditioner == Preconditioner::inertia ? infinity : softer * result.epsilon;
     const bool active = result.method.preconditioner == Preconditioner::active;
     const InterfaceFamily family(active ? parts_ : all_, InterfaceFamily::default_dense_limit, sweep_.spectral.inertia);
-    const Contraction b{family.at(eta), InterfaceFamily(parts_).at(epsilon_)};
+    const Contraction b{family.at(eta), InterfaceFamily(parts_).at(result.epsilon)};
+    b.preconditioner.solve(Vector::Zero(b.rows()));  // factorises
+    const double ready = seconds();
+    iterate(
+        result, [&](const Vector& f) { return b.system.apply(f); },
+        [&](const Vector& g) { return b.preconditioner.solve(g); }, {});
+    result.setup_seconds = ready - begun;
+    result.seconds = seconds() - ready;
     SpectralOptions options = sweep_.spectral;
     options.certify = true;
     const SpectralRadius radius = spectral_radius(b, options);
     result.lambda_min = 1 - radius.eigenvalue_max;
     result.lambda_max = 1 - radius.eigenvalue_min;
     result.certified = radius.certified;
-    result.converged = radius.converged;
-    Vector eigenvalues;
-    if (b.rows() <= most_predicted)
-      eigenvalues = symmetric_values(symmetric_product(b.system.dense(), [&](const Matrix& lower) -> Matrix {
-        return Eigen::LLT<Matrix>(b.preconditioner.dense()).solve(lower);
-      }));
-    iterate(
-        result, [&](const Vector& g) { return b.preconditioner.solve(g); }, eigenvalues);
+    result.converged &= radius.converged;
+    if (processes().alone() && b.rows() <= most_predicted)
+      predict(result, symmetric_values(symmetric_product(b.system.dense(), [&](const Matrix& lower) -> Matrix {
+                return Eigen::LLT<Matrix>(b.preconditioner.dense()).solve(lower);
+              })));
   }
 
   // L^T P^-1 L with the eigenvalues of P^-1 S, S = L L^T; `solve`: L -> P^-1 L.
@@ -272,6 +285,10 @@ Index coarse_spaces(const Model& model, const SweepParameters& sweep, const Coar
     fail("{}: expected subdomains that share grains, met an empty interface", model.name);
   if (std::ranges::any_of(sweep.epsilon, [](double epsilon) { return epsilon == 0; }))
     fail("{}: expected epsilon > 0 for preconditioners of X_epsilon, met 0, where X_0 is singular", model.name);
+  if (!model.parts.interface.processes().alone())
+    for (const Preconditioner one : parameters.preconditioners)
+      if (one == Preconditioner::lumped || one == Preconditioner::dirichlet)
+        fail("preconditioner: expected X, X_eta or bddc on several ranks, met {}", to_string(one));
   const Selection selection = select(model, sweep.contacts);
   CoarseStudy study(model, selection, sweep, parameters);
   const std::vector<CoarseMethod> methods = methods_of(parameters);

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/factor_work.hpp"
 #include "study/tables/coarse_parameters.hpp"
 #include <nscdd/study/sweep.hpp>
 
 namespace nscdd {
-
-/// Entries of a sparse factor and the operations of its factorisation, by its symbolic analysis.
-struct FactorWork {
-  double entries = not_a_number, flops = not_a_number;
-};
 
 struct CoarseResult {
   CaseSummary of_case;
@@ -30,6 +26,8 @@ struct CoarseResult {
   double iterations = not_a_number;  ///< of conjugate gradients, to 1e-8, for jumps drawn at random
   double predicted = not_a_number;   ///< the same from the spectrum
   FactorWork local, interface, coarse, undivided;
+  /// Of X, X_eta and bddc: of the preconditioner and of the iterations; not in tables. NaN where not measured.
+  double setup_seconds = not_a_number, seconds = not_a_number;
   bool converged = true;
 
   double kappa() const { return lambda_max / lambda_min; }
@@ -41,7 +39,8 @@ inline constexpr std::array<double, 2> wanted_kappas{30, 100};
 ResultColumns<CoarseResult> coarse_columns(bool relative);
 
 /// Every method at every epsilon > 0 of the sweep, from row `first` on. Returns how many did not converge. Throws Error
-/// for an interface of one subdomain, for epsilon = 0, and if a proved bound is not kept (an error of nscdd).
+/// for an interface of one subdomain, for epsilon = 0, and if a proved bound is not kept (an error of nscdd). Several
+/// ranks compute X, X_eta and bddc only, without factors of the undivided packing and of the interface.
 Index coarse_spaces(const Model& model, const SweepParameters& sweep, const CoarseParameters& parameters,
                     const Sink<CoarseResult>& sink, const Monitor& monitor = {}, Index first = 0);
 

@@ -13,7 +13,7 @@ std::vector<Value> or_default(const std::vector<Value>& values, std::initializer
   return values.empty() ? std::vector<Value>(by_default) : values;
 }
 
-bool is_local(Preconditioner one) { return one == Preconditioner::lumped || one == Preconditioner::dirichlet; }
+bool is_local(Preconditioner one) { return one >= Preconditioner::lumped; }
 
 }  // namespace
 
@@ -29,8 +29,15 @@ void check_coarse(const CoarseParameters& parameters, bool option) {
   if (parameters.kappa && parameters.threshold) refuse("threshold", "either it or kappa", "both");
   const auto any = [](const auto& list, const auto& right) { return std::ranges::any_of(list, right); };
   const std::vector<CoarseMethod> methods = methods_of(parameters);
+  const bool bddc = any(methods, [](const CoarseMethod& m) { return m.preconditioner == Preconditioner::bddc; });
   const bool dirichlet =
-      any(methods, [](const CoarseMethod& m) { return m.preconditioner == Preconditioner::dirichlet; });
+      bddc || any(methods, [](const CoarseMethod& m) { return m.preconditioner == Preconditioner::dirichlet; });
+  if (bddc && !parameters.bddc)
+    refuse("preconditioner",
+           names_where<Preconditioner>([](Preconditioner one) { return one != Preconditioner::bddc; }) + " with nscdd",
+           "bddc, which nscdd-mpi has");
+  if (bddc && any(methods, [](const CoarseMethod& m) { return m.space == CoarseSpace::rigid; }))
+    refuse("preconditioner", "one other than bddc with the coarse space rigid", "bddc");
   const bool scaled = any(methods, [](const CoarseMethod& m) { return m.scaling.has_value(); });
   const bool geneo = any(methods, [](const CoarseMethod& m) { return m.space == CoarseSpace::geneo; });
   const std::string_view others = parameters.counts ? "counts, without spectra" : "others only";
