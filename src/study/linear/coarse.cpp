@@ -50,10 +50,7 @@ class CoarseStudy {
     for (const Subdomain& one : parts_.subdomains)
       common_.local = common_.local + network_work(one, parts_.dofs_per_grain());
     common_.local = {processes().sum(common_.local.entries), processes().sum(common_.local.flops)};
-    if (processes().alone())
-      common_.undivided = network_work(reassemble(parts_), parts_.dofs_per_grain());
-    else
-      common_.interface = common_.undivided = {not_a_number, not_a_number};
+    if (processes().alone()) common_.undivided = network_work(reassemble(parts_), parts_.dofs_per_grain());
   }
 
   CoarseResult solve(double epsilon, const CoarseMethod& method) {
@@ -63,8 +60,9 @@ class CoarseStudy {
     result.method = method;
     if (!method.preconditioner) return result;
     if (method.preconditioner == Preconditioner::bddc) return bddc(result);
-    if (!processes().alone()) return stage_two(result), result;
+    result.modes = 0;
     result.coarse = {0, 0};
+    if (!processes().alone()) return stage_two(result), result;
     condense_at(epsilon);
     result.interface = interface_work_;
     if (!interface_->definite()) return result.converged = false, result;
@@ -75,19 +73,12 @@ class CoarseStudy {
       scaling_ = method.scaling;
       one_level_ = {};
     }
-    switch (*method.preconditioner) {
-      case Preconditioner::inertia:
-      case Preconditioner::network:
-      case Preconditioner::active:
-        stage_two(result);
-        break;
-      case Preconditioner::lumped:
-        lumped(result);
-        break;
-      default:
-        dirichlet(result);
-        break;
-    }
+    if (method.preconditioner == Preconditioner::lumped)
+      lumped(result);
+    else if (method.preconditioner == Preconditioner::dirichlet)
+      dirichlet(result);
+    else
+      stage_two(result);
     return result;
   }
 
