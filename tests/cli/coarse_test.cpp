@@ -90,6 +90,19 @@ TEST_CASE_FIXTURE(Session, "coarse: active contacts, and subdomains in pieces") 
   for (std::size_t row = 0; row < pieces.rows.size(); ++row) CHECK(pieces.text(row, "converged") == "true");
 }
 
+TEST_CASE_FIXTURE(MovingSession, "coarse: frozen contacts of a step with friction") {
+  run("simulate shear.toml --steps 12 --algorithm nlgs -o run.h5");
+  run("export run.h5 --fclib 12 -o step.hdf5");
+  const std::string line =
+      "coarse step.hdf5 --subdomains metis:3 --epsilon 1e-6W --coarse-space geneo --scaling deluxe";
+  const CsvTable all = read_table(answer(line + " --csv -")),
+                 frozen = read_table(answer(line + " --contacts frozen --csv -"));
+  CHECK(frozen.text(0, "contact_set") == "frozen");
+  CHECK(frozen.number(0, "active_contacts") < all.number(0, "active_contacts"));
+  CHECK(frozen.number(0, "rank_x0") > all.number(0, "rank_x0"));  // less is held
+  CHECK(frozen.text(0, "certified") == "true");
+}
+
 TEST_CASE_FIXTURE(Session, "coarse: bad input is refused by name") {
   ended(2, "coarse disks8 --kappa 1", {"--kappa: expected a number > 1, met 1"});
   ended(2, "coarse disks8 --threshold 0", {"--threshold: expected a number > 0, met 0"});
