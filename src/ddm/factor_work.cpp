@@ -11,8 +11,6 @@ FactorWork factor_work(const SparseMatrix& symmetric, const std::vector<Index>& 
   return {analysis.entries(), analysis.work().flops(true)};
 }
 
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 FactorWork network_work(const Subdomain& subdomain, Index d) {
   SparseMatrix k = subdomain.h * subdomain.h.transpose();
   SparseMatrix diagonal(k.rows(), k.cols());

@@ -24,10 +24,10 @@ using Preconditioner = InterfacePreconditioner;
 constexpr double softer = 10;        // eta / epsilon of X_eta
 constexpr double ends_apart = 1e-6;  // relative, of the shifts that certify an end
 constexpr Index most_iterations = 5000, most_predicted = 2500, most_lumped = 4000;
-constexpr double cg_tolerance = 1e-8;
-constexpr double most_residual = 1e-6;  // of a solution of PETSc
+constexpr double cg_tolerance = 1e-8, most_residual = 1e-6;  // the latter of a solution of PETSc
 
-// The rows of one case.
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
 class CoarseStudy {
  public:
   CoarseStudy(const Model& model, const Selection& selection, const SweepParameters& sweep,
