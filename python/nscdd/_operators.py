@@ -112,10 +112,10 @@ def contraction(parts: Decomposition, epsilon: float | str, eta: float | str | N
 
     epsilon   flexibility of the contacts, 1/kg, or a text such as "0.1W" in multiples of the mean of W_nn; 0 is rigid
     eta       flexibility of the network that Stage 2 sees, likewise; inf (or None) is the generic algorithm
-    contacts  of Stage 1: "all", "active" or "unilateral" (see `chosen_contacts`)
+    contacts  of Stage 1: "all", "active", "unilateral" or "frozen" (see `chosen_contacts`)
     scheme    "nscdd", or "schwarz": block Jacobi with whole masses, which has no eta. Its operator maps resultants of
-              contact impulses on the copies of shared grains; `system` is then N_E (M_E + K_E / epsilon)^-1 N_E^T of the
-              subdomains, `preconditioner` the inverse of the masses of the copies
+              contact impulses on the copies of shared grains; `system` is then N_E (M_E + K_E / epsilon)^-1 N_E^T of
+              the subdomains, `preconditioner` the inverse of the masses of the copies
 
     Raises Error for values out of bounds, and if the choice of contacts depends on impulses that all vanish.
     """

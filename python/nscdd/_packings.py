@@ -82,8 +82,10 @@ def read_case(path: str | os.PathLike[str], subdomains: _arguments.Subdomains | 
 
 def chosen_contacts(parts: Decomposition, contacts: str = "active") -> np.ndarray:
     """Which contacts Stage 1 works with, one flag per contact: "all", "active" (in compression in the linear rigid
-    problem) or "unilateral" (carrying in the frictionless unilateral problem). Raises Error if the choice depends on
-    impulses and no grain has an arriving velocity, and if the impulses were not found to 1e-8."""
+    problem), "unilateral" (carrying in the frictionless unilateral problem) or, of a contact problem with friction,
+    "frozen" (in its solution: one flag per direction, both where a contact sticks, the normal where it slides). Raises
+    Error if the choice depends on impulses and no grain has an arriving velocity, and if the impulses were not found to
+    1e-8."""
     flags, _, rule, certain = _core.chosen_contacts(parts, contacts)
     if not certain:
         raise _core.Error(f"contacts: expected impulses to 1e-8 for {contacts}, met less ({rule})")

@@ -36,9 +36,8 @@ struct ModeParameters {
 ///
 /// Of the scheme schwarz, F are the resultants p of contact impulses on the copies, J p = mu p, and `rows` has the
 /// copies. V_E are the velocities under the sums o of the resultants of the other copies, and `jumps` those of the
-/// copies. p is normalised to - o^T M_b^-1 p / mu = 1 J, which is r^T (D + epsilon) r of the impulses r; the residual
-/// is
-/// ||J p - mu p|| in the norm of M_b^-1, over that of p.
+/// copies. p is normalised to - o^T M_b^-1 p / mu = 1 J, which is r^T (D + epsilon) r of the impulses r. The residual
+/// is ||J p - mu p|| in the norm of M_b^-1, over that of p.
 struct Mode {
   SpectralRadius spectrum;
   Interface rows;                          ///< of F

@@ -70,7 +70,7 @@ const ResultColumns<CaseSummary>& case_columns() {
       {"active_contacts", "1", "contacts of Stage 1", &CaseSummary::active_contacts},
       {"subdomains", "1", "subdomains of the partition, empty ones included", &CaseSummary::subdomains},
       {"interface_dofs", "1", "interface unknowns n_Gamma", &CaseSummary::interface_size},
-      {"contact_set", "", "all (H_E), active or unilateral (G_E) in Stage 1", &CaseSummary::contact_set},
+      {"contact_set", "", "all (H_E), or active, unilateral or frozen (G_E) in Stage 1", &CaseSummary::contact_set},
       {"contact_rule", "", "how the contacts of Stage 1 were chosen", &CaseSummary::rule}};
   return columns;
 }
