@@ -118,7 +118,8 @@ InterfaceIterations by_newton(const Simulation& simulation) {
   result.lumped = with({.preconditioner = lumped, .scaling = Scaling::multiplicity});
   result.dirichlet = with({.preconditioner = dirichlet, .scaling = Scaling::multiplicity});
   result.deluxe = with({.preconditioner = dirichlet, .scaling = Scaling::deluxe});
-  result.geneo = with({.preconditioner = dirichlet, .scaling = Scaling::deluxe, .coarse_space = SystemCoarseSpace::geneo});
+  result.geneo =
+      with({.preconditioner = dirichlet, .scaling = Scaling::deluxe, .coarse_space = SystemCoarseSpace::geneo});
   return result;
 }
 
