@@ -92,7 +92,7 @@ Action declare_optimum(Command& command) {
   options->limits.declare(command);
   command.footer =
       R"(The eta of the smallest radius of the enriched algorithm, from which eta on it converges, from which on it
-beats the generic algorithm, and the same with the best relaxation. Of the scheme schwarz, the best relaxation.
+beats the generic algorithm, and the same with the best relaxation. With schwarz the best relaxation.
 Examples:
   nscdd optimum disks8                        the nonsmooth case, active contacts
   nscdd optimum disks8 --epsilon 0,1 --contacts all --csv -)";

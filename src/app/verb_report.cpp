@@ -149,7 +149,7 @@ Action declare_report(Command& command) {
               fmt::format("flexibilities of Stage 2 on the page ({}), as in nscdd sweep", options->eta));
   command
       .add("--contacts", options->contacts,
-           "contacts of Stage 1: all, active, unilateral or frozen, may be given again; by default all, and with a "
+           "contacts of Stage 1: all, active, unilateral or frozen; may be given again; by default all, and with a "
            "load active too")
       .words = all_names<ContactSet>();
   declare_scheme(command, options->scheme);
