@@ -49,6 +49,18 @@ CoarseVectors united(const PrimalInterface& interface, const std::vector<LocalVe
   return all;
 }
 
+// An orthonormal basis of columns: a lone shared grain has no rotation of its own, a piece without one no motion.
+Matrix independent_columns(const Matrix& columns) {
+  Matrix basis(columns.rows(), columns.cols());
+  Index rank = 0;
+  for (Index j = 0; j < columns.cols(); ++j) {
+    Vector left = columns.col(j);
+    for (Index pass = 0; pass < 2 * rank; ++pass) left -= basis.col(pass % rank).dot(left) * basis.col(pass % rank);
+    if (left.norm() > 1e-6 * columns.col(j).norm()) basis.col(rank++) = left.normalized();
+  }
+  return basis.leftCols(rank);
+}
+
 // Velocities of the shared grains of connected pieces of a subdomain that move as rigid bodies.
 Matrix rigid_motions_of(const CondensedSubdomain& one, const Subdomain& subdomain, Index d) {
   DisjointSets sets(count(subdomain.grains));
@@ -77,7 +89,7 @@ Matrix rigid_motions_of(const CondensedSubdomain& one, const Subdomain& subdomai
     for (Index a = 0; a < d; ++a)
       for (Index b = a + 1; b < d; ++b, ++rotation) velocities(i, rotation) = k == a ? -arm[b] : k == b ? arm[a] : 0.0;
   }
-  return velocities;
+  return independent_columns(velocities);
 }
 
 // U L^-T.

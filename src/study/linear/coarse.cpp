@@ -277,9 +277,9 @@ Index coarse_spaces(const Model& model, const SweepParameters& sweep, const Coar
   if (std::ranges::any_of(sweep.epsilon, [](double epsilon) { return epsilon == 0; }))
     fail("{}: expected epsilon > 0 for preconditioners of X_epsilon, met 0, where X_0 is singular", model.name);
   if (!model.parts.interface.processes().alone())
-    for (const Preconditioner one : parameters.preconditioners)
+    for (const auto& [one, scaling, space] : methods_of(parameters))
       if (one == Preconditioner::lumped || one == Preconditioner::dirichlet)
-        fail("preconditioner: expected X, X_eta or bddc on several ranks, met {}", to_string(one));
+        fail("preconditioner: expected X, X_eta or bddc on several ranks, met {}", to_string(*one));
   const Selection selection = select(model, sweep.contacts);
   CoarseStudy study(model, selection, sweep, parameters);
   const std::vector<CoarseMethod> methods = methods_of(parameters);
