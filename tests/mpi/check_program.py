@@ -252,7 +252,7 @@ def refusals(folder):
     code, _, err = run(0, "sweep", "disks12", "--epsilon", "1", "--solver", "slepc", "--csv", new)
     check(code == 2 and "met slepc, which nscdd-mpi has" in err, f"slepc by nscdd: {code}, {err}")
     code, _, err = run(0, "coarse", "disks12", "--preconditioner", "bddc", "--csv", new)
-    check(code == 2 and "--preconditioner: expected X, X_eta, lumped or dirichlet" in err
+    check(code == 2 and "--preconditioner: expected X, X_eta, X_eta_active, lumped or dirichlet" in err
           and "met bddc, which nscdd-mpi has" in err, f"bddc by nscdd: {code}, {err}")
     code, out, err = run(4, "sweep", "disks4", "--epsilon", "1", "--csv", new)
     check(code == 2 and "at most 2 (one per subdomain), met 4" in err, f"too many processes: {code}, {err}")
