@@ -577,7 +577,8 @@ def in_own_folder(test):
 
 
 # Two at a time: much of what processes do here is to begin and to end.
-tests = (same_tables, coarse_spaces, same_reports, same_counts, nothing_to_share, refusals, one_fails,
+in_own_folder(coarse_spaces)  # alone: ranks of PETSc that wait for each other take the time of others
+tests = (same_tables, same_reports, same_counts, nothing_to_share, refusals, one_fails,
          killed_and_resumed, same_runs, close_runs, broken_runs, overlapping, too_long, shared_memory, refused_runs,
          killed_and_restarted)
 with ThreadPoolExecutor(2) as pool:
