@@ -6,7 +6,6 @@
 #include "linalg/threads.hpp"
 
 #include <Eigen/Cholesky>
-#include <lapacke.h>
 
 namespace nscdd {
 

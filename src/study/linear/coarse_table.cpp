@@ -32,7 +32,7 @@ ResultColumns<CoarseResult> coarse_columns(bool relative) {
         {"kappa", "1", "condition number of P^-1 X_epsilon, with the coarse space", &R::kappa},
         {"eigenvalue_low", "1", "smallest eigenvalue of P^-1 X_epsilon", &R::lambda_min},
         {"eigenvalue_high", "1", "largest eigenvalue of P^-1 X_epsilon", &R::lambda_max},
-        {"certified", "", "inertia counts prove these two ends", &R::certified},
+        {"certified", "", "inertia counts prove the largest, and that none is below the smallest", &R::certified},
         {"threshold", "1", "GenEO takes vectors with an eigenvalue below this", &R::threshold},
         {"bound", "1", "bound of kappa that the threshold implies", &R::bound},
         {"modes_30", "1", "fewest vectors of GenEO for no eigenvalue above 30", [](const R& r) { return r.fewest[0]; }},
