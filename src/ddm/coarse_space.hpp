@@ -35,8 +35,7 @@ class CoarseProblem {
  public:
   CoarseProblem(const PrimalInterface& interface, const CoarseVectors& vectors);
 
-  Index size() const { return v_.cols(); }  ///< independent vectors
-  const Vector& lambda() const { return lambda_; }
+  Index size() const { return v_.cols(); }                              ///< independent vectors
   const Matrix& orthonormal() const { return v_; }                      ///< V
   const SparseMatrix& vectors() const { return u_; }                    ///< U, the independent ones
   const std::vector<Index>& subdomains() const { return subdomains_; }  ///< that each comes from

@@ -118,12 +118,6 @@ Vector PrimalInterface::apply_dual(const Interface& glued, const Vector& f) cons
   return glued.exchange(velocities);
 }
 
-Vector PrimalInterface::precondition(const Vector& p) const {
-  return sum_of_blocks(*this, p, [](const CondensedSubdomain& one, const Vector& x) -> Vector {
-    return one.weights * (one.flexibility * (one.weights.transpose() * x));
-  });
-}
-
 SparseMatrix PrimalInterface::sparse() const {
   SparseEntries entries;
   for (const CondensedSubdomain& one : subdomains)

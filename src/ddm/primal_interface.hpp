@@ -30,7 +30,6 @@ struct PrimalInterface {
   Index most_neighbours() const;  ///< N_n: the most subdomains that share grains with one, itself included
   Vector apply_dual(const Interface& glued, const Vector& f) const;  ///< X_eps f, of interface impulses
   Vector apply(const Vector& u) const;                               ///< C u
-  Vector precondition(const Vector& p) const;                        ///< N p
   SparseMatrix sparse() const;                                       ///< C
   Matrix dense_preconditioner() const;                               ///< N
 };
