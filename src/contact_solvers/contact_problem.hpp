@@ -54,6 +54,13 @@ LocalVector<D> stopping(const FullDelassus<D>& w, LocalVector<D> impulse, LocalV
   return impulse - w.solve(u);
 }
 
+/// Some sweeps of a run. After each, impulses move on by `momentum` times their change since the sweep before:
+///     r + momentum (r - r_before),   r_before = r at the first.
+struct SweepTurn {
+  Index first = 0, many = 0;  ///< numbers first, ..., first + many - 1
+  double momentum = 0;        ///< in [0, 1)
+};
+
 /// The data of the contacts of a problem u = W r + q. Vectors have D entries per contact of this rank; sums are over
 /// the contacts of all ranks.
 struct ContactData {
@@ -96,8 +103,8 @@ concept ContactProblem = requires(P& problem, const P& fixed, const Vector& r, I
                                   std::vector<ContactRelation<P::dimension>> relations) {
   { fixed.data } -> std::convertible_to<const ContactData&>;
   { fixed.product(r) } -> std::same_as<Vector>;  // W r
-  // A function of (r, first, many) that returns the impulses after the sweeps first, ..., first + many - 1 from r.
-  { problem.sweeps(options)(r, number, number) } -> std::same_as<Vector>;
+  // A function of r and a SweepTurn that returns the impulses after these sweeps from r.
+  { problem.sweeps(options)(r, SweepTurn{number, number}) } -> std::same_as<Vector>;
   { problem.symmetric_product(r) } -> std::same_as<Vector>;           // W_s r
   { problem.rest(r) } -> std::same_as<Vector>;                        // W_a r
   { problem.factorise(std::move(relations)) } -> std::same_as<bool>;  // as ContactMatrix

@@ -21,7 +21,7 @@ bool sweep(P& problem, SolverRun<P::dimension>& run, Index most) {
     if (run.judge(impulses) || watch.ends(run)) return true;
     if (run.now.sweeps >= end) return false;
     const Index many = std::min(options.check_every, end - run.now.sweeps);
-    impulses = sweeps(impulses, run.now.sweeps, many);
+    impulses = sweeps(impulses, SweepTurn{run.now.sweeps, many});
     run.now.sweeps += many;
     run.now.operations += static_cast<double>(many) * run.data.product_operations;
   }

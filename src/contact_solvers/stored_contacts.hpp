@@ -23,11 +23,7 @@ class StoredContacts {
   Vector product(const Vector& r) const { return rows_ * r; }
   auto sweeps(const FrictionSolverOptions& options) const {
     return [rows = SweepRows<D>(problem_, options.order, options.seed), omega = options.relaxation](
-               const Vector& r, Index first, Index many) {
-      Vector impulses = rows.in_order(r);
-      for (Index number = first; number < first + many; ++number) rows.sweep(omega, number, impulses);
-      return rows.by_contact(impulses);
-    };
+               const Vector& r, const SweepTurn& turn) { return rows.swept(r, turn, omega); };
   }
 
   Vector symmetric_product(const Vector& r) { return systems().blocks * r; }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "contact_solvers/body_blocks.hpp"
 #include "contact_solvers/contact_problem.hpp"
+
+#include <variant>
 
 namespace nscdd {
 
@@ -12,10 +15,11 @@ struct SweepRows {
   SweepRows(const LocalFrictionProblem& problem, SweepOrder sweep_order, Index seed);
 
   SweepOrder order;
-  std::vector<Index> contact;  ///< at each place
-  ContactBlocks<D> w;
-  std::vector<FullDelassus<D>> diagonal;  ///< blocks of W
-  std::vector<ConeContact> cones{};       ///< the same, prepared for the law in space; empty in the plane
+  std::vector<Index> contact;                       ///< at each place
+  std::variant<ContactBlocks<D>, BodyBlocks<D>> w;  ///< the latter if M and H have its form
+  std::vector<DiagonalDelassus> uncoupled;  ///< diagonal blocks of W without coupling; others have inverse_n = 0
+  std::vector<FullDelassus<D>> diagonal;    ///< all of them, read for the others
+  std::vector<ConeContact> cones{};         ///< the same, prepared for the law in space; empty in the plane
   Vector q, friction;
   /// Of order `coloured`: W couples no two contacts of the places first_of_colour[k] ... first_of_colour[k + 1] - 1.
   std::vector<Index> first_of_colour;
@@ -28,9 +32,10 @@ struct SweepRows {
     result.reshaped(D, size())(Eigen::all, contact) = impulses.reshaped(D, size());
     return result;
   }
-  /// Does the `number`th sweep, from 0: each contact in turn takes the impulse of its law while the others keep theirs,
-  /// relaxed by omega. Coloured rows are swept in threads; their number changes no bit.
-  void sweep(double relaxation, Index number, Vector& impulses) const;
+  /// The impulses, by contact, after the sweeps of a turn from r. In each sweep every contact in turn takes the impulse
+  /// of its law while the others keep theirs, relaxed by omega. Coloured rows are swept in threads; their number
+  /// changes no bit.
+  Vector swept(const Vector& r, const SweepTurn& turn, double relaxation) const;
 };
 
 }  // namespace nscdd

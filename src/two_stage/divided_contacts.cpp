@@ -26,12 +26,36 @@ void append(const ContactRows<D>& from, std::size_t k, ContactRows<D>& to) {
   if (!from.others.empty()) to.others.push_back(from.others[k]);
 }
 
+SweptVector<2> moved_on(const SweptVector<2>& x, const SweptVector<2>& before, double momentum) {
+  return x + momentum * (x - before);
+}
+SweptVector<3> moved_on(const SweptVector<3>& x, const SweptVector<3>& before, double momentum) {
+  const auto [n, t] = x - before;
+  return {x.n + momentum * n, {x.t.x + momentum * t.x, x.t.y + momentum * t.y, x.t.z + momentum * t.z}};
+}
+template <int D>
+GrainVelocity<D> moved_on(GrainVelocity<D> x, const GrainVelocity<D>& before, double momentum) {
+  const GrainUnknowns<D> now = unknowns(x), last = unknowns(before);
+  add(x, [&](std::size_t k) { return momentum * (now[k] - last[k]); });
+  return x;
+}
+
+// x + momentum (x - before); `before` becomes x.
+template <class Item>
+void move_on(std::vector<Item>& x, std::vector<Item>& before, double momentum) {
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const Item now = x[k];
+    x[k] = moved_on(now, before[k], momentum);
+    before[k] = now;
+  }
+}
+
 }  // namespace
 
 template <int D>
 DividedContacts<D>::DividedContacts(const StepProblem<D>& problem, const Partition& partition,
-                                    GranularDecomposition<D> parts, const ContactColours& colours, CutContacts<D> cut,
-                                    Refinement refinement)
+                                    GranularDecomposition<D> parts, const ContactColours& colours,
+                                    std::optional<CutContacts<D>> cut, Refinement refinement)
     : problem_(problem),
       processes_(parts.interface.processes()),
       coloured_(parts.subdomains.size()),
@@ -147,14 +171,14 @@ Vector DividedContacts<D>::product(const Vector& r) const {
 
 template <int D>
 Vector DividedContacts<D>::solve(const Vector& b) {
-  Vector r = cut_.solve(b);
+  Vector r = cut_->solve(b);
   if (refinement_ == Refinement::one_step)
-    r += cut_.solve(ContactRelation<D>::rest(cut_.relations(), b, r, product(r)));
+    r += cut_->solve(ContactRelation<D>::rest(cut_->relations(), b, r, product(r)));
   return r;
 }
 
 template <int D>
-Vector DividedContacts<D>::swept(const Vector& r, Index sweeps, double omega) {
+Vector DividedContacts<D>::swept(const Vector& r, const SweepTurn& turn, double omega) {
   const Vector pulled = r - pull_;
   CopiesOfGrains<D> velocities = moved(pulled);
   for_each_subdomain([&](Index e) {
@@ -162,13 +186,27 @@ Vector DividedContacts<D>::swept(const Vector& r, Index sweeps, double omega) {
       colour.contacts.set_impulse(k, component<D>(pulled, colour.numbers[k]));
     });
   });
-  for (Index sweep = 0; sweep < sweeps; ++sweep)
+  std::vector<std::vector<std::vector<SweptVector<D>>>> before(bodies_.size());  // impulses, if there is momentum
+  CopiesOfGrains<D> slower;                                                      // velocities
+  if (turn.momentum > 0) {
+    slower = velocities;
+    for (std::size_t e = 0; e < before.size(); ++e)
+      for (const Coloured& colour : coloured_[e]) before[e].push_back(colour.contacts.impulses);
+  }
+  for (Index sweep = 0; sweep < turn.many; ++sweep) {
     for (std::size_t colour = 0; colour < changed_.size(); ++colour) {
       for_each_subdomain([&](Index e) {
         gauss_seidel_sweep(problem_.law, coloured_[at(e)][colour].contacts, velocities[at(e)], omega);
       });
       shared_.follow(changed_[colour], velocities);
     }
+    if (turn.momentum > 0)
+      for_each_subdomain([&](Index e) {
+        for (std::size_t colour = 0; colour < changed_.size(); ++colour)
+          move_on(coloured_[at(e)][colour].contacts.impulses, before[at(e)][colour], turn.momentum);
+        move_on(velocities[at(e)], slower[at(e)], turn.momentum);
+      });
+  }
   Vector result(r.size());
   for_each_subdomain([&](Index e) {
     for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {

@@ -28,31 +28,30 @@ class DividedContacts {
  public:
   static constexpr int dimension = D;
 
-  /// `problem` must outlive this; `partition`: of its contacts; `parts`: its cut; `cut`: the cut of its H.
+  /// `problem` must outlive this; `partition`: of its contacts; `parts`: its cut; `cut`: the cut of its H,
+  /// or nothing for a solver without linear systems.
   DividedContacts(const StepProblem<D>& problem, const Partition& partition, GranularDecomposition<D> parts,
-                  const ContactColours& colours, CutContacts<D> cut, Refinement refinement);
+                  const ContactColours& colours, std::optional<CutContacts<D>> cut, Refinement refinement);
 
   ContactData data;
 
   Vector product(const Vector& r) const;  ///< W r
   auto sweeps(const FrictionSolverOptions& options) {
-    return [this, omega = options.relaxation](const Vector& r, Index /*first*/, Index many) {
-      return swept(r, many, omega);
-    };
+    return [this, omega = options.relaxation](const Vector& r, const SweepTurn& turn) { return swept(r, turn, omega); };
   }
-  /// The impulses after so many Gauss-Seidel sweeps from r, relaxed by omega.
-  Vector swept(const Vector& r, Index sweeps, double omega);
+  /// The impulses after some Gauss-Seidel sweeps from r, relaxed by omega.
+  Vector swept(const Vector& r, const SweepTurn& turn, double omega);
   /// Velocities of the bodies of the problem under impulses r of all contacts, also of other ranks.
   std::vector<GrainVelocity<D>> velocities(const Vector& r) const;
 
   Vector symmetric_product(const Vector& r) const { return product(r); }
   Vector rest(const Vector& r) const { return Vector::Zero(r.size()); }
-  bool factorise(std::vector<ContactRelation<D>> relations) { return cut_.factorise(std::move(relations)); }
+  bool factorise(std::vector<ContactRelation<D>> relations) { return cut_->factorise(std::move(relations)); }
   bool factorise_shifted(const Vector& shift) { return factorise(ContactRelation<D>::shifted(shift)); }
   Vector solve(const Vector& b);
-  double take_operations() { return cut_.take_operations(); }
-  int determinant_sign() const { return cut_.determinant_sign(); }
-  const typename CutContacts<D>::Work& work() const { return cut_.work(); }
+  double take_operations() { return cut_ ? cut_->take_operations() : 0; }
+  int determinant_sign() const { return cut_->determinant_sign(); }
+  typename CutContacts<D>::Work work() const { return cut_ ? cut_->work() : typename CutContacts<D>::Work{}; }
 
  private:
   // The contacts of one colour in a subdomain.
@@ -74,7 +73,7 @@ class DividedContacts {
   std::vector<std::vector<Index>> changed_;      // copies that each colour changes, see SharedCopies
   SharedCopies<D> shared_;
   Vector pull_;  // N s, in the normal components
-  CutContacts<D> cut_;
+  std::optional<CutContacts<D>> cut_;
   Refinement refinement_;
 };
 

@@ -47,9 +47,10 @@ Dynamics cut_dynamics(const std::string& law, double restitution = 0) {
 
 // Contact after contact, colour after colour, on the stored W.
 template <int D>
-Vector literal_sweeps(const Divided<D>& divided, Vector r, Index sweeps, double omega) {
+Vector literal_sweeps(const Divided<D>& divided, Vector r, Index sweeps, double omega, double momentum = 0) {
   const LocalFrictionProblem& whole = divided.whole;
-  for (Index sweep = 0; sweep < sweeps; ++sweep)
+  Vector before = r;
+  for (Index sweep = 0; sweep < sweeps; ++sweep) {
     for (Index colour = 0; colour < divided.colours.number; ++colour)
       for (Index c = 0; c < whole.contacts(); ++c) {
         if (divided.colours.of_contact[at(c)] != colour) continue;
@@ -59,6 +60,10 @@ Vector literal_sweeps(const Divided<D>& divided, Vector r, Index sweeps, double 
                              wanted = Coulomb{}.impulse(stopping(w, now, component<D>(u, 0)), w, whole.friction[c]);
         set_component(r, c, now + omega * (wanted - now));
       }
+    const Vector swept = r;
+    r += momentum * (swept - before);
+    before = swept;
+  }
   return r;
 }
 
@@ -74,8 +79,9 @@ void check_against_whole(const Simulation& simulation, const std::string& algori
   const ContactData& data = divided.contacts.data;
   CHECK((data.q - whole.q).norm() < 1e-13 * whole.q.norm());
   const Vector start = r.cwiseAbs();
-  for (const double omega : {1.0, 0.7}) {
-    const Vector expected = literal_sweeps(divided, start, 3, omega), found = divided.contacts.swept(start, 3, omega);
+  for (const auto& [omega, momentum] : {std::pair(1.0, 0.0), {0.7, 0.0}, {1.0, 0.8}}) {
+    const Vector expected = literal_sweeps(divided, start, 3, omega, momentum),
+                 found = divided.contacts.swept(start, {.many = 3, .momentum = momentum}, omega);
     CHECK((found - expected).norm() < 1e-12 * expected.norm());
     CHECK((expected - start).norm() > 0.1 * start.norm());
   }
@@ -122,12 +128,12 @@ TEST_CASE("the cut of a step changes neither its colours nor, but for rounding, 
     const Simulation simulation = shaken_lattice(12, 9, dynamics, grid);
     Divided<2> divided(simulation);
     check_colours(simulation, divided.step, divided.colours);
-    const Vector found = divided.contacts.swept(Vector::Zero(divided.whole.size()), 20, 1);
+    const Vector found = divided.contacts.swept(Vector::Zero(divided.whole.size()), {.many = 20}, 1);
     if (first.size() == 0) first = found;
     CHECK((found - first).norm() < 1e-11 * first.norm());
     // Equal bits for any number of threads.
     const ThreadLimit limit(1);
-    CHECK(divided.contacts.swept(Vector::Zero(divided.whole.size()), 20, 1) == found);
+    CHECK(divided.contacts.swept(Vector::Zero(divided.whole.size()), {.many = 20}, 1) == found);
   }
 }
 
@@ -146,7 +152,7 @@ TEST_CASE("a grain with very many contacts takes as many colours, and shares the
   Divided<2> divided(simulation);
   CHECK(divided.colours.number == around);
   check_colours(simulation, divided.step, divided.colours);
-  const Vector found = divided.contacts.swept(Vector::Zero(divided.whole.size()), 2, 1);
+  const Vector found = divided.contacts.swept(Vector::Zero(divided.whole.size()), {.many = 2}, 1);
   const Vector expected = literal_sweeps(divided, Vector::Zero(divided.whole.size()), 2, 1);
   CHECK((found - expected).norm() < 1e-12 * expected.norm());
   // The large disk is in all subdomains, which leave it with one velocity.
