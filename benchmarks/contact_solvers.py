@@ -41,7 +41,7 @@ import numpy as np
 import nscdd
 import scipy.sparse
 
-NSCDD = ("auto", "continuation", "newton", "nlgs", "admm", "apgd")
+NSCDD = ("auto", "continuation", "newton", "nlgs", "admm", "accelerated")
 LOCAL = ("fc3d_nsgs", "fc3d_nsn_ac")
 GLOBAL = ("gfc3d_nsgs", "gfc3d_nsn_ac")
 RESIDUALS = {"1e-06": 1e-6, "1e-08": 1e-8}

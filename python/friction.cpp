@@ -61,7 +61,7 @@ void bind_solution(py::module_& module) {
       .def_property_readonly("open", of_state(&FrictionState::open), "contacts without an impulse")
       .def_property_readonly("stick", of_state(&FrictionState::stick), "contacts with an impulse inside of the cone")
       .def_property_readonly("slide", of_state(&FrictionState::slide), "contacts with an impulse on its edge")
-      .def_readonly("sweeps", &S::sweeps, "Gauss-Seidel sweeps done, or iterations of admm and apgd")
+      .def_readonly("sweeps", &S::sweeps, "Gauss-Seidel sweeps done, or iterations of admm")
       .def_readonly("factorisations", &S::factorisations, "sparse matrices factorised")
       .def_readonly("operations", &S::operations, "floating-point operations")
       .def_readonly("unsettled", &S::unsettled, "contacts whose status changed in the last 10 checks")

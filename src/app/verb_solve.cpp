@@ -38,7 +38,7 @@ ResultColumns<FrictionSolution> check_columns() {
        "part of Newton's step that was taken, length in log t along a curve; nan where steps have no length",
        &FrictionStep::length}};
   return joined<FrictionSolution>(
-      {{{"sweeps", "1", "Gauss-Seidel sweeps done, or iterations of admm and apgd", &FrictionSolution::sweeps}},
+      {{{"sweeps", "1", "Gauss-Seidel sweeps done, or iterations of admm", &FrictionSolution::sweeps}},
        columns_of(&FrictionSolution::state, of_state),
        {{"factorisations", "1", "sparse matrices factorised", &FrictionSolution::factorisations},
         {"status_changes", "1", "contacts that open, stick or slide otherwise than at the check before",

@@ -4,7 +4,7 @@
 // solution than any point of the curve.
 #pragma once
 
-#include "contact_solvers/apgd.hpp"
+#include "contact_solvers/accelerated.hpp"
 #include "contact_solvers/continuation.hpp"
 
 namespace nscdd {
@@ -26,13 +26,13 @@ void automatic(P& problem, SolverRun<P::dimension>& run) {
   };
   // A caller that does not store W wants its linear systems to be solved.
   if (StoredProblem<P> && run.data.contacts() >= very_many_contacts) {
-    apgd(problem, run);
+    accelerated(problem, run);
     if (run.now.status != FrictionStatus::maximum_reached && is_over()) return;
     run.go_back(run.best());
   }
   for (Index turn = 0; turn < std::ssize(smoothings); ++turn) {
     const Index most = std::min(first_sweeps << 2 * turn, options.maximum_sweeps - run.now.sweeps);
-    if (!given_up && sweep(problem, run, most) && is_over()) return;
+    if (!given_up && accelerated_sweeps(problem, run, most) && is_over()) return;
     if (run.spent()) continue;
     const FrictionSolution swept = run.now;
     if (NewtonSteps<P>(problem, run).finish()) return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact_solvers/solve_contacts.hpp"
 #include "contact_solvers/stored_contacts.hpp"
+#include "core/fail.hpp"
 #include "mechanics/contact_frame.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 

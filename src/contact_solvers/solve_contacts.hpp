@@ -11,7 +11,7 @@ namespace nscdd {
 template <ContactProblem P>
 constexpr auto contact_solvers = std::to_array<void (*)(P&, SolverRun<P::dimension>&)>({automatic<P>, continuation<P>,
                                                                                         newton<P>, nlgs<P>, admm<P>,
-                                                                                        apgd<P>});
+                                                                                        accelerated<P>});
 
 /// Throws Error for a guess of another length and bad options.
 void check_options(Index dimension, Index contacts, const FrictionSolverOptions& options, const Vector& guess);
@@ -23,7 +23,11 @@ FrictionSolution solve_contacts(P& problem, const FrictionSolverOptions& options
   check_options(P::dimension, problem.data.contacts(), options, guess);
   SolverRun<P::dimension> run(problem, options, guess, observer);
   contact_solvers<P>[static_cast<std::size_t>(FrictionAlgorithm{options.algorithm})](problem, run);
-  FrictionSolution solution = options.algorithm == FrictionAlgorithm::nlgs ? run.now : run.best();
+  FrictionSolution solution = run.best();
+  // Impulses that grow without end are the answer of sweeps, though smaller ones have smaller natural maps.
+  const bool accelerated = options.algorithm == FrictionAlgorithm::accelerated;
+  if (options.algorithm == FrictionAlgorithm::nlgs || (accelerated && run.now.state.residual < solution.state.residual))
+    solution = run.now;
   solution.unsettled = run.unsettled();
   return solution;
 }

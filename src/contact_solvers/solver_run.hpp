@@ -72,13 +72,14 @@ class SolverRun {
 template <int D>
 class StallWatch {
  public:
-  explicit StallWatch(const SolverRun<D>& run)
+  explicit StallWatch(const SolverRun<D>& run) : StallWatch(run, run.options.patience) {}
+  StallWatch(const SolverRun<D>& run, Index patience)  ///< in checks
       : sums_(run.data.sums),
         scale_(std::max(run.data.alone, sums_.norm(run.now.impulses))),
         watch_({.tolerance = -1,  // SolverRun::judge decides what has converged
                 .growth = growth_allowed,
                 .fall = progress_wanted,
-                .patience = run.options.patience,
+                .patience = patience,
                 .longer = 1},
                FrictionStatus::not_finite),
         first_(run.now.impulses),
@@ -123,8 +124,8 @@ class StallWatch {
 };
 
 /// As solve_friction, for any ContactProblem; all ranks call it together. Vectors and the `worst` contact are those of
-/// this rank, counts of contacts and residuals those of all. Only a StoredProblem has apgd. The source of each class of
-/// problems instantiates it, see solve_contacts.hpp.
+/// this rank, counts of contacts and residuals those of all. The source of each class of problems instantiates it, see
+/// solve_contacts.hpp.
 template <ContactProblem P>
 FrictionSolution solve_contacts(P& problem, const FrictionSolverOptions& options, const Vector& guess,
                                 const FrictionObserver& observer);

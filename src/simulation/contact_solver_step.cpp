@@ -136,14 +136,17 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
   // Solutions of Newton's steps are refined: their errors are about the square of the tolerance.
   const double tolerance = admm ? std::min(1e-8, solver.tolerance) : std::min(1e-4, 1e4 * solver.tolerance);
-  CutContacts<D> cut(linear_decomposition(simulation, step), {.network = solver.interface_network,
-                                                              .flexibility = admm ? 1 : solver.interface_flexibility,
-                                                              .tolerance = tolerance,
-                                                              .preconditioner = solver.interface_preconditioner,
-                                                              .scaling = solver.interface_scaling,
-                                                              .coarse_space = solver.coarse_space,
-                                                              .kappa = solver.coarse_kappa,
-                                                              .inertia = stage_two_inertia(simulation)});
+  std::optional<CutContacts<D>> cut;
+  if (has_part(solver.algorithm, StepPart::cut_systems))
+    cut.emplace(linear_decomposition(simulation, step),
+                CutOptions{.network = solver.interface_network,
+                           .flexibility = admm ? 1 : solver.interface_flexibility,
+                           .tolerance = tolerance,
+                           .preconditioner = solver.interface_preconditioner,
+                           .scaling = solver.interface_scaling,
+                           .coarse_space = solver.coarse_space,
+                           .kappa = solver.coarse_kappa,
+                           .inertia = stage_two_inertia(simulation)});
   DividedContacts<D> divided(step.problem, step.partition, std::move(parts),
                              contact_colours(simulation, step.problem.geometry), std::move(cut),
                              admm ? Refinement::none : Refinement::one_step);
@@ -151,7 +154,7 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   solve<D>(
       step, divided, start, velocities, [&] { return divided.work().iterations; }, simulation, sink);
   divided.take_operations();
-  const auto& work = divided.work();
+  const auto work = divided.work();
   WorkCount& counts = *simulation.processes.counts;
   counts.flops += work.flops;
   counts.path_flops += work.path_flops;

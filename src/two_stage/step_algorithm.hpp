@@ -30,7 +30,7 @@ enum class StepAlgorithm {
   continuation,
   newton,
   admm,
-  apgd,
+  accelerated,
   two_stage_newton,
   two_stage_admm,
 };
@@ -53,7 +53,7 @@ inline constexpr auto step_algorithms = [] {
       {"continuation", continuation, iterations},
       {"newton", newton, relaxation},
       {"admm", admm, iterations},
-      {"apgd", apgd, iterations},
+      {"accelerated", accelerated, relaxation | subdomains},
       {"two_stage_newton", automatic, relaxation | subdomains | cut_systems | softer_network},
       {"two_stage_admm", admm, subdomains | cut_systems},
   });

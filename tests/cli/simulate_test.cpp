@@ -389,7 +389,7 @@ TEST_CASE_FIXTURE(Session, "simulate: grains that go on together leave no residu
   file("two.toml", case_of("two.csv",
                            "[dynamics]\nstep = 0.005\nsteps = 6\n"
                            "[[prescribed]]\ngrain = 0\nvelocity = [1.0, 0.0]\n"));
-  for (const std::string algorithm : {"auto", "newton", "nlgs", "apgd"}) {
+  for (const std::string algorithm : {"auto", "newton", "nlgs", "accelerated"}) {
     CAPTURE(algorithm);
     const std::string text = answer("simulate two.toml -o " + algorithm + ".h5 --algorithm " + algorithm +
                                     " --convergence " + algorithm + ".csv --convergence-every 1");

@@ -17,8 +17,9 @@ using namespace nscdd::testing;
 
 namespace {
 
-constexpr auto algorithms = {FrictionAlgorithm::automatic, FrictionAlgorithm::continuation, FrictionAlgorithm::newton,
-                             FrictionAlgorithm::nlgs,      FrictionAlgorithm::admm,         FrictionAlgorithm::apgd};
+constexpr auto algorithms = {FrictionAlgorithm::automatic, FrictionAlgorithm::continuation,
+                             FrictionAlgorithm::newton,    FrictionAlgorithm::nlgs,
+                             FrictionAlgorithm::admm,      FrictionAlgorithm::accelerated};
 
 Eigen::Vector3d of(const Vector& values, Index c) { return values.segment<3>(3 * c); }
 

@@ -168,7 +168,7 @@ TEST_CASE("LMGC90's criteria: rounding of the velocities is relative to what the
 }
 
 TEST_CASE("two grains that go on together after an impact: impulses are rounding, and so is every residual") {
-  for (const std::string algorithm : {"auto", "continuation", "newton", "nlgs", "admm", "apgd", "generic"})
+  for (const std::string algorithm : {"auto", "continuation", "newton", "nlgs", "admm", "accelerated", "generic"})
     for (const double friction : {0.3, 0.0}) {
       std::vector<StepReport> first;
       for (const Units& units : watched(scales)) {
@@ -311,7 +311,7 @@ TEST_CASE("what ends a run is the residual that was asked for; a doubt is said b
 TEST_CASE("impulses that grow do not make the residual small: by default no solver takes them for a solution") {
   for (const FrictionAlgorithm algorithm :
        {FrictionAlgorithm::automatic, FrictionAlgorithm::continuation, FrictionAlgorithm::newton,
-        FrictionAlgorithm::nlgs, FrictionAlgorithm::admm, FrictionAlgorithm::apgd})
+        FrictionAlgorithm::nlgs, FrictionAlgorithm::admm, FrictionAlgorithm::accelerated})
     for (const double scale : {1.0, std::ldexp(1, -60), std::ldexp(1, 60)}) {
       CAPTURE(to_string(algorithm));
       CAPTURE(scale);
@@ -345,7 +345,7 @@ TEST_CASE("self-stress of a network at rest is a solution, however small what dr
 
 TEST_CASE("closing walls: no residual is small, and every step says that there may be no room" *
           doctest::skip(sanitized)) {  // minutes
-  const std::vector<std::string> algorithms{"auto", "newton", "nlgs", "admm", "apgd", "generic", "two_stage_newton"};
+  const std::vector<std::string> algorithms{"auto", "newton", "nlgs", "admm", "accelerated", "generic", "two_stage_newton"};
   for (const std::string& algorithm : watched(algorithms)) {
     std::vector<StepReport> first;
     for (const Units& units : watched(scales))
@@ -405,7 +405,7 @@ TEST_CASE("closing walls: without gravity, three of them, driven disks, spheres 
 
 TEST_CASE("driven disks that close on a free one leave no room, like walls" * doctest::skip(sanitized)) {  // minutes
   for (const std::string& algorithm :
-       watched(std::vector<std::string>{"auto", "newton", "nlgs", "admm", "apgd", "generic"}))
+       watched(std::vector<std::string>{"auto", "newton", "nlgs", "admm", "accelerated", "generic"}))
     for (const Units& units : watched(scales))
       for (const auto& speeds : {std::pair(0.0, -0.1), std::pair(0.1, -0.1), std::pair(0.3, 0.1)}) {
         CAPTURE(algorithm);
@@ -436,7 +436,7 @@ TEST_CASE("driven disks that go apart, along, or after each other leave room, an
   struct Pair {
     double left, right, free;  // m/s; that of the free disk: what the disk has that pushes it, or none
   };
-  for (const std::string algorithm : {"auto", "newton", "nlgs", "admm", "apgd", "generic"})
+  for (const std::string algorithm : {"auto", "newton", "nlgs", "admm", "accelerated", "generic"})
     for (const Units& units : watched(scales))
       for (const Pair& one : {Pair{-0.1, 0.1, 0}, {0.1, 0.1, 0.1}, {-0.1, -0.1, -0.1}, {0.1, 0.3, 0.1}, {0, 0, 0}}) {
         CAPTURE(algorithm);

@@ -218,6 +218,28 @@ void check_sweeps(LocalFrictionProblem problem) {
   CHECK_FALSE(BodyBlocks<D>::of(problem, {}).has_value());
 }
 
+// A column of disks of 1 kg on a floor, each pressed down by 1 N s. Contact k is below disk k.
+LocalFrictionProblem column_of_disks(Index disks) {
+  SparseMatrix h(3 * disks, 2 * disks), mass(3 * disks, 3 * disks);
+  GlobalFrictionProblem problem;
+  problem.f = Vector::Zero(3 * disks);
+  problem.w = Vector::Zero(2 * disks);
+  problem.friction = Vector::Constant(disks, 0.3);
+  for (Index k = 0; k < disks; ++k) {
+    for (Index i = 0; i < 3; ++i) mass.coeffRef(3 * k + i, 3 * k + i) = i < 2 ? 1 : 0.5;
+    problem.f[3 * k + 1] = -1;
+    for (Index body = std::max<Index>(k - 1, 0); body <= k; ++body) {
+      const double sign = body == k ? 1 : -1;
+      h.coeffRef(3 * body + 1, 2 * k) = sign;
+      h.coeffRef(3 * body, 2 * k + 1) = -sign;
+      h.coeffRef(3 * body + 2, 2 * k + 1) = -1;
+    }
+  }
+  problem.mass = mass;
+  problem.h = h;
+  return reduce(problem);
+}
+
 }  // namespace
 
 TEST_CASE("sweeps on stored rows and on velocities of bodies are the literal ones, with momentum too") {
@@ -244,4 +266,35 @@ TEST_CASE("M and H of another form than two bodies per contact are left to store
   coupled.mass.coeffRef(0, 1) = coupled.mass.coeffRef(1, 0) = 0.1;
   coupled.mass.makeCompressed();
   CHECK(refused(coupled));
+}
+
+TEST_CASE("accelerated sweeps take a fraction of the sweeps on a slow problem") {
+  // A column of disks on a floor: the slowest mode of sweeps needs some n^2 of them.
+  const LocalFrictionProblem column = column_of_disks(60);
+  const FrictionSolverOptions options{.algorithm = FrictionAlgorithm::nlgs};
+  FrictionSolverOptions faster = options;
+  faster.algorithm = FrictionAlgorithm::accelerated;
+  const FrictionSolution plain = solve_friction(column, options), found = solve_friction(column, faster);
+  REQUIRE(plain.status == FrictionStatus::converged);
+  REQUIRE(found.status == FrictionStatus::converged);
+  for (Index k = 0; k < 60; ++k)
+    CHECK(found.impulses[2 * k] == doctest::Approx(60.0 - static_cast<double>(k)).epsilon(1e-4));
+  CHECK(found.sweeps < 0.35 * static_cast<double>(plain.sweeps));
+}
+
+TEST_CASE("accelerated sweeps: the number of threads changes no bit") {
+  const LocalFrictionProblem problem = reduce(random_bodies_problem(6, 4000, 9000));  // enough for threads
+  const FrictionSolverOptions options{
+      .algorithm = FrictionAlgorithm::accelerated, .maximum_sweeps = 60, .order = SweepOrder::coloured};
+  Vector alone, together;
+  {
+    const ThreadLimit limit(1);
+    alone = solve_friction(problem, options).impulses;
+  }
+  {
+    const ThreadLimit limit(4);
+    together = solve_friction(problem, options).impulses;
+  }
+  CHECK(alone.norm() > 0);
+  CHECK(alone == together);
 }

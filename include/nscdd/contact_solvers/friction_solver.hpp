@@ -13,10 +13,10 @@ enum class FrictionAlgorithm {
   newton,        ///< proximal semismooth Newton, from a few sweeps
   nlgs,          ///< nonlinear Gauss-Seidel
   admm,          ///< alternating directions: all couplings without the law, then the law without couplings
-  apgd,          ///< accelerated projected gradients, with De Saxce's shift renewed in an outer loop
+  accelerated,   ///< sweeps with momentum
 };
 constexpr auto names_of(FrictionAlgorithm) {
-  return std::to_array<std::string_view>({"auto", "continuation", "newton", "nlgs", "admm", "apgd"});
+  return std::to_array<std::string_view>({"auto", "continuation", "newton", "nlgs", "admm", "accelerated"});
 }
 
 /// The order in which a sweep visits the contacts. Two contacts are coupled if their block of W is stored.
@@ -35,7 +35,7 @@ constexpr auto names_of(SweepOrder) {
 struct FrictionSolverOptions {
   Choice<FrictionAlgorithm> algorithm = FrictionAlgorithm::automatic;
   double tolerance = 1e-8;         ///< on FrictionState::residual
-  Index maximum_sweeps = 100'000;  ///< and iterations of admm and apgd
+  Index maximum_sweeps = 100'000;  ///< and iterations of admm
   Index maximum_factorisations = 1000;
   double relaxation = 1;  ///< omega in r_c <- r_c + omega (r_c' - r_c), in (0, 2)
   Choice<SweepOrder> order = SweepOrder::natural;
@@ -47,13 +47,14 @@ struct FrictionSolverOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("solver", self.algorithm,
-          Field{.description = "auto, continuation, newton, nlgs, admm or apgd; auto: sweeps, then continuation"});
+    visit(
+        "solver", self.algorithm,
+        Field{.description = "auto, continuation, newton, nlgs, admm or accelerated; auto: sweeps, then continuation"});
     visit("tolerance", self.tolerance, Field{.description = "on the residual", .above = 0, .maximum = 1});
     visit("maximum_sweeps", self.maximum_sweeps,
-          Field{.description = "sweeps over all contacts at most, or iterations of admm and apgd", .minimum = 0});
+          Field{.description = "sweeps over all contacts at most, or iterations of admm", .minimum = 0});
     visit("maximum_factorisations", self.maximum_factorisations,
-          Field{.description = "of all solvers but nlgs and apgd", .minimum = 0});
+          Field{.description = "of all solvers but nlgs and accelerated", .minimum = 0});
     visit("relaxation", self.relaxation,
           Field{.description = "omega in r <- r + omega (r' - r), between 0 and 2", .above = 0, .maximum = 2});
     visit("order", self.order, Field{.description = "of the contacts in a sweep"});
@@ -106,11 +107,13 @@ struct FrictionStep {
 };
 
 struct FrictionSolution {
-  Vector impulses;           ///< r, D c entries: of `nlgs` those of the last sweep, else the best that were found
+  /// r, D c entries: those with the smallest || m ||; of `nlgs` those of the last sweep, of `accelerated` those of the
+  /// two with the smaller residual.
+  Vector impulses;
   FrictionState state;       ///< of these impulses
   FrictionStep step;         ///< the step that led to them
   Index status_changes = 0;  ///< contacts whose status differs from that at the check before
-  Index sweeps = 0;          ///< Gauss-Seidel sweeps so far, or iterations of admm and apgd
+  Index sweeps = 0;          ///< Gauss-Seidel sweeps so far, or iterations of admm
   Index factorisations = 0;  ///< sparse matrices factorised so far
   /// Floating-point operations so far: 2 per entry of W for a sweep or a product with W, and those of sparse
   /// factorisations and solves as their library counts them. Not counted: checks, orderings, work per contact.

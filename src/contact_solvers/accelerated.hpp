@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Gauss-Seidel sweeps with momentum. After a sweep S, impulses move on by a part of their last change,
+//     r' = S(y_k),   y_{k+1} = r' + beta (r' - r),
+// which shortens a slow mode of the sweeps, of rate 1 - d, to one of rate 1 - d / (1 - beta). Coulomb's law has no
+// potential: momentum keeps a few contacts in motion. So a turn with momentum ends with sweeps without, which let these
+// settle. No turn is judged before. Beta rises while turns make progress, and falls when they do not.
+#pragma once
+
+#include "contact_solvers/nlgs.hpp"
+
+namespace nscdd {
+
+/// Turns of sweeps until the run is over or `most` sweeps are done. Returns whether it is over.
+template <ContactProblem P>
+bool accelerated_sweeps(P& problem, SolverRun<P::dimension>& run, Index most) {
+  constexpr double first_lag = 0.1, least_lag = 0.02, largest_lag = 0.5;      // 1 - beta
+  constexpr double with_momentum = 40, without = 10;                          // sweeps of a turn times the lag
+  constexpr double first_part = 1.0 / 16;                                     // of a turn: the next ones double it
+  constexpr double progress = 0.95, faster = 0.9, slower = 1.3, worse = 100;  // of the residual, and of the lag
+  constexpr Index patience = 60;                                              // turns
+  const auto sweeps = problem.sweeps(run.options);
+  const OneBlasThread serial_blas;
+  const Index end = std::min(run.options.maximum_sweeps, run.now.sweeps + most);
+  Vector impulses = run.now.impulses;
+  StallWatch<P::dimension> watch(run, patience);
+  double lag = first_lag, last = infinity, part = first_part;
+  const auto turn = [&](double share, double momentum) {
+    const Index many = std::min(static_cast<Index>(std::ceil(part * share / lag)), end - run.now.sweeps);
+    impulses = sweeps(impulses, SweepTurn{run.now.sweeps, many, momentum});
+    run.now.sweeps += many;
+    run.now.operations += static_cast<double>(many) * run.data.product_operations;
+  };
+  for (;;) {
+    if (run.judge(impulses) || watch.ends(run)) return true;
+    if (run.now.sweeps >= end) return false;
+    const double residual = run.now.state.residual;
+    if (part == 1)
+      lag = residual < progress * last ? std::max(least_lag, faster * lag) : std::min(largest_lag, slower * lag);
+    if (residual > worse * last) impulses = run.best().impulses;
+    last = run.now.state.residual;
+    turn(with_momentum, 1 - lag);
+    turn(without, 0);
+    part = std::min(1.0, 2 * part);
+  }
+}
+
+template <ContactProblem P>
+void accelerated(P& problem, SolverRun<P::dimension>& run) {
+  accelerated_sweeps(problem, run, run.options.maximum_sweeps);
+}
+
+}  // namespace nscdd
