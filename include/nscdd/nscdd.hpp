@@ -5,6 +5,7 @@
 /// and their spectral radii, sweeps, and the files these are read from. docs/architecture.md says what each layer is
 /// for.
 #include <nscdd/contact_solvers/friction_solver.hpp>
+#include <nscdd/contact_solvers/verdict.hpp>
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/components.hpp>
 #include <nscdd/core/fields.hpp>

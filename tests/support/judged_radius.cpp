@@ -8,7 +8,7 @@
 namespace nscdd::testing {
 
 SpectralRadius judged_radius(const Contraction& b, SpectralOptions options) {
-  const auto verdict = std::make_shared<Verdict>();
+  const auto verdict = std::make_shared<MumpsVerdict>();
   options.inertia = judged(multifrontal(), mumps(), verdict);
   const SpectralRadius radius = spectral_radius(b, options);
   CHECK(verdict->differing == 0);

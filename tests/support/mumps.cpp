@@ -106,7 +106,7 @@ InertiaMethod mumps(double pivot_threshold) {
   return {"mumps", analyse};
 }
 
-InertiaMethod judged(InertiaMethod method, InertiaMethod judge, std::shared_ptr<Verdict> verdict) {
+InertiaMethod judged(InertiaMethod method, InertiaMethod judge, std::shared_ptr<MumpsVerdict> verdict) {
   const auto analyse = [=](const InertiaPattern& pattern) {
     const InertiaFamily family = method.analyse(pattern), second = judge.analyse(pattern);
     const auto factorise = [=](const SparseMatrix& lower, const std::array<double, 2>& parameters) {

@@ -13,13 +13,13 @@ namespace nscdd::testing {
 InertiaMethod mumps(double pivot_threshold = 0.01);
 
 /// What a judge has seen.
-struct Verdict {
+struct MumpsVerdict {
   Index judged = 0;     ///< counts that both methods could be relied on for
   Index differing = 0;  ///< of these
   Index undecided = 0;  ///< counts of the first method that the judge has no reliable one for
 };
 
 /// Factorises with `method` and holds each count that can be relied on against that of `judge`.
-InertiaMethod judged(InertiaMethod method, InertiaMethod judge, std::shared_ptr<Verdict> verdict);
+InertiaMethod judged(InertiaMethod method, InertiaMethod judge, std::shared_ptr<MumpsVerdict> verdict);
 
 }  // namespace nscdd::testing

@@ -118,7 +118,7 @@ TEST_CASE("inertia factor: a judge sees a wrong count, and is asked about reliab
                          },
                          right.release};
   };
-  const auto verdict = std::make_shared<Verdict>();
+  const auto verdict = std::make_shared<MumpsVerdict>();
   factorise(judged(multifrontal(), mumps(), verdict), problem, 6);
   CHECK(verdict->judged == 1);
   CHECK(verdict->differing == 0);
