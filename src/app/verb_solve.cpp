@@ -4,6 +4,7 @@
 #include "formats/contact_problem/step_fclib.hpp"
 #include "formats/lmgc90/record.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
+#include <nscdd/contact_solvers/verdict.hpp>
 
 namespace nscdd::app {
 namespace {
@@ -14,6 +15,7 @@ struct Options {
   FrictionSolverOptions solver;
   std::optional<double> time_limit;
   Index guess = 0;
+  bool verdict = false;
   Limits limits;
   Reopening how;
 };
@@ -69,9 +71,11 @@ void print_problem(const FclibFile& file, const LocalFrictionProblem& local) {
   fmt::print("entries of W         {}\n", local.w.nonZeros());
 }
 
-void print_solution(const FrictionSolution& solution, double tolerance, double duration) {
+void print_solution(const FrictionSolution& solution, const std::optional<Verdict>& verdict, double tolerance,
+                    double duration) {
   const FrictionState& state = solution.state;
-  fmt::print("status               {}\n", to_string(solution.status));
+  const bool impossible = verdict && verdict->kind == VerdictKind::impossible;
+  fmt::print("status               {}\n", impossible ? "impossible" : to_string(solution.status));
   fmt::print("sweeps               {}\n", solution.sweeps);
   fmt::print("factorisations       {}\n", solution.factorisations);
   fmt::print("residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
@@ -87,12 +91,6 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
   fmt::print("seconds              {:.3g}\n", duration);
 }
 
-std::string first_of(const std::vector<Index>& contacts) {
-  constexpr std::size_t most = 8;
-  const auto end = contacts.begin() + static_cast<std::ptrdiff_t>(std::min(most, contacts.size()));
-  return fmt::format("{}{}", fmt::join(contacts.begin(), end, ", "), contacts.size() > most ? ", ..." : "");
-}
-
 // A relative residual may be small because impulses grow without bound, as they do if there is no solution.
 void print_doubt(const FrictionSolution& solution) {
   if (solution.credible || solution.status != FrictionStatus::converged) return;
@@ -100,6 +98,38 @@ void print_doubt(const FrictionSolution& solution) {
       "the residual is small only relative to the impulses, which are large relative to what drives the contacts; "
       "relative to the latter it is {:.3g}. Where no solution exists impulses grow so: a smaller --tolerance tells",
       solution.state.driven_residual);
+}
+
+std::string first_of(const std::vector<Index>& numbers) {
+  constexpr std::ptrdiff_t most = 8;
+  const auto end = numbers.begin() + std::min(most, std::ssize(numbers));
+  return fmt::format("{}{}", fmt::join(numbers.begin(), end, ", "), end == numbers.end() ? "" : ", ...");
+}
+
+void print_verdict(const Verdict& verdict) {
+  fmt::print("verdict              {}", to_string(verdict.kind));
+  if (verdict.kind == VerdictKind::exists)
+    fmt::print(": proved, bodies at {:.3g} m/s open every contact by the margin", verdict.speed);
+  if (verdict.kind == VerdictKind::impossible)
+    fmt::print(": proved, {} contacts close at {:.6g} m/s unless bodies are faster than {:.2g} m/s",
+               verdict.chain.size(), verdict.closing_speed, verdict.proven_speed);
+  fmt::print("\n  largest margin     {:.7g} m/s", verdict.margin);
+  if (verdict.kind != VerdictKind::exists) fmt::print(", without friction {:.7g} m/s", verdict.normal_margin);
+  fmt::print("\n  its work           {} factorisations, {:.3g} s\n", verdict.factorisations, verdict.seconds);
+}
+
+// Contacts of the chain and, if H has three rows per body in the plane, or six in space, the bodies that they touch.
+void note_chain(const LocalFrictionProblem& problem, const Verdict& verdict) {
+  if (verdict.kind != VerdictKind::impossible) return;
+  const Index rows = problem.dimension == 2 ? 3 : 6;
+  std::vector<Index> bodies;
+  if (problem.h.rows() % rows == 0 && problem.h.cols() > 0)
+    for (const Index c : verdict.chain)
+      for (SparseMatrix::InnerIterator e(problem.h, problem.dimension * c); e; ++e)
+        if (e.value() != 0) bodies.push_back(e.row() / rows);
+  sort_unique(bodies);
+  note("no impulses are a solution: contacts {}{} close at {:.6g} m/s", first_of(verdict.chain),
+       bodies.empty() ? "" : fmt::format(", of bodies {},", first_of(bodies)), verdict.closing_speed);
 }
 
 // The contacts that keep a run from converging, by their numbers in the file, from 0.
@@ -192,7 +222,12 @@ int run(const Options& options, const Context& context) {
     });
   }
   const double duration = seconds() - started;
-  if (solution.status == FrictionStatus::stopped) {
+  std::optional<Verdict> verdict;
+  if (solution.status != FrictionStatus::stopped && (options.verdict || solution.status != FrictionStatus::converged)) {
+    const Monitor monitor = interruption.watch("verdict", 0, "factorisation");
+    verdict = verdict_of(local, monitor);
+  }
+  if (solution.status == FrictionStatus::stopped || (verdict && interruption.stopped())) {
     if (csv) csv->leave();
     const int code =
         interrupted("interrupted after {} sweeps, residual {:.3e}", solution.sweeps, solution.state.residual);
@@ -201,11 +236,16 @@ int run(const Options& options, const Context& context) {
   }
   if (csv) csv->finish();
   print_problem(file, local);
-  print_solution(solution, solver.tolerance, duration);
+  print_solution(solution, verdict, solver.tolerance, duration);
   print_trouble(local, solution);
-  print_doubt(solution);
+  if (verdict) {
+    print_verdict(*verdict);
+    note_chain(local, *verdict);
+  } else {
+    print_doubt(solution);
+  }
   if (output) write_result(file, solution, options, context, *output);
-  return solution.status == FrictionStatus::converged ? 0 : 1;
+  return solution.status == FrictionStatus::converged && !(verdict && verdict->kind == VerdictKind::impossible) ? 0 : 1;
 }
 
 }  // namespace
@@ -229,6 +269,8 @@ Action declare_solve(Command& command) {
            {.above = 0, .also = infinity})
       .needs = csv;
   Option* const alone[] = {
+      &command.add("--verdict", options->verdict,
+                   "also decide, with proof, whether a solution exists; without it only where the solver fails"),
       &command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero"),
       &command.add("--convergence FILE", options->convergence,
                    "write one row per residual there, as CSV, each when it is known"),

@@ -98,6 +98,34 @@ TEST_CASE_FIXTURE(Session, "solve: not converged is exit code 1, and a guess to 
   check_refused("solve less.hdf5", {"guesses/number_of_guesses", "expected a number from 0", "met -5"});
 }
 
+TEST_CASE_FIXTURE(Session, "solve: a verdict where no solution exists, and on request") {
+  // A disk between two walls that close at 0.1 m/s.
+  GlobalFrictionProblem walls;
+  const Vector inertia = (Vector(3) << 1, 1, 0.125).finished();
+  walls.mass = Matrix(inertia.asDiagonal()).sparseView();
+  walls.h = (Matrix(3, 4) << 1, 0, -1, 0, 0, 1, 0, -1, 0, -0.5, 0, -0.5).finished().sparseView();
+  walls.f = Vector::Zero(3);
+  walls.w = (Vector(4) << 0, 0, -0.1, 0).finished();
+  walls.friction = Vector::Constant(2, 0.3);
+  file("walls.hdf5", raw_global(walls).bytes());
+  const Outcome closing = ended(1, "solve walls.hdf5", {"contacts 0, 1, of bodies 0, close at 0.1 m/s"});
+  CHECK(value(closing.standard_output, "status") == "impossible");
+  CHECK(value(closing.standard_output, "verdict") == "impossible:");
+  CHECK(value(closing.standard_output, "  largest margin") == "-0.05");
+  file("local.hdf5", raw_local(reduce(walls)).bytes());
+  ended(1, "solve local.hdf5 --tolerance 1 --verdict", {"contacts 0, 1 close at 0.1 m/s"});
+
+  file("p.hdf5", raw_global(box()).bytes());
+  const std::string report = answer("solve p.hdf5 --verdict");
+  CHECK(value(report, "status") == "converged");
+  CHECK(value(report, "verdict") == "exists:");
+  CHECK(answer("solve p.hdf5").find("verdict") == std::string::npos);
+  const Outcome failed = ended(1, "solve p.hdf5 --solver nlgs --maximum-sweeps 3 --tolerance 1e-12", {});
+  CHECK(value(failed.standard_output, "status") == "maximum_reached");
+  CHECK(value(failed.standard_output, "verdict") == "exists:");
+  check_refused("solve p.hdf5 --verdict --csv t.csv", {"--verdict"});
+}
+
 TEST_CASE_FIXTURE(Session, "solve: bad input is refused, and nothing is overwritten") {
   const std::string good = raw_global(box()).bytes();
   file("p.hdf5", good);
