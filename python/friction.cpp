@@ -6,6 +6,7 @@
 #include "long_work.hpp"
 #include "module.hpp"
 #include "options.hpp"
+#include <nscdd/contact_solvers/verdict.hpp>
 
 namespace nscdd::python {
 namespace {
@@ -68,10 +69,48 @@ void bind_solution(py::module_& module) {
       .def("__repr__", &shown);
 }
 
+void bind_verdict(py::module_& module) {
+  using V = Verdict;
+  using SharedVerdict = std::shared_ptr<V>;
+  py::class_<V, SharedVerdict>(module, "Verdict", "Whether a contact problem has a solution, with its certificate.")
+      .def_property_readonly(
+          "kind", [](const V& v) { return std::string(to_string(v.kind)); },
+          "exists or impossible, both proved in outward-rounded arithmetic, or undecided")
+      .def_readonly("margin", &V::margin, "the largest s found with u_n - mu |u_t| >= s at every contact, m/s")
+      .def_readonly("speed", &V::speed, "of the bodies with this margin, m/s")
+      .def_property_readonly(
+          "velocities", [](const SharedVerdict& v) { return view(v, v->velocities); },
+          "v' with this margin, u = H^T v' + q; without bodies y with u = W y + q")
+      .def_readonly("normal_margin", &V::normal_margin,
+                    "the largest s found without friction; nan if a solution exists")
+      .def_readonly("chain", &V::chain, "contacts of a self-stress that the supports work against")
+      .def_property_readonly(
+          "stress", [](const SharedVerdict& v) { return view(v, v->stress); },
+          "the self-stress at these contacts, the largest 1")
+      .def_readonly("closing_speed", &V::closing_speed, "of the supports at the chain, m/s")
+      .def_readonly("proven_speed", &V::proven_speed, "no solution has bodies that are slower, m/s")
+      .def_readonly("factorisations", &V::factorisations, "sparse matrices factorised")
+      .def("__repr__", [](const V& v) {
+        return fmt::format("Verdict(kind='{}', margin={:.3g}, closing_speed={:.3g})", to_string(v.kind), v.margin,
+                           v.closing_speed);
+      });
+}
+
 }  // namespace
 
 void bind_friction(py::module_& module) {
   bind_solution(module);
+  bind_verdict(module);
+  module.def(
+      "verdict",
+      [](const ContactProblem& problem, Index threads) {
+        LongWork work;
+        const auto reduced = problem.reduced();
+        return work.run(threads, [&] {
+          return std::make_shared<Verdict>(verdict_of(*reduced, [&](Index, Index) { return work.goes_on(); }));
+        });
+      },
+      py::arg("problem"), py::arg("threads"));
   bind_contact_problems(module);
   module.attr("friction_options") = described_fields<FrictionSolverOptions>();
   module.def(

@@ -12,7 +12,7 @@ docs/python.md of the source tree shows more. Lengths are in m, masses in kg, ti
 eta in 1/kg. Long work lets other threads run, and Ctrl-C ends it.
 """
 from ._core import (ContactNetwork, Decomposition, Error, FrictionSolution, Packing, SpectralRadius, Step,
-                    Subdomain)
+                    Subdomain, Verdict)
 from ._core import version as __version__
 from ._friction import ContactProblem, read_contact_problem, reduce_and_solve, solve, write_contact_problem
 from ._modes import Mode, mode
@@ -23,8 +23,8 @@ from ._tables import CurveTable, Table, curve, optimum, sweep
 
 __all__ = [
     "ContactNetwork", "ContactProblem", "Contraction", "CurveTable", "Decomposition", "Error", "FrictionSolution",
-    "InterfaceOperator", "Mode", "Packing", "Run", "SpectralRadius", "Step", "Subdomain", "Table", "__version__",
-    "chosen_contacts", "contacts", "contraction", "curve", "decompose", "generate", "mode", "optimum", "read_case",
-    "read_contact_problem", "read_packing", "reduce_and_solve", "simulate", "solve", "spectral_radius", "sweep",
-    "write_contact_problem",
+    "InterfaceOperator", "Mode", "Packing", "Run", "SpectralRadius", "Step", "Subdomain", "Table", "Verdict",
+    "__version__", "chosen_contacts", "contacts", "contraction", "curve", "decompose", "generate", "mode", "optimum",
+    "read_case", "read_contact_problem", "read_packing", "reduce_and_solve", "simulate", "solve", "spectral_radius",
+    "sweep", "write_contact_problem",
 ]

@@ -10,7 +10,7 @@ import scipy.sparse
 from numpy.typing import ArrayLike
 
 from . import _arguments, _core
-from ._core import FrictionSolution
+from ._core import FrictionSolution, Verdict
 
 #: A function that receives the solution at every check; if it returns False, the solver stops.
 Observer = Optional[Callable[[FrictionSolution], object]]
@@ -148,6 +148,10 @@ class ContactProblem:
         Solvers that factorise are faster if the problem has bodies.
         """
         return _core.solve(self._core, dict(options), guess, callback, threads)
+
+    def verdict(self, *, threads: int = 0) -> Verdict:
+        """Whether a solution exists, with proof, as `nscdd solve --verdict` finds."""
+        return _core.verdict(self._core, threads)
 
     def __repr__(self) -> str:
         return f"<nscdd.ContactProblem of {self.contacts} contacts, {'with' if self.has_bodies else 'without'} bodies>"

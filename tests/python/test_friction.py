@@ -253,3 +253,22 @@ def test_a_run_ends_at_its_tolerance_and_doubts_stand_beside():
     assert not nscdd.solve(w, q, 0.3).converged
     sound = nscdd.solve(w + np.diag([1, 0, 1, 0]), q, 0.3)
     assert sound.converged and sound.credible and sound.driven_residual <= 1e-8
+
+
+def test_verdicts_have_certificates():
+    mass, h, f, w = random_problem(10, 3)
+    problem = nscdd.ContactProblem.of_bodies(mass, h, f, w, 0.3)
+    verdict = problem.verdict()
+    assert verdict.kind == "exists" and verdict.chain == [] and np.isnan(verdict.normal_margin)
+    u = h.T @ verdict.velocities + local((mass, h, f, w))[1]
+    margin = np.min(u[::2] - 0.3 * np.abs(u[1::2]))
+    assert 0 < verdict.margin <= margin < verdict.margin * (1 + 1e-9)
+
+    h = h.tolil()
+    h[:, 2] = -2 * h[:, 0]  # bodies press on one support as they leave the other, and both close
+    closing = nscdd.ContactProblem.of_bodies(mass, h.tocsc(), 0 * f, np.where(np.arange(20) < 3, -0.1, 0.0), 0.3)
+    verdict = closing.verdict()
+    assert verdict.kind == "impossible" and verdict.chain == [0, 1]
+    np.testing.assert_allclose(verdict.stress, [1, 0.5])
+    assert verdict.closing_speed == pytest.approx(0.15) and verdict.proven_speed > 1e6
+    assert "impossible" in repr(verdict)
