@@ -37,7 +37,10 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
     text +=
         fmt::format("attention: {} of {} steps ended before {} fell to {}{}; {}\n", open, totals.steps,
                     to_string(is_contact_solver(solver.algorithm) ? Choice(Criterion::natural_map) : solver.criterion),
-                    solver.tolerance, totals.interface ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
+                    solver.tolerance,
+                    totals.interface && has_part(solver.algorithm, StepPart::exchanges)
+                        ? fmt::format(" and jumps to {}", solver.gluing_tolerance)
+                        : "",
                     advice(totals, dynamics));
   if (totals.doubtful > 0)
     text += fmt::format(

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gauss-Seidel sweeps with momentum. After a sweep S, impulses move on by a part of their last change,
 //     r' = S(y_k),   y_{k+1} = r' + beta (r' - r),
-// which shortens a slow mode of the sweeps, of rate 1 - d, to one of rate 1 - d / (1 - beta). Coulomb's law has no
-// potential: momentum keeps a few contacts in motion. So a turn with momentum ends with sweeps without, which let these
-// settle. No turn is judged before. Beta rises while turns make progress, and falls when they do not.
+// so that a slow mode, which a sweep multiplies by 1 - d, falls by 1 - d / (1 - beta) per sweep. Coulomb's law has no
+// potential: momentum keeps a few contacts in motion. So sweeps without momentum end each turn and let these contacts
+// settle before the residual is taken. Beta rises after a turn that made progress, and falls after one that did not.
 #pragma once
 
 #include "contact_solvers/nlgs.hpp"
@@ -18,7 +18,9 @@ bool accelerated_sweeps(P& problem, SolverRun<P::dimension>& run, Index most) {
   constexpr double first_part = 1.0 / 16;                                     // of a turn: the next ones double it
   constexpr double progress = 0.95, faster = 0.9, slower = 1.3, worse = 100;  // of the residual, and of the lag
   constexpr Index patience = 60;                                              // turns
-  const auto sweeps = problem.sweeps(run.options);
+  FrictionSolverOptions options = run.options;
+  options.relaxation = std::min(1.0, options.relaxation);  // momentum takes the place of over-relaxation
+  const auto sweeps = problem.sweeps(options);
   const OneBlasThread serial_blas;
   const Index end = std::min(run.options.maximum_sweeps, run.now.sweeps + most);
   Vector impulses = run.now.impulses;
