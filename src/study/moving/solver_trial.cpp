@@ -55,12 +55,6 @@ std::vector<FrictionAlgorithm> solvers_of(const StudyTable& table) {
   return contact_solvers_named(table.contact_solvers, "contact_solvers");
 }
 
-void check_law(const CaseSpec& spec) {
-  const Interaction& interaction = spec.dynamics->interaction;
-  if (!opens(contact_law(interaction, spec.dynamics->time.step, 1)))
-    fail("interaction.law: expected a law with open contacts, met {}", to_string(interaction.law));
-}
-
 Index run_trials(const ObservedCase& work) {
   const std::vector<FrictionAlgorithm> solvers = solvers_of(work.table);
   const Index each = count(solvers), total = count(work.table.steps) * each;
@@ -72,9 +66,7 @@ Index run_trials(const ObservedCase& work) {
     const Index step = work.table.steps[at(k / each)];
     if (!problem || k % each == 0) {
       const Simulation simulation = work.lead_in.at(work.one, step - 1, work.table.lead_in).simulation;
-      problem = in_dimension(simulation.system, [&](auto dimension) {
-        return contact_problem(whole_step<dimension()>(simulation), simulation.system);
-      });
+      problem = whole_contact_problem(simulation);
       grains = simulation.system.free_grains();
     }
     const auto go_on = [&] { return !(stopped = !report(work.monitor, k, total)); };
@@ -87,6 +79,18 @@ Index run_trials(const ObservedCase& work) {
 }
 
 }  // namespace
+
+LocalFrictionProblem whole_contact_problem(const Simulation& simulation) {
+  return in_dimension(simulation.system, [&](auto dimension) {
+    return contact_problem(whole_step<dimension()>(simulation), simulation.system);
+  });
+}
+
+void require_open_contacts(const CaseSpec& spec) {
+  const Interaction& interaction = spec.dynamics->interaction;
+  if (!opens(contact_law(interaction, spec.dynamics->time.step, 1)))
+    fail("interaction.law: expected a law with open contacts, met {}", to_string(interaction.law));
+}
 
 const ResultColumns<SolverTrial>& trial_columns() {
   static const auto columns = [] {
@@ -153,6 +157,6 @@ constinit const Observable observables::contact_solvers = {
                             {"solver", std::string(to_string(solvers[at(row % each)]))}};
         },
     .moving = true,
-    .check = check_law};
+    .check = require_open_contacts};
 
 }  // namespace nscdd

@@ -6,6 +6,9 @@
 
 namespace nscdd {
 
+struct CaseSpec;
+struct Simulation;
+
 /// The residuals at which contact solvers are compared, in one run to the smallest.
 inline constexpr std::array compared_residuals{1e-4, 1e-6, 1e-8};
 
@@ -33,6 +36,11 @@ const ResultColumns<SolverTrial>& trial_columns();
 /// at most ten times, and the shortest run counts. Throws Error as solve_friction.
 SolverTrial try_solver(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
                        double time_limit = infinity, const std::function<bool()>& go_on = {});
+
+/// The contact problem of the next step of a simulation.
+LocalFrictionProblem whole_contact_problem(const Simulation& simulation);
+/// Throws Error for a case whose contacts do not open.
+void require_open_contacts(const CaseSpec& spec);
 
 /// The solvers of a list of names; "all" names every one. Throws Error, beginning with `what`, for an unknown or
 /// repeated name.

@@ -38,13 +38,13 @@ struct Observable {
 namespace observables {
 extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, solver_indicators,
     configuration, force_chains, predicted_observed, rate_at_solution, runs, switching, contact_solvers,
-    interface_iterations, coarse_space;
+    interface_iterations, coarse_space, verdicts;
 
 /// Every observable, in the order of `nscdd list`.
 inline constexpr auto all = std::to_array<const Observable*>(
     {&spectral_radius, &optimum, &observed_rate, &links, &grains, &indicators, &solver_indicators, &configuration,
      &force_chains, &predicted_observed, &rate_at_solution, &runs, &switching, &contact_solvers, &interface_iterations,
-     &coarse_space});
+     &coarse_space, &verdicts});
 }  // namespace observables
 
 /// A case parameter, such as packing.grains, and its values.
