@@ -29,6 +29,7 @@ import shear_in_space
 import size
 import style
 import switch
+import verdicts
 
 # What draws the results of a study.
 DRAW = {
@@ -52,6 +53,7 @@ DRAW = {
     "predicted-observed": predicted_observed.draw,
     "profiles": profiles.draw,
     "switch": switch.draw,
+    "verdicts": verdicts.draw,
     "coarse-space": coarse_space.draw,
     "newton-scalability": newton_scalability.draw,
     "machines": machines.draw,
