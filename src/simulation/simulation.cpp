@@ -12,10 +12,12 @@ namespace {
 
 // Whether grains were slow for `rest_steps` steps, and not faster at each step, as when a fall begins.
 bool at_rest(const std::vector<double>& speeds, double rest_speed) {
+  constexpr double unseen = 1e-6;  // a rise of the speed by rounding
   if (count(speeds) < rest_steps) return false;
   const auto last = std::span(speeds).last(at(rest_steps));
   return std::ranges::all_of(last, [&](double speed) { return speed < rest_speed; }) &&
-         std::ranges::adjacent_find(last, std::ranges::greater_equal()) != last.end();
+         std::ranges::adjacent_find(last, [&](double one, double next) { return next <= one + unseen * rest_speed; }) !=
+             last.end();
 }
 
 template <int D>
