@@ -15,7 +15,7 @@ template <ContactProblem P>
 bool accelerated_sweeps(P& problem, SolverRun<P::dimension>& run, Index most) {
   constexpr double first_lag = 0.1, least_lag = 0.02, largest_lag = 0.5;      // 1 - beta
   constexpr double with_momentum = 40, without = 10;                          // sweeps of a turn times the lag
-  constexpr double first_part = 1.0 / 16;                                     // of a turn: the next ones double it
+  constexpr double first_part = 1.0 / 64;                                     // of a turn: the next ones double it
   constexpr double progress = 0.95, faster = 0.9, slower = 1.3, worse = 100;  // of the residual, and of the lag
   constexpr Index patience = 60;                                              // turns
   FrictionSolverOptions options = run.options;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sweeps, then the curve of a smoothed law from their impulses. The more sweeps, the nearer to a solution it begins.
-// Problems of very many contacts start with accelerated gradients as long as these make progress: they come nearer to a
-// solution than any point of the curve.
+// Later rounds sweep without momentum, and the last one from the first impulses: whether a curve leads to a solution
+// depends on where it begins. Problems of very many contacts start with accelerated sweeps as long as these make
+// progress: they come nearer to a solution than any point of the curve.
 #pragma once
 
 #include "contact_solvers/accelerated.hpp"
@@ -11,12 +12,12 @@ namespace nscdd {
 
 template <ContactProblem P>
 void automatic(P& problem, SolverRun<P::dimension>& run) {
-  constexpr Index first_sweeps = 500, very_many_contacts = 100'000;
+  constexpr Index first_sweeps = 500, rounds_with_momentum = 2, very_many_contacts = 100'000;
   // Smoothings of the curve over the residual of the sweeps, for a run from zero and for one from given impulses.
   constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10, 100, 1, 1000};
   const FrictionSolverOptions& options = run.options;
   const auto& smoothings = run.data.sums.all_zero(run.now.impulses) ? cold_smoothings : warm_smoothings;
-  std::optional<FrictionStatus> given_up;  // how sweeps or gradients ended, once they make no progress
+  std::optional<FrictionStatus> given_up;  // how sweeps ended, once they make no progress
   const auto is_over = [&] {               // not if they stalled: the other solvers are left
     given_up = run.now.status;
     if (*given_up != FrictionStatus::stalled && *given_up != FrictionStatus::diverged) return true;
@@ -30,9 +31,15 @@ void automatic(P& problem, SolverRun<P::dimension>& run) {
     if (run.now.status != FrictionStatus::maximum_reached && is_over()) return;
     run.go_back(run.best());
   }
-  for (Index turn = 0; turn < std::ssize(smoothings); ++turn) {
+  const Vector begin = run.now.impulses;
+  constexpr Index last = std::ssize(cold_smoothings) - 1;
+  for (Index turn = 0; turn <= last; ++turn) {
     const Index most = std::min(first_sweeps << 2 * turn, options.maximum_sweeps - run.now.sweeps);
-    if (!given_up && accelerated_sweeps(problem, run, most) && is_over()) return;
+    if (!given_up) {
+      if (turn == last) run.now.impulses = begin;
+      const bool accelerates = turn < rounds_with_momentum;
+      if ((accelerates ? accelerated_sweeps(problem, run, most) : sweep(problem, run, most)) && is_over()) return;
+    }
     if (run.spent()) continue;
     const FrictionSolution swept = run.now;
     if (NewtonSteps<P>(problem, run).finish()) return;
