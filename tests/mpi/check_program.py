@@ -427,6 +427,7 @@ def close_runs(folder):
         "active": ["--algorithm", "enriched", "--set", "solver.network=active", "--set",
                    "solver.interface_method=conjugate_gradient", *zeta],
         "once": ["--algorithm", "enriched", "--set", "solver.enrichment=semi_implicit", *zeta],
+        "accelerated": ["--algorithm", "accelerated", "--tolerance", "1e-6", "--iterations", "1000"],
         "newton": ["--algorithm", "two_stage_newton", "--tolerance", "1e-10", "--iterations", "1000"],
         "newton-all": ["--algorithm", "two_stage_newton", "--tolerance", "1e-10", "--iterations", "1000",
                        "--set", "solver.interface_network=all"],
