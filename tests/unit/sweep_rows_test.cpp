@@ -282,6 +282,22 @@ TEST_CASE("accelerated sweeps take a fraction of the sweeps on a slow problem") 
   CHECK(found.sweeps < 0.35 * static_cast<double>(plain.sweeps));
 }
 
+TEST_CASE("impulses of accelerated sweeps are judged after sweeps without momentum: they obey the cones") {
+  const LocalFrictionProblem problem = many_contacts();
+  Index checks = 0, sliding = 0;
+  solve_friction(problem, {.algorithm = FrictionAlgorithm::accelerated, .tolerance = 1e-14, .maximum_sweeps = 2000}, {},
+                 [&](const FrictionSolution& check) {
+                   for (Index c = 0; c < problem.contacts(); ++c) {
+                     const LocalVector<2> r = component<2>(check.impulses, c);
+                     CHECK(std::abs(r.t) <= problem.friction[c] * r.n * (1 + 1e-12));
+                   }
+                   sliding = check.state.slide;
+                   return ++checks < 12;
+                 });
+  CHECK(checks > 4);
+  CHECK(sliding > 100);
+}
+
 TEST_CASE("accelerated sweeps: the number of threads changes no bit") {
   const LocalFrictionProblem problem = reduce(random_bodies_problem(6, 4000, 9000));  // enough for threads
   const FrictionSolverOptions options{
