@@ -18,8 +18,8 @@ class Run:
 
     def __init__(self, core: _core.Run) -> None:
         self.steps = Table(core.columns)  #: a row for each step: the table `summary` of a trajectory (docs/formats.md)
-        self.end = core.end  #: "completed", "at rest", "stopped" or "broke down"
-        self.reason = core.reason  #: of a breakdown: the step, and the grain or contact
+        self.end = core.end  #: "completed", "at rest", "stopped", "broke down" or "impossible"
+        self.reason = core.reason  #: of a breakdown or a step without a solution: its number, and grains or contacts
         self.last = core.last  #: the last good step
         #: the grains at the end: free ones and, as clumps, those of bodies that are free along all directions. The
         #: masses of the grains of a clump are scaled to that of the body; its inertia is then that of its grains

@@ -18,6 +18,7 @@ struct Chosen {
   TrajectoryHeader header;
   std::vector<Index> steps;
   bool force = false;
+  bool draws = false;  // pictures, with chains that jam
 };
 
 // Passes the steps to `take` one by one until the user interrupts. Returns their number.
@@ -26,7 +27,9 @@ Index hand_over(const Chosen& chosen, const std::function<void(Index, const Traj
   const Monitor monitor = interruption.watch("export " + fs::path(chosen.trajectory).filename().string(), 0, "step");
   Index done = 0;
   for (const Index step : chosen.steps) {
-    take(step, read_trajectory_step(chosen.trajectory, step));
+    TrajectoryStep shown = read_trajectory_step(chosen.trajectory, step);
+    if (chosen.draws) add_chain(chosen.trajectory, shown);
+    take(step, shown);
     if (!report(monitor, ++done, count(chosen.steps))) break;
   }
   return done;
@@ -142,7 +145,8 @@ int export_steps(const StepsOptions& options, const std::string& trajectory, boo
     require_ending(options.vtkhdf, vtkhdf_endings);
   }
   const StepRange range = parse_step_range(options.range);
-  const Chosen steps{trajectory, read_trajectory_header(trajectory), chosen_steps(trajectory, range), force};
+  const Chosen steps{trajectory, read_trajectory_header(trajectory), chosen_steps(trajectory, range), force,
+                     options.lmgc90.empty()};
   if (!options.lmgc90.empty()) return export_lmgc90(steps, options.lmgc90);
   return options.vtkhdf.empty() ? export_vtk(steps, options.vtk) : export_vtkhdf(steps, options.vtkhdf);
 }

@@ -71,6 +71,12 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
 
 std::string lack_of_room(const RunTotals& totals) {
   if (totals.no_room == 0) return "";
+  if (const auto proved = totals.verdicts.find(to_string(VerdictKind::impossible));
+      proved != totals.verdicts.end() && proved->second == totals.no_room)
+    return fmt::format(
+        "in {} of {} steps, at first in step {}, the boundaries leave no room: it is proved that no impulses are a "
+        "solution (work of the boundaries in the run: {:.3g} J)",
+        totals.no_room, totals.steps, totals.first_no_room, totals.boundary_work);
   return fmt::format(
       "in {} of {} steps, at first in step {}, contacts close although their impulses have grown far beyond what "
       "drives the step: the boundaries may leave no room, and then no impulses are a solution and more iterations do "
@@ -87,8 +93,11 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
   for (const Index k : system.free_bodies) bodies += system.boundaries[at(k)].body->reach > 0;  // that have grains
   const std::string of_bodies =
       in_bodies == 0 ? "" : fmt::format(", {} in {} {}", in_bodies, bodies, bodies == 1 ? "body" : "bodies");
-  std::vector<std::string> statuses;
-  for (const auto& [status, number] : totals.statuses) statuses.push_back(fmt::format("{} {}", number, status));
+  const auto counted = [](const std::map<std::string_view, Index>& numbers) {
+    std::vector<std::string> all;
+    for (const auto& [word, number] : numbers) all.push_back(fmt::format("{} {}", number, word));
+    return fmt::format("{}", fmt::join(all, ", "));
+  };
   std::string text =
       fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end), totals.steps,
                   simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
@@ -99,7 +108,9 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
                       undivided ? fmt::format("solved undivided by {}", to_string(algorithm))
                                 : fmt::format("interface of {} unknowns", totals.last.interface_size));
   if (totals.steps == 0) return text;
-  text += fmt::format("steps: {}\n", fmt::join(statuses, ", "));
+  text += fmt::format("steps: {}\n", counted(totals.statuses));
+  if (!totals.verdicts.empty())
+    text += fmt::format("verdicts: {}; least margin {:.6g} m/s\n", counted(totals.verdicts), totals.margin);
   text +=
       fmt::format("iterations: {} in all, {:.4g} per step, {} at most\n", totals.iterations,
                   static_cast<double>(totals.iterations) / static_cast<double>(totals.steps), totals.most_iterations);

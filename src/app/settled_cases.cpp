@@ -103,7 +103,7 @@ Packing simulate_to_the_end(const Case& one) {
   sinks.step = [&](const Simulation&, const AnySolvedStep&, const StepReport& report) { totals.add(report); };
   sinks.monitor = progress("settle " + one.spec.name, 0, "step");
   const RunOutcome outcome = run_simulation(simulation, sinks);
-  if (outcome.end == RunEnd::broke_down) fail("case '{}': cannot be settled: {}", one.spec.name, outcome.reason);
+  if (failed(outcome.end)) fail("case '{}': cannot be settled: {}", one.spec.name, outcome.reason);
   if (outcome.end == RunEnd::completed && one.spec.dynamics->time.rest_speed > 0)
     note("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.spec.name, simulation.state.step,
          mean_speed(simulation.system, totals.last.energy.kinetic));

@@ -75,17 +75,18 @@ void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
   }
   if (!is_there(path)) return require_writable(path, false);
   const std::string text = read_text(path);  // of a completed run
-  if (bytes_of_run(text, run, path) < text.size() && !run.broke_down)
+  if (bytes_of_run(text, run, path) < text.size() && !run.failed)
     fail("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
          run.iterations.size());
 }
 
-// The lines of a case without the number of steps, and an end.
+// The lines of a case without those that change no step, and an end.
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);)
-    if (!line.starts_with("steps = ")) lines.push_back(line);
+    if (!line.starts_with("steps = ") && !line.starts_with("verdict = ") && !line.starts_with("impossible = "))
+      lines.push_back(line);
   lines.push_back("the end");
   return lines;
 }
@@ -133,8 +134,9 @@ void require_same_start(const std::string& path, const GranularState& asked) {
 }  // namespace
 
 RunSoFar run_so_far(const std::string& path) {
+  const std::string end = read_end(path);
   return {path, read_summary(path, "iterations"), read_summary(path, "kinetic"),
-          read_end(path).starts_with(to_string(RunEnd::broke_down))};
+          end.starts_with(to_string(RunEnd::broke_down)) || end.starts_with(to_string(RunEnd::impossible))};
 }
 
 void check_restart(const std::string& path, const std::string& table, const CaseSpec& spec) {
@@ -170,7 +172,8 @@ void RunOutput::open(const TrajectoryHeader& header, const Simulation& simulatio
     }
     if (found)
       trajectory_->go_on(header.case_text,
-                         fmt::format("from step {}: nscdd {}: {}\n", simulation.state.step, version(), command_line));
+                         fmt::format("from step {}: nscdd {}: {}\n", simulation.state.step, version(), command_line),
+                         read_chains(files_.output, simulation.state.step));
     else
       trajectory_.emplace(files_.output, header, TrajectoryStep{simulation.state, {}}, headings(step_columns()));
   });
@@ -208,6 +211,7 @@ void RunOutput::add(const Simulation& after, const AnySolvedStep& solved, const 
   if (processes_.first()) newest_->state = after.state;
   newest_->contacts = std::visit([](const auto& step) { return trajectory_contacts(step); }, solved);
   rows_.push_back(row(step_columns(), report));
+  if (trajectory_) trajectory_->append(report.chain);
   // Several ranks exchange contacts only when rank 0 is about to write them.
   const bool due = processes_.any(trajectory_ && trajectory_->due());
   if (keep || due || processes_.alone()) hand_over(keep);
@@ -222,6 +226,7 @@ void RunOutput::end(const RunOutcome& outcome) {
   hand_over(false);
   first([&] {
     if (table_) table_->flush();
+    trajectory_->append(outcome.chain);
     trajectory_->end(outcome.reason.empty() ? std::string(to_string(outcome.end))
                                             : fmt::format("{}: {}", to_string(outcome.end), outcome.reason));
     if (table_ && outcome.end == RunEnd::stopped) table_->leave();

@@ -12,14 +12,14 @@ struct RunSoFar {
   std::string path;
   std::vector<double> iterations;  ///< of each completed step
   std::vector<double> kinetic;     ///< energy after each step, J
-  bool broke_down = false;         ///< in the next step, whose rows are in the table
+  bool failed = false;             ///< in the next step, whose rows are in the table
 };
 RunSoFar run_so_far(const std::string& path);
 
 /// Throws Error unless the trajectory at `path` holds a run of this case (the number of steps aside) and of this build
 /// with at most as many steps, and the run can continue the --convergence table at `table`. It cannot if that has other
-/// columns, lacks rows of a step after its first row, or is complete and holds later steps (except the one that broke
-/// down). The grains are checked by take_up.
+/// columns, lacks rows of a step after its first row, or is complete and holds later steps (except the one that
+/// failed). The grains are checked by take_up.
 void check_restart(const std::string& path, const std::string& table, const CaseSpec& spec);
 
 /// Gives a simulation at time 0 the last state of the trajectory at `path`. Throws Error naming the disk that differs

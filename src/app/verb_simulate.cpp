@@ -25,6 +25,8 @@ struct Options {
       {"--criterion", "WORD", "solver.criterion", names_where<Criterion>(), all_names<Criterion>()},
       {"--tolerance", "NUMBER", "solver.tolerance", "of the criterion"},
       {"--iterations", "N", "solver.maximum_iterations", "of a step at the most"},
+      {"--verdict", "WORD", "solver.verdict", "steps of which it is decided whether they have a solution",
+       all_names<VerdictSteps>()},
       {"--steps", "N", "dynamics.steps", "number of time steps"}};
   std::vector<std::string> settings;
   Limits limits;
@@ -131,8 +133,9 @@ int close(const Options& options, const Simulation& simulation, const RunOutcome
     return interrupted("{}: interrupted after {} of {} steps; --restart goes on with it", options.files.output,
                        simulation.state.step, simulation.dynamics.time.steps);
   fmt::print(options.files.convergence == "-" ? stderr : stdout, "{}", report_text(totals, simulation, outcome));
-  if (outcome.end != RunEnd::broke_down) return 0;
-  note("{}: broke down in {}; it holds the last good state", options.files.output, outcome.reason);
+  if (!failed(outcome.end)) return 0;
+  note("{}: {}{}; it holds the last good state", options.files.output,
+       outcome.end == RunEnd::broke_down ? "broke down in " : "", outcome.reason);
   return 1;
 }
 
@@ -252,7 +255,8 @@ Action declare_simulate(Command& command) {
   command.footer =
       R"(Prints how the run went; layout of the trajectory in docs/formats.md. A run that is killed, interrupted or
 finished goes on with --restart, bit for bit as in one piece.
-Exit codes: 0 done, 1 a step broke down (the last good state is kept), 2 bad input, 130 interrupted.
+Exit codes: 0 done, 1 a step broke down or has no solution (the last good state is kept), 2 bad input,
+130 interrupted.
 Examples:
   nscdd simulate shear-1k -o shear.h5
   nscdd simulate shear-1k --algorithm enriched --eta 30W --gauss-seidel-sweeps 100 -o e.h5

@@ -28,7 +28,7 @@ std::vector<GrainContact<D>> with_impulses(std::vector<GrainContact<D>> contacts
   return contacts;
 }
 
-// Both enumerations have the same six values in the same order.
+// Both enumerations begin with the same six values in the same order.
 SolverStatus status_of_step(FrictionStatus status) {
   static_assert(static_cast<int>(FrictionStatus::stopped) == static_cast<int>(SolverStatus::given_up));
   return static_cast<SolverStatus>(status);

@@ -6,11 +6,17 @@
 
 namespace nscdd {
 
+/// The contact problem of some contacts of a prepared step with the velocities of its bodies.
+template <int D>
+GlobalFrictionProblem global_problem(const StepProblem<D>& step, const std::vector<GrainContact<D>>& contacts,
+                                     const GranularSystem& system) {
+  return friction_problem(step.free, contacts, [&](Index body) { return system.rims(step.numbers[at(body)]); });
+}
+
 /// The contact problem of a prepared step, u = W r + q. Its impulses are r + pull. The contacts of the law must open.
 template <int D>
 LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularSystem& system) {
-  LocalFrictionProblem problem = reduce(
-      friction_problem(step.free, step.contacts, [&](Index body) { return system.rims(step.numbers[at(body)]); }));
+  LocalFrictionProblem problem = reduce(global_problem(step, step.contacts, system));
   Vector pull = Vector::Zero(D * problem.contacts());
   for (Index c = 0; c < problem.contacts(); ++c) pull[D * c] = step.contacts[at(c)].pull;
   problem.q -= problem.w * pull;

@@ -46,6 +46,7 @@ void add_needs(std::vector<Need>& needs, const StepSolver& solver) {
   add("solver.coarse_space", "solver.interface_preconditioner", solver.interface_preconditioner,
       is(SystemPreconditioner::dirichlet));
   add("solver.coarse_kappa", "solver.coarse_space", solver.coarse_space, is(SystemCoarseSpace::geneo));
+  add("solver.impossible", "solver.verdict", solver.verdict, is_not(VerdictSteps::never));
   for (const char* path : {"solver.switch_after", "solver.switch_flexibility"})
     add(path, "solver.switch", solver.model, is_not(SwitchedModel::none));
   add("solver.switch_cells", "solver.switch", solver.model, is(SwitchedModel::homogenised));
@@ -63,7 +64,8 @@ void add_needs(std::vector<Need>& needs, const Interaction& interaction, double 
     add_law(path, [](const auto& law) { return law.pulls; });
   add_law("interaction.epsilon", [](const auto& law) { return !law.opens; });
   add_law("interaction.tangential_restitution", [](const auto& law) { return law.rubs; });
-  add_law("solver.switch", [](const auto& law) { return law.opens; });
+  for (const char* path : {"solver.switch", "solver.verdict", "solver.impossible"})
+    add_law(path, [](const auto& law) { return law.opens; });
 
   const auto add = [&](const char* path, const char* with, const char* expected, double now, bool met) {
     needs.push_back({path, with, expected, field_text(now == 0 ? 0.0 : now), met});

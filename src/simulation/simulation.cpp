@@ -4,6 +4,7 @@
 #include "core/memory.hpp"
 #include "simulation/contact_solver_step.hpp"
 #include "simulation/step_decomposition.hpp"
+#include "simulation/step_verdict.hpp"
 
 #include <fmt/format.h>
 
@@ -83,11 +84,16 @@ std::optional<RunOutcome> advance(Simulation& simulation, const RunSinks& sinks,
   AnySolvedStep solved;
   try {
     GranularStep<D> step = solve_step<D>(simulation, sinks.iteration);
+    const std::string no_solution = judge(step, simulation, sinks.iteration.goes_on);
+    if (!no_solution.empty() && simulation.dynamics.solver.impossible == IfImpossible::stop)
+      return RunOutcome{RunEnd::impossible, fmt::format("step {}: {}", step.report.step, no_solution),
+                        std::move(step.report.chain)};
     if (step.report.broke_down())
-      return broke_down(fmt::format("{} after {} iterations, {}",
+      return broke_down(fmt::format("{} after {} iterations, {}{}{}",
                                     step.energy_exploded ? "more energy than loads, boundaries and pushes can bring"
                                                          : to_string(step.report.status),
-                                    step.report.last.iteration, describe_breakdown(simulation, step)));
+                                    step.report.last.iteration, describe_breakdown(simulation, step),
+                                    no_solution.empty() ? "" : "; ", no_solution));
     if (step.report.status == SolverStatus::given_up) return RunOutcome{RunEnd::stopped};
     solved = std::move(step);
   } catch (const Error& error) {

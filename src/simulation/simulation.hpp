@@ -32,17 +32,22 @@ enum class RunEnd {
   at_rest,     ///< mean_speed was below TimeStepping::rest_speed for `rest_steps` steps, without always rising
   stopped,     ///< by the monitor, or in a step by IterationSink::goes_on
   broke_down,  ///< a step could not be prepared (see prepare_solution), diverged, or gave values not finite
+  impossible,  ///< a step has no solution, and StepSolver::impossible is `stop`
 };
 constexpr auto names_of(RunEnd) {
-  return std::to_array<std::string_view>({"completed", "at rest", "stopped", "broke down"});
+  return std::to_array<std::string_view>({"completed", "at rest", "stopped", "broke down", "impossible"});
 }
+
+/// Whether a run ended at a step that it could not take.
+inline bool failed(RunEnd end) { return end == RunEnd::broke_down || end == RunEnd::impossible; }
 
 /// Slow steps in a row after which grains are at rest: a turning point of their motion is not rest.
 inline constexpr Index rest_steps = 10;
 
 struct RunOutcome {
   RunEnd end = RunEnd::completed;
-  std::string reason = {};  ///< of a breakdown: the step, and the grain or contact
+  std::string reason = {};               ///< of a breakdown or impossible step: its number, and grains or contacts
+  std::vector<ChainContact> chain = {};  ///< of the impossible step
 };
 
 /// Observers of a run; each may be empty.

@@ -3,6 +3,7 @@
 
 #include "mechanics/gauss_seidel.hpp"
 #include "two_stage/granular_two_stage.hpp"
+#include <nscdd/contact_solvers/verdict.hpp>
 #include <nscdd/core/table.hpp>
 
 namespace nscdd {
@@ -15,10 +16,11 @@ enum class SolverStatus {
   diverged,         ///< impulses grew to a million times their first size, or energy to ten times that available
   no_number,        ///< an impulse or velocity is not finite
   given_up,         ///< by IterationSink::goes_on: such a step is not taken
+  impossible,       ///< proved: there is no solution, whatever the iterations returned
 };
 constexpr auto names_of(SolverStatus) {
   return std::to_array<std::string_view>(
-      {"converged", "stalled", "maximum_reached", "diverged", "no_number", "given_up"});
+      {"converged", "stalled", "maximum_reached", "diverged", "no_number", "given_up", "impossible"});
 }
 
 /// One iteration with all its indicators.
@@ -47,6 +49,13 @@ struct IterationSink {
   bool observes(Index iteration) const;
 };
 
+/// A contact of a chain that jams, see Verdict::chain.
+struct ChainContact {
+  Index step = 0;  ///< from 1
+  StepContact geometry = {};
+  double stress = 0;  ///< of the self-stress, whose largest entry is 1
+};
+
 /// Results of a solved step: a row of the table of steps.
 struct StepReport {
   Index step = 0;   ///< from 1
@@ -67,6 +76,10 @@ struct StepReport {
 
   bool no_room = false;   ///< contacts keep closing although impulses grew, see no_room in solved_step.cpp
   bool doubtful = false;  ///< converged relative to impulses that are not credible, see FrictionSolution
+  std::optional<VerdictKind> verdict = {};  ///< none: it was not asked for, see VerdictSteps
+  double margin = not_a_number;             ///< of the verdict, m/s
+  double closing_speed = not_a_number;      ///< at which driven bodies work against the chain, m/s; nan without one
+  std::vector<ChainContact> chain = {};     ///< if there is no solution
   /// |natural map| over ImpulseScale::driving, which does not fall as impulses grow.
   double driven_residual() const;
 

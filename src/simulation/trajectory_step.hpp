@@ -8,10 +8,12 @@ namespace nscdd {
 /// A contact as a step left it.
 struct TrajectoryContact {
   StepContact geometry;
-  LocalVector<2> impulse;  ///< N s; in space the tangential part along t_1 of the frame of the normal, see tangents_of
+  LocalVector<2> impulse =
+      {};  ///< N s; in space the tangential part along t_1 of the frame of the normal, see tangents_of
   ContactStatus status = ContactStatus::open;
   Index subdomain = 0;
   double second_tangential = 0;  ///< in space along t_2, N s
+  double self_stress = 0;        ///< of the chain that jams, see add_chain
 
   bool carries() const { return nscdd::carries(local<3>()); }
   double tangential() const { return std::hypot(impulse.t, second_tangential); }  ///< its size

@@ -89,6 +89,18 @@ enum class SwitchedModel {
 };
 constexpr auto names_of(SwitchedModel) { return std::to_array<std::string_view>({"none", "linear", "homogenised"}); }
 
+/// The steps of which it is decided whether they have a solution.
+enum class VerdictSteps {
+  failed,  ///< those that broke down, and those that end unconverged with the signs of no room
+  every,
+  never,
+};
+constexpr auto names_of(VerdictSteps) { return std::to_array<std::string_view>({"failed", "every", "never"}); }
+
+/// What a run does at a step that has no solution.
+enum class IfImpossible { stop, go_on };
+constexpr auto names_of(IfImpossible) { return std::to_array<std::string_view>({"stop", "go_on"}); }
+
 /// The flexibility eta of an enriched Stage 2 in a case: a Flexibility > 0, or "optimal".
 struct EtaChoice {
   static constexpr std::string_view expected =
@@ -145,6 +157,8 @@ struct StepSolver {
   Index switch_after = 100;                           ///< k
   Flexibility switch_flexibility{1e-6, true};         ///< alpha, 1/kg
   std::array<Index, 2> switch_cells{2, 2};            ///< of a homogenised subdomain
+  Choice<VerdictSteps> verdict = VerdictSteps::failed;
+  Choice<IfImpossible> impossible = IfImpossible::stop;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -220,6 +234,11 @@ struct StepSolver {
                 .above = 0});
     visit(stage_two, "switch_cells", self.switch_cells,
           Field{.description = "cells of the coarse mesh over a homogenised subdomain", .minimum = 1, .maximum = 1000});
+    visit(iterations, "verdict", self.verdict,
+          Field{.description = "steps of which it is decided whether they have a solution; failed: those that broke "
+                               "down or that end unconverged where boundaries may leave no room"});
+    visit(iterations, "impossible", self.impossible,
+          Field{.description = "what a run does at a step that has no solution"});
   }
 };
 

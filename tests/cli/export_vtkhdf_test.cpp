@@ -61,12 +61,12 @@ TEST_CASE_FIXTURE(BoxSession, "export --vtkhdf: one file has every step as its .
   answer("simulate box.toml --subdomains 2x1 -o run.h5");
   answer("export run.h5 --vtk all");
   CHECK(answer("export run.h5 --vtkhdf run.vtkhdf") == "run.vtkhdf: 13 steps (0:12), 54 disks\n");
-  check_same_pictures(*this, "all/run.pvd", "run.vtkhdf", 13, 21);
+  check_same_pictures(*this, "all/run.pvd", "run.vtkhdf", 13, 22);
 
   answer("export run.h5 --vtk some --steps 3:12:3");
   answer("export run.h5 --vtkhdf some.hdf --steps 3:12:3");
   std::filesystem::rename(folder / "some.hdf", folder / "some.vtkhdf");
-  check_same_pictures(*this, "some/run.pvd", "some.vtkhdf", 4, 21);
+  check_same_pictures(*this, "some/run.pvd", "some.vtkhdf", 4, 22);
   CHECK_FALSE(has("run.vtkhdf.partial"));
 }
 
@@ -80,7 +80,7 @@ TEST_CASE_FIXTURE(Session, "export --vtkhdf: steps without contacts in between, 
   answer("simulate ball.toml -o ball.h5");
   answer("export ball.h5 --vtk ball");
   answer("export ball.h5 --vtkhdf ball.vtkhdf");
-  check_same_pictures(*this, "ball/ball.pvd", "ball.vtkhdf", 41, 21);
+  check_same_pictures(*this, "ball/ball.pvd", "ball.vtkhdf", 41, 22);
   std::string contacts;
   for (const Picture& picture : pictures_in(folder / "ball/ball.pvd"))
     contacts += picture.lines.contains("lines/offsets 0 2") ? "1" : "0";
@@ -91,7 +91,7 @@ TEST_CASE_FIXTURE(Session, "export --vtkhdf: steps without contacts in between, 
   answer("simulate box.toml --subdomains 2x2 --algorithm generic --steps 4 -o run.h5");
   answer("export run.h5 --vtk all");
   answer("export run.h5 --vtkhdf run.vtkhdf");
-  check_same_pictures(*this, "all/run.pvd", "run.vtkhdf", 5, 26);
+  check_same_pictures(*this, "all/run.pvd", "run.vtkhdf", 5, 27);
 }
 
 TEST_CASE_FIXTURE(BoxSession, "export --vtkhdf: whole or absent, and nothing is replaced in silence") {

@@ -45,11 +45,11 @@ struct OwnCache {
 
 TEST_CASE_FIXTURE(Session, "simulate: overlaps above a tenth of a radius are noticed, above a half they end the run") {
   file("one.csv", "x,y,radius\n0,0.5,0.5\n");
-  file("press.toml",
-       case_text("one.csv", "1, 1",
-                 "[masses]\nmodel = \"unit\"\n[dynamics]\nsteps = 40\n[solver]\nmaximum_iterations = 20\n") +
-           line_text("floor", "[0, 0]", "[1, 0]") +
-           line_text("lid", "[1, 1]", "[0, 1]", "centre = [0, 1]\nvelocity = [0, -0.5]\n"));
+  file("press.toml", case_text("one.csv", "1, 1",
+                               "[masses]\nmodel = \"unit\"\n[dynamics]\nsteps = 40\n[solver]\nmaximum_iterations = "
+                               "20\nverdict = \"never\"\n") +
+                         line_text("floor", "[0, 0]", "[1, 0]") +
+                         line_text("lid", "[1, 1]", "[0, 1]", "centre = [0, 1]\nvelocity = [0, -0.5]\n"));
   const auto said = [&](const std::string& command) {  // standard error names the lack of room
     const Outcome outcome = ended(0, command, {"at first in step 1, contacts close although"});
     return outcome.standard_output;
@@ -407,7 +407,7 @@ TEST_CASE_FIXTURE(Session, "simulate: walls without room are named in summary, f
   file("closing.toml", case_of("one.csv", "[dynamics]\nstep = 0.005\nsteps = 20\ngravity = [0, -9.81]\n" +
                                               line_text("left", "[-0.5, 5]", "[-0.5, -5]") +
                                               line_text("right", "[0.5, -5]", "[0.5, 5]", "velocity = [-0.1, 0]\n")));
-  const Outcome closing = run("simulate closing.toml -o closing.h5");
+  const Outcome closing = run("simulate closing.toml -o closing.h5 --verdict never");
   const std::string said = "in 20 of 20 steps, at first in step 1, contacts close although";
   CHECK(closing.exit_code == 0);
   CHECK(contains(closing.standard_output, "attention: " + said));
@@ -422,7 +422,8 @@ TEST_CASE_FIXTURE(Session, "simulate: walls without room are named in summary, f
   for (const double residual : nscdd::read_summary(file, "driven_residual")) CHECK(residual > 0.1);
   answer("report closing.h5 -o closing.html");
   CHECK(contains(read("closing.html"), "no_room"));
-  const Outcome few = run("simulate closing.toml -o few.h5 --algorithm nlgs --iterations 300 --steps 3");
+  const Outcome few =
+      run("simulate closing.toml -o few.h5 --verdict never --algorithm nlgs --iterations 300 --steps 3");
   CHECK(contains(few.standard_error, "in 3 of 3 steps, at first in step 1"));
   CHECK_FALSE(contains(few.standard_output, "--iterations allows more"));
 }

@@ -2,6 +2,7 @@
 // What each process has of a step that several share.
 #include "../support/spheres.hpp"
 #include "simulation/simulation.hpp"
+#include "simulation/step_verdict.hpp"
 #include <nscdd/mpi/processes.hpp>
 #include <nscdd/packing/generator.hpp>
 
@@ -209,4 +210,25 @@ TEST_CASE("shared steps: processes that find other contacts all say so, and none
         all().together([&] { return share_step<2>(one); }),
         "processes: expected the same step on all ranks, met different ones: their processors may differ", Error);
   }
+}
+
+TEST_CASE("shared steps: all processes end at a step without a solution, with the same chain") {
+  Dynamics dynamics = dynamics_of("generic");
+  dynamics.solver.maximum_iterations = 300;
+  dynamics.solver.verdict = "every";
+  dynamics.time.steps = 2;
+  dynamics.boundaries = {wall("left", {-0.5, 5}, {-0.5, -5}),
+                         wall("right", {7.5, -5}, {7.5, 5}, moving({.x = -0.1}, {7.5, 0}))};
+  std::vector<Grain> row(8);
+  for (int k = 0; k < 8; ++k) row[at(k)].x = k;
+  Simulation alone = simulation_of(row, dynamics, {8, 1}), shared = alone;
+  shared.processes = all();
+  const RunOutcome whole = run_simulation(alone, {}), own = run_simulation(shared, {});
+  CHECK(whole.end == RunEnd::impossible);
+  CHECK(own.end == RunEnd::impossible);
+  CHECK(own.reason == whole.reason);
+  CHECK(whole.chain.size() == 9);
+  REQUIRE(own.chain.size() == whole.chain.size());
+  for (std::size_t k = 0; k < own.chain.size(); ++k) CHECK(own.chain[k].stress == whole.chain[k].stress);
+  CHECK(shared.state.step == 0);
 }

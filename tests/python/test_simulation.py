@@ -196,3 +196,25 @@ def test_errors(arguments, words):
 def test_a_case_that_does_not_move():
     with pytest.raises(nscdd.Error, match=r"section \[dynamics\]"):
         nscdd.simulate(os.path.join(CASES, "disks4.toml"))
+
+
+def test_a_step_without_a_solution_ends_a_run(tmp_path):
+    walls = FALL.replace('-5.0, -2.0]\nto = [5.0, -2.0]', '-5.0, -0.5]\nto = [5.0, -0.5]') + """
+[[boundary]]
+name = "lid"
+shape = "wall"
+from = [5.0, 0.5]
+to = [-5.0, 0.5]
+velocity = [0.0, -0.2]
+"""
+    (tmp_path / "walls.toml").write_text(walls, encoding="utf-8")
+    (tmp_path / "fall.toml").write_text(FALL, encoding="utf-8")
+    run = nscdd.simulate(tmp_path / "walls.toml")
+    assert run.end == "impossible" and run.steps.rows == 0
+    assert run.reason.startswith("step 1: no solution: the wall of boundary 'floor', disk 0, the wall of boundary 'lid'"
+                                 ": closing at 0.2 m/s")
+    run = nscdd.simulate(tmp_path / "walls.toml", settings={"dynamics.steps": 3, "solver.impossible": "go_on"})
+    assert run.end == "completed" and list(run.steps["verdict"]) == ["impossible"] * 3
+    assert np.all(run.steps["margin"] < 0) and np.allclose(run.steps["closing_speed"], 0.2)
+    run = nscdd.simulate(tmp_path / "fall.toml", settings={"dynamics.steps": 3, "solver.verdict": "every"})
+    assert list(run.steps["verdict"]) == ["exists"] * 3 and np.all(np.isposinf(run.steps["margin"]))

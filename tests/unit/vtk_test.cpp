@@ -73,6 +73,7 @@ Shown two_grains_and_a_wall() {
   shown.step.contacts = {{contact(1, 2, {9, 0.5}, -1e-5), {4, -0.4}, ContactStatus{1}, 1},
                          {contact(0, 1, {7, 7}, 2e-5), {5, 0.5}, ContactStatus{3}, 0},
                          {contact(0, 3, {8, 0.75}, 0), {6, 0}, ContactStatus{0}, 1}};
+  shown.step.contacts[1].self_stress = 0.25;
   return shown;
 }
 
@@ -103,7 +104,8 @@ TEST_CASE("vtp: VTK reads every number as it was, grains before contacts, feet a
   CHECK(a["cell/impulse_t"] == Values{0, 0, -0.4, 0.5, 0});
   CHECK(a["cell/status"] == Values{-1, -1, 1, 3, 0});
   CHECK(a["cell/gap"] == Values{0, 0, -1e-5, 2e-5, 0});
-  CHECK(a.size() == 21);
+  CHECK(a["cell/self_stress"] == Values{0, 0, 0, 0.25, 0});
+  CHECK(a.size() == 22);
 }
 
 TEST_CASE("vtp: a contact across the end of a periodic cell ends at the image of its grain") {
@@ -143,7 +145,7 @@ TEST_CASE("vtp: spheres have z, quaternions and spins, and their contacts the si
   CHECK(a["point/spin"] == Values{0.5, 1.5, 2.5, 1, 2, 3, 0, 0, 0, 0, 0, 0});
   CHECK(a["cell/impulse_t"] == Values{0, 0, 0.5, 0.5, 0});
   CHECK(a.count("point/angle") == 0);
-  CHECK(a.size() == 22);
+  CHECK(a.size() == 23);
 }
 
 TEST_CASE("vtp: what became of the subdomain of each contact, in a run that switches models") {
@@ -158,7 +160,7 @@ TEST_CASE("vtp: what became of the subdomain of each contact, in a run that swit
   CHECK(a["cell/switch_backs"] == Values{-1, -1, 2, 0, 2});
   CHECK(a["cell/velocity_distance"] == Values{-1, -1, 0, 0.5, 0});
   CHECK(a["cell/impulse_distance"] == Values{-1, -1, 0.25, 0, 0.25});
-  CHECK(a.size() == 26);
+  CHECK(a.size() == 27);
 }
 
 TEST_CASE("vtp: grains without contacts, and nothing at all") {

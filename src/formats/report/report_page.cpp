@@ -32,6 +32,7 @@ Json contacts_of(const std::vector<TrajectoryContact>& contacts, Index dimension
           {"tangential",
            packed<float>(contacts, [&](const auto& c) { return dimension == 2 ? c.impulse.t : c.tangential(); })},
           {"point", packed<float>(point)},
+          {"stress", packed<float>(contacts, &TrajectoryContact::self_stress)},
           {"status", packed<std::uint8_t>(contacts, &TrajectoryContact::status)}};
 }
 

@@ -13,7 +13,8 @@ namespace {
 
 // The columns on the page.
 constexpr const char* shown_of_summary =
-    "step time iterations zeta interface_change gluing normal_change natural_map driven_residual no_room quad_dv "
+    "step time iterations zeta interface_change gluing normal_change natural_map driven_residual no_room margin "
+    "closing_speed quad_dv "
     "quad_dvr mean_dv_over_r qm_16 active stick slide contacts overlap_maximum kinetic potential boundary_work "
     "dissipation numerical";
 constexpr const char* shown_of_iterations =
@@ -36,16 +37,17 @@ DrawnStep drawn(const Simulation& run, const TrajectoryStep& step) {
     const auto b = at(wall.boundary);
     result.walls.push_back(moved(wall, run.system.boundaries[b].motion, state.poses[b]));
   }
-  std::ranges::copy_if(step.contacts, std::back_inserter(result.contacts), &TrajectoryContact::carries);
+  std::ranges::copy_if(step.contacts, std::back_inserter(result.contacts),
+                       [](const TrajectoryContact& c) { return c.carries() || c.self_stress > 0; });
   return result;
 }
 
 // Bytes of a step on the page, in letters of six bits: four bytes for each coordinate of a grain and of the point of a
-// carrying contact, which also has ends, subdomain, impulses and status.
+// carrying contact, which also has ends, subdomain, impulses, self-stress and status.
 double bytes_of(const TrajectoryStep& step) {
   const auto carrying = std::ranges::count_if(step.contacts, [](const TrajectoryContact& c) { return c.carries(); });
   const double place = step.state.z.empty() ? 8 : 12;
-  return 4.0 / 3 * (place * static_cast<double>(step.state.x.size()) + (place + 21) * static_cast<double>(carrying)) +
+  return 4.0 / 3 * (place * static_cast<double>(step.state.x.size()) + (place + 25) * static_cast<double>(carrying)) +
          200;
 }
 
@@ -106,14 +108,17 @@ std::optional<RunReport> report_run(const std::string& path, const std::vector<I
   report.header = read_trajectory_header(path);
   report.ended = read_end(path);
   report.status = read_statuses(path);
-  if (report.status.empty()) fail("{}: expected a run that has taken a step, met none", path);
+  if (report.status.empty() && read_chains(path).empty())
+    fail("{}: expected a run that has taken a step, met none", path);
   report.name = name_of_case(path, report.header);
   report.kept = count(trajectory_steps(path));
   for (const std::string& name : words(shown_of_summary))
-    if (has_summary(path, name)) report.summary.push_back({heading_of(name, step_columns()), read_summary(path, name)});
+    if (report.status.empty() || has_summary(path, name))
+      report.summary.push_back({heading_of(name, step_columns()), read_summary(path, name)});
   std::optional<Simulation> run;
   for (const Index number : steps) {
     TrajectoryStep step = read_trajectory_step(path, number);
+    add_chain(path, step);
     if (!run) {
       run = rebuilt_simulation(path, report.header, step.state);
       report.header.system.boundaries = run->system.boundaries;  // a header has their names only

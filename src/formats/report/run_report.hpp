@@ -11,7 +11,7 @@ struct DrawnStep {
   double time = 0;                          ///< s
   std::vector<double> x, y, z;              ///< of all grains, m; z in space only
   std::vector<Wall> walls;                  ///< at their places in this step
-  std::vector<TrajectoryContact> contacts;  ///< those with an impulse
+  std::vector<TrajectoryContact> contacts;  ///< those with an impulse or a self-stress
 };
 
 /// One column of the summary or of the table of iterations.

@@ -33,11 +33,13 @@ class TrajectoryWriter {
   TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
 
   /// Must be called first for an existing trajectory. `case_text` replaces its own, because it may have more steps.
-  /// The line `restart` joins those of earlier restarts in provenance/restarts.
-  void go_on(const std::string& case_text, const std::string& restart);
+  /// The line `restart` joins those of earlier restarts in provenance/restarts, and `chains` replace all of the file.
+  void go_on(const std::string& case_text, const std::string& restart, const std::vector<ChainContact>& chains = {});
 
   /// Adds a step to /last and, if `keep`, to /steps, and its row and those of steps before it to /summary.
   void append(TrajectoryStep step, const std::vector<Row>& summary, bool keep);
+
+  void append(const std::vector<ChainContact>& chain);  ///< of a step without a solution, taken or not
 
   bool due() const;  ///< a second has passed since the last commit
   void commit();     ///< brings the file up to date
@@ -51,6 +53,7 @@ class TrajectoryWriter {
     std::vector<TrajectoryStep> steps{};
     bool newest_kept = true;
     Table summary{};
+    std::vector<ChainContact> chains{};
     std::string ended{};
   };
   AlternatingFile file_;
@@ -72,6 +75,13 @@ TrajectoryStep read_last_step(const std::string& path);
 
 /// A step that is kept or is the newest one; empty for any other.
 std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Index step);
+
+/// The chains of the steps up to `last` that have no solution.
+std::vector<ChainContact> read_chains(const std::string& path, Index last = std::numeric_limits<Index>::max());
+
+/// Gives the contacts of a kept step the self-stress of its chain. The last one also has the chain of a step that was
+/// not taken. Contacts of a chain that the step lacks are added, without an impulse.
+void add_chain(const std::string& path, TrajectoryStep& step);
 
 /// The name of the case of the run.
 std::string name_of_case(const std::string& path, const TrajectoryHeader& header);

@@ -68,7 +68,7 @@ inline auto velocity_columns(Index dimension) {
   };
 }
 
-inline auto contact_columns(Index dimension) {
+inline auto geometry_columns(Index dimension) {
   return [space = dimension == 3](auto&& visit) {
     visit("a", "1", [](auto& c) { return &c.geometry.a; });
     visit("b", "1", [](auto& c) { return &c.geometry.b; });
@@ -79,6 +79,20 @@ inline auto contact_columns(Index dimension) {
     visit("point_y", "m", [](auto& c) { return &c.geometry.point[1]; });
     if (space) visit("point_z", "m", [](auto& c) { return &c.geometry.point[2]; });
     visit("gap", "m", [](auto& c) { return &c.geometry.gap; });
+  };
+}
+
+inline auto chain_columns(Index dimension) {
+  return [dimension](auto&& visit) {
+    visit("step", "1", [](auto& c) { return &c.step; });
+    geometry_columns(dimension)(visit);
+    visit("self_stress", "1", [](auto& c) { return &c.stress; });
+  };
+}
+
+inline auto contact_columns(Index dimension) {
+  return [dimension, space = dimension == 3](auto&& visit) {
+    geometry_columns(dimension)(visit);
     visit("impulse_n", "N s", [](auto& c) { return &c.impulse.n; });
     visit(space ? "impulse_t1" : "impulse_t", "N s", [](auto& c) { return &c.impulse.t; });
     if (space) visit("impulse_t2", "N s", [](auto& c) { return &c.second_tangential; });

@@ -186,6 +186,37 @@ std::vector<std::string> read_statuses(const std::string& path) {
   return group.texts("status");
 }
 
+std::vector<ChainContact> read_chains(const std::string& path, Index last) {
+  const hdf5::File file = open_trajectory(path);
+  const Group root = file.root();
+  if (!root.has("chains")) return {};
+  auto chains =
+      get_structs<ChainContact>(root.group("chains"), layout::chain_columns(dimension_of(root.group("last"))));
+  const Index bodies = root.group("system").rows("radius") + root.group("system").group("walls").rows("point_x");
+  for (const ChainContact& one : chains)
+    for (const Index body : {one.geometry.a, one.geometry.b})
+      require_within(body, 0, bodies, "a or b", root.group("chains"));
+  std::erase_if(chains, [&](const ChainContact& one) { return one.step > last; });
+  return chains;
+}
+
+void add_chain(const std::string& path, TrajectoryStep& step) {
+  std::vector<ChainContact> chains = read_chains(path);
+  if (chains.empty()) return;
+  const Index taken = read_last_step(path).state.step;
+  const bool last = step.state.step == trajectory_steps(path).back();
+  const auto ends = [](const TrajectoryContact& c) { return std::pair(c.geometry.a, c.geometry.b); };
+  for (const ChainContact& one : chains) {
+    if (one.step != step.state.step && !(last && one.step > taken)) continue;
+    const TrajectoryContact contact{.geometry = one.geometry, .self_stress = one.stress};
+    const auto found = std::ranges::lower_bound(step.contacts, ends(contact), {}, ends);
+    if (found != step.contacts.end() && ends(*found) == ends(contact))
+      found->self_stress = one.stress;
+    else
+      step.contacts.insert(found, contact);
+  }
+}
+
 bool holds_trajectory(const std::string& path) {
   if (!is_file(path)) return false;
   try {

@@ -74,6 +74,13 @@ void put_steps(const Group& group, Steps steps, bool append) {
   }
 }
 
+void put_chains(const Group& root, const std::vector<ChainContact>& chains) {
+  if (chains.empty()) return;
+  const auto all = [](const std::vector<ChainContact>& one) -> auto& { return one; };
+  put_structs(root.make_group("chains"), std::span(&chains, 1), all,
+              layout::chain_columns(root.group("last").has("z") ? 3 : 2), {.chunk = 256, .append = true});
+}
+
 void put_system(const Group& root, const GranularSystem& system) {
   const Group group = root.make_group("system");
   group.put<double>("radius", system.radius, {.attributes = {{"unit", "m"}}});
@@ -130,8 +137,11 @@ TrajectoryWriter::~TrajectoryWriter() {
   }
 }
 
-void TrajectoryWriter::go_on(const std::string& case_text, const std::string& restart) {
-  file_.change(changing([case_text, restart](const Group& root) {
+void TrajectoryWriter::go_on(const std::string& case_text, const std::string& restart,
+                             const std::vector<ChainContact>& chains) {
+  file_.change(changing([case_text, restart, chains](const Group& root) {
+    if (root.has("chains")) root.remove("chains");
+    put_chains(root, chains);
     root.remove("case");
     root.put_text("case", case_text);
     const Group origin = root.group("provenance");
@@ -154,6 +164,10 @@ void TrajectoryWriter::append(TrajectoryStep step, const std::vector<Row>& summa
   pending_.summary.rows.insert(pending_.summary.rows.end(), summary.begin(), summary.end());
 }
 
+void TrajectoryWriter::append(const std::vector<ChainContact>& chain) {
+  pending_.chains.insert(pending_.chains.end(), chain.begin(), chain.end());
+}
+
 bool TrajectoryWriter::due() const { return std::chrono::steady_clock::now() - committed_ >= commit_interval; }
 
 void TrajectoryWriter::commit() {
@@ -161,11 +175,12 @@ void TrajectoryWriter::commit() {
   Pending next{.summary = {pending_.summary.columns, {}}};
   const auto batch = std::make_shared<const Pending>(std::exchange(pending_, std::move(next)));
   file_.change(changing([batch](const Group& root) {
-    const auto& [steps, newest_kept, summary, ended] = *batch;
+    const auto& [steps, newest_kept, summary, chains, ended] = *batch;
     put_steps(root.group("steps"), Steps(steps).first(steps.size() - (newest_kept ? 0 : 1)), true);
     put_steps(root.group("last"), Steps(steps).last(std::min<std::size_t>(steps.size(), 1)), false);
     if (!summary.rows.empty())
       root.group("summary").put_columns(summary, {.chunk = 256, .append = true, .longest_text = 16});
+    put_chains(root, chains);
     if (!ended.empty()) root.put_attribute("ended", ended);
   }));
   committed_ = std::chrono::steady_clock::now();

@@ -137,7 +137,8 @@ std::vector<PictureArray> cell_arrays_of(const Scene& scene, const Integers& sub
       {"impulse_t",
        with_contacts(scene, zero, [&](const auto& c) { return scene.in_space() ? c.tangential() : c.impulse.t; })},
       {"status", with_contacts(scene, Integers(n, -1), &TrajectoryContact::status)},
-      {"gap", with_contacts(scene, zero, [](const auto& c) { return c.geometry.gap; })}};
+      {"gap", with_contacts(scene, zero, [](const auto& c) { return c.geometry.gap; })},
+      {"self_stress", with_contacts(scene, zero, &TrajectoryContact::self_stress)}};
   if (!scene.state.models.empty()) add_models(scene, arrays);
   return arrays;
 }

@@ -46,7 +46,9 @@ void RunTotals::add(const StepReport& report) {
   gain += std::max(0.0, -report.energy.dissipation);
   gaining_steps += report.energy.dissipation < 0;
   contact_energy += report.residual.scale_work;
-  if (report.no_room && no_room++ == 0) first_no_room = report.step;
+  if (report.verdict) ++verdicts[to_string(*report.verdict)];
+  if (report.verdict) margin = std::min(margin, report.margin);
+  if (report.no_room && report.verdict != VerdictKind::exists && no_room++ == 0) first_no_room = report.step;
   doubtful += report.doubtful;
   setup_seconds += report.setup_seconds;
   solve_seconds += report.solve_seconds;

@@ -28,6 +28,8 @@ struct RunTotals {
   double contact_energy = 0;                                 ///< the sum of r W r, J
   Index no_room = 0, first_no_room = 0;  ///< steps whose boundaries may leave no room; the first one
   Index doubtful = 0;                    ///< steps, see StepReport
+  std::map<std::string_view, Index> verdicts;
+  double margin = infinity;  ///< the least of any verdict, m/s
   double setup_seconds = 0, solve_seconds = 0;
   double visits = 0;  ///< contacts times sweeps
   std::map<std::string_view, Index> statuses;

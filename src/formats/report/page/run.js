@@ -23,7 +23,7 @@ function showRun() {
   const colours = coloursOf(
       data.subdomains, radius.length * shown.length,
       (k) => shown[Math.floor(k / radius.length)].holders[k % radius.length]);
-  const full = fullThickness();
+  const full = fullThickness(), jam = '#c8009a';  // of the contacts of a step without a solution
   // The directions along which boundaries move freely; a body, such as a clump, has all of them.
   const directions = ['x', 'y', 'z', 'spin_x', 'spin_y', 'spin'];
   const free = data.free.map((along) => directions.filter((_, k) => along[k]));
@@ -92,6 +92,7 @@ function showRun() {
         ...lineGroups(numbers.filter((k) => !pulls(k) && !slides(k)), ends, size, {colour: ink}),
         ...lineGroups(numbers.filter((k) => !pulls(k) && slides(k)), ends, size, {colour: '#8a1c00', dash: [6, 3]}),
         ...lineGroups(numbers.filter(pulls), ends, size, {colour: '#0050a0', dash: [2, 2]}),
+        ...lineGroups(numbers.filter((k) => c.stress[k] > 0), ends, (k) => c.stress[k], {colour: jam}),
       ]
     });
     scene.changed();
@@ -109,7 +110,9 @@ function showRun() {
     return `${Grain} ${i}: ${kind}, radius ${told(radius[i])} m${where}`;
   }
 
-  const lacksRoom = (row) => (summary.no_room?.[row] ?? 0) > 0;  // older trajectories lack the column
+  // Older trajectories lack these columns. `closing`: if it is proved that the step has no solution.
+  const lacksRoom = (row) => (summary.no_room?.[row] ?? 0) > 0, closing = (row) => summary.closing_speed?.[row] ?? null;
+  const endsHere = () => place === shown.length - 1 && data.ended.startsWith('impossible: ');
   const rowOf = (step) => summary.step.indexOf(step);
   const overSteps = (column, scaled = (v) => v) =>
       summary.step.map((step, row) => [step, scaled(summary[column][row])]);
@@ -210,7 +213,11 @@ function showRun() {
 
   function stepText() {
     const {step, contacts} = shown[place], row = rowOf(step);
-    if (row < 0) return 'This is the state that the run began with. It has no contacts yet.';
+    const proof =
+        (closing(row) === null ? '' : ` No solution exists: contacts that jam close at ${told(closing(row))} m/s.`) +
+        (endsHere() ? ` The run ended in ${data.ended.slice(12)}.` : '');
+    if (row < 0) return 'This is the state that the run began with. It has no contacts yet.' + proof;
+    const carrying = contacts.normal.filter((r) => r !== 0).length, narrow = lacksRoom(row) && closing(row) === null;
     const how = {
       converged: 'its criteria are met',
       stalled: 'the criterion no longer fell',
@@ -219,10 +226,9 @@ function showRun() {
         data.status[row];
     return `${plural(summary.iterations[row], 'iteration')}; ${how}. Natural map ${told(summary.natural_map[row], 3)}` +
         `${summary.gluing[row] ? ', gluing ' + told(summary.gluing[row], 3) : ''}. ` +
-        `${plural(contacts.a.length, 'contact')} of ${summary.contacts[row]} carry an impulse, ${
-               summary.slide[row]} slide. ` +
+        `${plural(carrying, 'contact')} of ${summary.contacts[row]} carry an impulse, ${summary.slide[row]} slide. ` +
         `Largest overlap ${told(summary.overlap_maximum[row], 3)} m.` +
-        `${lacksRoom(row) ? ' Contacts close although impulses have grown: the boundaries may leave no room.' : ''}`;
+        `${narrow ? ' Contacts close although impulses have grown: the boundaries may leave no room.' : ''}` + proof;
   }
 
   function go(next) {
@@ -233,7 +239,8 @@ function showRun() {
     byId('step-value').textContent = words;
     byId('step-text').textContent = stepText();
     const row = rowOf(step);
-    byId('result').classList.toggle('diverges', row >= 0 && (data.status[row] !== 'converged' || lacksRoom(row)));
+    const wrong = row >= 0 && (data.status[row] !== 'converged' || lacksRoom(row));
+    byId('result').classList.toggle('diverges', wrong || endsHere());
     draw();
     showChains();
   }
@@ -261,6 +268,8 @@ function showRun() {
     addToLegend('compression, sticks', stroke(5, ink));
     addToLegend('compression, slides', stroke(4, '#8a1c00', '6 3'));
     addToLegend('tension', stroke(4, '#0050a0', '2 2'));
+    if (shown.some(({contacts}) => contacts.stress.some((s) => s > 0)))
+      addToLegend('a step has no solution: self-stress of the contacts that jam', stroke(5, jam));
     addToLegend(colours.length > 1 ? `${grain}, coloured and hatched by subdomain` : grain, disk(palette[0]));
     if (colours.length > 1) addToLegend(`shared ${grain}: thick rim`, disk(palette[0], 3));
     addToLegend(`${grain} of a boundary, or one that carries nothing`, disk(idle));
@@ -284,7 +293,8 @@ function showRun() {
         !criterion ? 'none: every step makes all its iterations' :
                      `${criterion} to ${told(solver.tolerance)}` +
                 (solver.decomposes ? `, gluing to ` + told(solver.gluing_tolerance) : ''));
-    fact(list, 'Steps', `${summary.step.length}, of ${told(summary.time.at(-1) / summary.step.length)} s`);
+    const each = summary.step.length ? `, of ${told(summary.time.at(-1) / summary.step.length)} s` : '';
+    fact(list, 'Steps', `${summary.step.length}${each}`);
     fact(list, 'How it ended', data.ended);
     const converged = data.status.filter((status) => status === 'converged').length;
     fact(list, 'Steps that converged', `${converged} of ${data.status.length}`);
