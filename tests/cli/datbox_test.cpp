@@ -299,7 +299,7 @@ TEST_CASE_FIXTURE(Session, "export --lmgc90: a wall that turns about a point on 
     // An angle of seven digits, and what grains make of it. The wall itself moves by millimetres.
     const auto [places, velocities] = difference(*this, "run.h5", "back.h5", 15);
     CHECK(places < 5e-5);
-    CHECK(velocities < (step < 15 ? 1e-2 : 5e-2));  // coordinates of seven digits drift apart
+    CHECK(velocities < 1e-2);
   }
 }
 

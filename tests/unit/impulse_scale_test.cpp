@@ -345,7 +345,8 @@ TEST_CASE("self-stress of a network at rest is a solution, however small what dr
 
 TEST_CASE("closing walls: no residual is small, and every step says that there may be no room" *
           doctest::skip(sanitized)) {  // minutes
-  const std::vector<std::string> algorithms{"auto", "newton", "nlgs", "admm", "accelerated", "generic", "two_stage_newton"};
+  const std::vector<std::string> algorithms{"auto",    "newton",          "nlgs", "admm", "accelerated",
+                                            "generic", "two_stage_newton"};
   for (const std::string& algorithm : watched(algorithms)) {
     std::vector<StepReport> first;
     for (const Units& units : watched(scales))
