@@ -32,7 +32,8 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
         "attention: bodies overlap by up to {:.3g} of the smaller radius: a packing that begins with overlaps, "
         "boundaries that leave no room, or a step or tolerance too coarse\n",
         totals.relative_overlap);
-  const Index open = totals.steps - totals.converged;
+  const auto proved = totals.verdicts.find(to_string(VerdictKind::impossible));
+  const Index open = totals.steps - totals.converged - (proved == totals.verdicts.end() ? 0 : proved->second);
   if (open > 0 && (solver.criterion != Criterion::none || is_contact_solver(solver.algorithm)))
     text +=
         fmt::format("attention: {} of {} steps ended before {} fell to {}{}; {}\n", open, totals.steps,

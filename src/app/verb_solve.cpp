@@ -71,11 +71,16 @@ void print_problem(const FclibFile& file, const LocalFrictionProblem& local) {
   fmt::print("entries of W         {}\n", local.w.nonZeros());
 }
 
+// A solution that was found refutes a proof for slow bodies.
+bool is_impossible(const FrictionSolution& solution, const std::optional<Verdict>& verdict) {
+  const bool found = solution.status == FrictionStatus::converged && solution.credible;
+  return verdict && verdict->kind == VerdictKind::impossible && !found;
+}
+
 void print_solution(const FrictionSolution& solution, const std::optional<Verdict>& verdict, double tolerance,
                     double duration) {
   const FrictionState& state = solution.state;
-  const bool impossible = verdict && verdict->kind == VerdictKind::impossible;
-  fmt::print("status               {}\n", impossible ? "impossible" : to_string(solution.status));
+  fmt::print("status               {}\n", is_impossible(solution, verdict) ? "impossible" : to_string(solution.status));
   fmt::print("sweeps               {}\n", solution.sweeps);
   fmt::print("factorisations       {}\n", solution.factorisations);
   fmt::print("residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
@@ -108,10 +113,14 @@ std::string first_of(const std::vector<Index>& numbers) {
 
 void print_verdict(const Verdict& verdict) {
   fmt::print("verdict              {}", to_string(verdict.kind));
+  if (verdict.kind == VerdictKind::exists && std::isinf(verdict.margin)) {
+    fmt::print(": there are no contacts\n");
+    return;
+  }
   if (verdict.kind == VerdictKind::exists)
     fmt::print(": proved, bodies at {:.3g} m/s open every contact by the margin", verdict.speed);
   if (verdict.kind == VerdictKind::impossible)
-    fmt::print(": proved, {} contacts close at {:.6g} m/s unless bodies are faster than {:.2g} m/s",
+    fmt::print(": {} contacts close at {:.6g} m/s, proved for changes of velocity below {:.2g} m/s",
                verdict.chain.size(), verdict.closing_speed, verdict.proven_speed);
   fmt::print("\n  largest margin     {:.7g} m/s", verdict.margin);
   if (verdict.kind != VerdictKind::exists) fmt::print(", without friction {:.7g} m/s", verdict.normal_margin);
@@ -120,7 +129,6 @@ void print_verdict(const Verdict& verdict) {
 
 // Contacts of the chain and, if H has three rows per body in the plane, or six in space, the bodies that they touch.
 void note_chain(const LocalFrictionProblem& problem, const Verdict& verdict) {
-  if (verdict.kind != VerdictKind::impossible) return;
   const Index rows = problem.dimension == 2 ? 3 : 6;
   std::vector<Index> bodies;
   if (problem.h.rows() % rows == 0 && problem.h.cols() > 0)
@@ -240,12 +248,12 @@ int run(const Options& options, const Context& context) {
   print_trouble(local, solution);
   if (verdict) {
     print_verdict(*verdict);
-    note_chain(local, *verdict);
+    if (is_impossible(solution, verdict)) note_chain(local, *verdict);
   } else {
     print_doubt(solution);
   }
   if (output) write_result(file, solution, options, context, *output);
-  return solution.status == FrictionStatus::converged && !(verdict && verdict->kind == VerdictKind::impossible) ? 0 : 1;
+  return solution.status == FrictionStatus::converged && !is_impossible(solution, verdict) ? 0 : 1;
 }
 
 }  // namespace

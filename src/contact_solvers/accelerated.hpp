@@ -26,8 +26,8 @@ bool accelerated_sweeps(P& problem, SolverRun<P::dimension>& run, Index most) {
   Vector impulses = run.now.impulses;
   StallWatch<P::dimension> watch(run, patience);
   double lag = first_lag, last = infinity, part = first_part;
-  const auto turn = [&](double share, double momentum) {
-    const Index many = std::min(static_cast<Index>(std::ceil(part * share / lag)), end - run.now.sweeps);
+  const auto sweeps_for = [&](double share) { return static_cast<Index>(std::ceil(part * share / lag)); };
+  const auto go = [&](Index many, double momentum) {
     impulses = sweeps(impulses, SweepTurn{run.now.sweeps, many, momentum});
     run.now.sweeps += many;
     run.now.operations += static_cast<double>(many) * run.data.product_operations;
@@ -40,8 +40,9 @@ bool accelerated_sweeps(P& problem, SolverRun<P::dimension>& run, Index most) {
       lag = residual < progress * last ? std::max(least_lag, faster * lag) : std::min(largest_lag, slower * lag);
     if (residual > worse * last) impulses = run.best().impulses;
     last = run.now.state.residual;
-    turn(with_momentum, 1 - lag);
-    turn(without, 0);
+    const Index left = end - run.now.sweeps, plain = std::min(left, sweeps_for(without));
+    go(std::min(left - plain, sweeps_for(with_momentum)), 1 - lag);
+    go(plain, 0);
     part = std::min(1.0, 2 * part);
   }
 }

@@ -17,6 +17,7 @@ void automatic(P& problem, SolverRun<P::dimension>& run) {
   constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10, 100, 1, 1000};
   const FrictionSolverOptions& options = run.options;
   const auto& smoothings = run.data.sums.all_zero(run.now.impulses) ? cold_smoothings : warm_smoothings;
+  const Vector begin = run.now.impulses;
   std::optional<FrictionStatus> given_up;  // how sweeps ended, once they make no progress
   const auto is_over = [&] {               // not if they stalled: the other solvers are left
     given_up = run.now.status;
@@ -31,7 +32,6 @@ void automatic(P& problem, SolverRun<P::dimension>& run) {
     if (run.now.status != FrictionStatus::maximum_reached && is_over()) return;
     run.go_back(run.best());
   }
-  const Vector begin = run.now.impulses;
   constexpr Index last = std::ssize(cold_smoothings) - 1;
   for (Index turn = 0; turn <= last; ++turn) {
     const Index most = std::min(first_sweeps << 2 * turn, options.maximum_sweeps - run.now.sweeps);

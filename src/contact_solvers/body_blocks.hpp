@@ -22,6 +22,14 @@ class BodyBlocks {
   /// bodies. `contact`: at each place.
   static std::optional<BodyBlocks> of(const LocalFrictionProblem& problem, const std::vector<Index>& contact);
 
+  Index bodies() const { return nobody_ / K; }
+  /// Numbers of the bodies of a place: one or two.
+  std::vector<Index> bodies_of(Index place) const {
+    std::vector<Index> own;
+    for (const int first : contacts_[at(place)].first)
+      if (first != nobody_) own.push_back(first / K);
+    return own;
+  }
   /// y = G r, for impulses r by places.
   Vector velocities(const Vector& impulses) const;
   /// sum + the row of a place of G^T times y.

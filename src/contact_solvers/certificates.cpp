@@ -17,18 +17,21 @@ struct Interval {
     low = below(low + below(product));
     high = above(high + above(product));
   }
-  double largest() const { return std::max(-low, high); }  // of the absolute values
+  double largest() const { return std::isnan(high) ? high : std::max(-low, high); }  // of the absolute values
 };
 
-// H, or W where M and H are not known.
-const SparseMatrix& columns_of(const LocalFrictionProblem& problem) {
-  return problem.h.cols() > 0 ? problem.h : problem.w;
+// The mean of W_nn, rounded downwards.
+double mean_below(const LocalFrictionProblem& problem) {
+  double sum = 0;
+  for (Index c = 0; c < problem.contacts(); ++c)
+    sum = below(sum + problem.w.coeff(problem.dimension * c, problem.dimension * c));
+  return below(sum / static_cast<double>(problem.contacts()));
 }
 
 }  // namespace
 
 double proven_margin(const LocalFrictionProblem& problem, const Vector& friction, const Vector& velocities) {
-  const SparseMatrix& columns = columns_of(problem);
+  const SparseMatrix& columns = problem.h.cols() > 0 ? problem.h : problem.w;
   const Index d = problem.dimension;
   std::vector<Interval> u(at(problem.size()));
   for (Index k = 0; k < problem.size(); ++k) {
@@ -50,23 +53,23 @@ double proven_margin(const LocalFrictionProblem& problem, const Vector& friction
 }
 
 double proven_speed(const LocalFrictionProblem& problem, const std::vector<Index>& chain, const Vector& stress) {
-  const SparseMatrix& columns = columns_of(problem);
+  const bool bodies = problem.h.cols() > 0;
+  const SparseMatrix columns =
+      bodies ? problem.h : SparseMatrix(problem.w.transpose());  // u_n is a row of W, not a column
   std::vector<Interval> forces(at(columns.rows()));
   Interval power;
   for (Index i = 0; i < count(chain); ++i) {
-    if (!(stress[i] >= 0)) return 0;
+    if (!(stress[i] >= 0 && std::isfinite(stress[i]))) return 0;
     const Index n = problem.dimension * chain[at(i)];
     for (SparseMatrix::InnerIterator e(columns, n); e; ++e) forces[at(e.row())].add(e.value(), stress[i]);
     power.add(problem.q[n], stress[i]);
   }
   double sum = 0;
   for (const Interval& force : forces)
-    if (force.largest() > 0) sum = above(sum + force.largest());
+    if (force.largest() != 0) sum = above(sum + force.largest());  // NaN included
   if (!(power.high < 0) || std::isnan(sum)) return 0;
   if (sum == 0) return infinity;
-  const double unit =
-      problem.h.cols() > 0 ? 1 : problem.w.diagonal()(Eigen::seq(0, Eigen::last, problem.dimension)).mean();
-  return below(below(-power.high / sum) * unit);
+  return below(below(-power.high / sum) * (bodies ? 1 : mean_below(problem)));
 }
 
 }  // namespace nscdd

@@ -24,9 +24,18 @@ std::vector<std::vector<Index>> coupled_contacts(const LocalFrictionProblem& pro
   return coupled;
 }
 
-// Greedy colours of contacts that W couples, block by block.
+// Greedy colours, block by block: of contacts that share a body, if sweeps carry velocities, or that W couples.
 template <int D>
 std::vector<Index> colours_of(const LocalFrictionProblem& problem, Index block) {
+  if (const auto blocks = BodyBlocks<D>::of(problem, natural_order(problem.contacts()))) {
+    GreedyColours taken(blocks->bodies());
+    std::vector<Index> colours;
+    for (Index c = 0; c < problem.contacts(); ++c) {
+      const std::vector<Index> own = blocks->bodies_of(c);
+      colours.push_back(taken.take_least(own, own, c / block));
+    }
+    return colours;
+  }
   const std::vector<std::vector<Index>> coupled = coupled_contacts<D>(problem);
   GreedyColours taken(problem.contacts());
   std::vector<Index> colours;

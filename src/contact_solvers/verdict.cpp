@@ -18,7 +18,8 @@ Vector polished(const LocalFrictionProblem& problem, std::vector<Index> chain, V
   constexpr int most_steps = 10;
   constexpr double tiny = 1e-13;
   for (Index& c : chain) c *= problem.dimension;
-  const SparseMatrix a = selected_columns(problem.h.cols() > 0 ? problem.h : problem.w, chain), t = a.transpose();
+  const SparseMatrix columns = problem.h.cols() > 0 ? problem.h : SparseMatrix(problem.w.transpose());
+  const SparseMatrix a = selected_columns(columns, chain), t = a.transpose();
   SparseMatrix unit(a.rows(), a.rows());
   unit.setIdentity();
   r /= r.maxCoeff();
@@ -80,7 +81,8 @@ Verdict verdict_of(const LocalFrictionProblem& problem, const Monitor& monitor) 
     verdict.kind = VerdictKind::undecided;
     const Vector frictionless = Vector::Zero(problem.contacts());
     found = margin_of(problem, frictionless, equal);
-    verdict.normal_margin = proven_margin(problem, frictionless, found.velocities);
+    for (const Vector& velocities : {found.velocities, verdict.velocities})
+      verdict.normal_margin = std::fmax(verdict.normal_margin, proven_margin(problem, frictionless, velocities));
     if (verdict.normal_margin < 0) take_chain(problem, found, verdict);
     if (verdict.proven_speed >= plausible_speed * speed_scale(problem)) verdict.kind = VerdictKind::impossible;
     // Weights that fall with the impulse, and that differ, make the chain shorter and choose among equal ones.

@@ -10,10 +10,10 @@ namespace nscdd {
 namespace {
 
 // Steps that end far from a solution by design, with a loose criterion, show no sign that there is no room.
+bool is_credible(const StepReport& report) { return report.status == SolverStatus::converged && !report.doubtful; }
 bool asks_for_verdict(const StepReport& report, VerdictSteps steps) {
-  const bool credible = report.status == SolverStatus::converged && !report.doubtful;
   if (report.status == SolverStatus::given_up || steps == VerdictSteps::never) return false;
-  return steps == VerdictSteps::every || report.broke_down() || (report.no_room && !credible);
+  return steps == VerdictSteps::every || report.broke_down() || (report.no_room && !is_credible(report));
 }
 
 // The grains and walls of a chain: along it from its end with the smaller number if it is a row, else ascending.
@@ -49,7 +49,7 @@ std::string words(const GranularSystem& system, const StepReport& report, const 
     text += fmt::format(", {:.6g} m/s with overlaps and gaps", verdict.closing_speed);
   return text + (std::isinf(verdict.proven_speed)
                      ? " (proved)"
-                     : fmt::format(" (proved for speeds below {:.2g} m/s)", verdict.proven_speed));
+                     : fmt::format(" (proved for changes of velocity below {:.2g} m/s)", verdict.proven_speed));
 }
 
 }  // namespace
@@ -60,16 +60,24 @@ std::string judge(GranularStep<D>& step, const Simulation& before, const std::fu
   if (!asks_for_verdict(report, before.dynamics.solver.verdict) || !opens(step.problem.law)) return "";
   StepProblem<D> whole = whole_step<D>(before);
   Verdict verdict;
+  bool stopped = false;
   try {
-    verdict = verdict_of(contact_problem(whole, before.system), [&](Index, Index) { return !goes_on || goes_on(); });
+    verdict = verdict_of(contact_problem(whole, before.system),
+                         [&](Index, Index) { return !(stopped = stopped || (goes_on && !goes_on())); });
   } catch (const OutOfMemory&) {
     throw;
   } catch (const Error&) {  // numbers too large, as where a step breaks down
+    report.verdict = VerdictKind::undecided;
+    return "";
+  }
+  if (stopped) {  // the run goes on with this step, and its verdict, later
+    report.status = SolverStatus::given_up;
     return "";
   }
   report.verdict = verdict.kind;
   report.margin = verdict.margin;
-  if (verdict.kind != VerdictKind::impossible) return "";
+  // A solution refutes a proof for bodies that are slow.
+  if (verdict.kind != VerdictKind::impossible || is_credible(report)) return "";
   if (!report.broke_down()) report.status = SolverStatus::impossible;
   std::vector<GrainContact<D>> driven;  // of the chain, without overlaps and gaps
   for (std::size_t i = 0; i < verdict.chain.size(); ++i) {

@@ -34,10 +34,11 @@ SweptVector<3> moved_on(const SweptVector<3>& x, const SweptVector<3>& before, d
   return {x.n + momentum * n, {x.t.x + momentum * t.x, x.t.y + momentum * t.y, x.t.z + momentum * t.z}};
 }
 template <int D>
-GrainVelocity<D> moved_on(GrainVelocity<D> x, const GrainVelocity<D>& before, double momentum) {
+GrainVelocity<D> moved_on(const GrainVelocity<D>& x, const GrainVelocity<D>& before, double momentum) {
   const GrainUnknowns<D> now = unknowns(x), last = unknowns(before);
-  add(x, [&](std::size_t k) { return momentum * (now[k] - last[k]); });
-  return x;
+  GrainVelocity<D> result = x;
+  add(result, [&](std::size_t k) { return momentum * (now[k] - last[k]); });
+  return result;
 }
 
 // x + momentum (x - before); `before` becomes x.

@@ -32,7 +32,7 @@ TEST_CASE_FIXTURE(Session, "simulate: a step without a solution ends the run wit
   file("closing.toml", closing_case("one.csv", "0.5"));
   const std::string said =
       "step 1: no solution: the wall of boundary 'left', disk 0, the wall of boundary 'right': closing at 0.1 m/s "
-      "(proved for speeds below ";
+      "(proved for changes of velocity below ";
   const Outcome closing = ended(1, "simulate closing.toml -o run.h5", {"run.h5: " + said, "the last good state"});
   CHECK(contains(closing.standard_output, "impossible: 0 steps in this run, 0 of 6 in all"));
   const std::string run = path("run.h5");

@@ -298,6 +298,34 @@ TEST_CASE("impulses of accelerated sweeps are judged after sweeps without moment
   CHECK(sliding > 100);
 }
 
+TEST_CASE("contacts that share a body that W does not couple have two colours: the number of threads changes no bit") {
+  // Point masses whose three rows are not one body: contacts c and c + half act on other rows of the same three.
+  constexpr Index half = 3000;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index c = 0; c < half; ++c) {
+    entries.emplace_back(3 * c, 2 * c, 1.0);
+    entries.emplace_back(3 * c + 1, 2 * c + 1, 1.0);
+    entries.emplace_back(3 * c + 2, 2 * (c + half), 1.0);
+    entries.emplace_back(3 * ((c + 1) % half), 2 * (c + half) + 1, 0.5);
+  }
+  GlobalFrictionProblem global;
+  global.h.resize(3 * half, 4 * half);
+  global.h.setFromTriplets(entries.begin(), entries.end());
+  global.mass.resize(3 * half, 3 * half);
+  global.mass.setIdentity();
+  global.f = RandomStream(5).normal_vector(3 * half);
+  global.w = Vector::Zero(4 * half);
+  global.friction = Vector::Constant(2 * half, 0.4);
+  const LocalFrictionProblem problem = reduce(global);
+  REQUIRE(BodyBlocks<2>::of(problem, natural_order(2 * half)).has_value());
+  const SweepRows<2> rows(problem, SweepOrder::coloured, 1);
+  std::set<std::pair<Index, Index>> met;  // colour and body
+  for (std::size_t k = 0; k + 1 < rows.first_of_colour.size(); ++k)
+    for (Index place = rows.first_of_colour[k]; place < rows.first_of_colour[k + 1]; ++place)
+      for (const Index body : std::get<BodyBlocks<2>>(rows.w).bodies_of(place))
+        CHECK(met.insert({static_cast<Index>(k), body}).second);
+}
+
 TEST_CASE("accelerated sweeps: the number of threads changes no bit") {
   const LocalFrictionProblem problem = reduce(random_bodies_problem(6, 4000, 9000));  // enough for threads
   const FrictionSolverOptions options{

@@ -313,3 +313,18 @@ TEST_CASE("proofs are below the numbers in more digits, by little") {
     CHECK(proven_speed(problem, chain, -stress) == 0);
   }
 }
+
+TEST_CASE("a solution refutes a self-stress of the columns of a W that is not symmetric") {
+  // W of a file may be asymmetric by its digits. r = (2000, 1000, 2001, 0) is a solution, u = (0, -500, 0, 0).
+  LocalFrictionProblem problem;
+  problem.w =
+      SparseMatrix((Matrix(4, 4) << 1, 0.002, -1, 0, 0, 1, 0, 0, -1, 0, 1, 0, 0, 0, 0, 1).finished().sparseView());
+  problem.q = Vector{{-1, -1500, -1, 0}};
+  problem.friction = Vector::Constant(2, 0.5);
+  check(problem, "problem");
+  CHECK(verdict_of(problem).kind != VerdictKind::impossible);
+  CHECK(proven_speed(problem, {0, 1}, Vector::Ones(2)) < 1e4);
+  Vector infinite = Vector::Ones(2);
+  infinite[0] = infinity;
+  CHECK(proven_speed(problem, {0, 1}, infinite) == 0);
+}

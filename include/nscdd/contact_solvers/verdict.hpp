@@ -8,7 +8,7 @@ namespace nscdd {
 /// What is known of the solutions of a contact problem.
 enum class VerdictKind {
   exists,      ///< proved: there is a solution
-  impossible,  ///< proved: there is none, unless bodies move faster than `proven_speed`
+  impossible,  ///< proved: there is none, unless impulses change a velocity by `proven_speed`
   undecided,   ///< neither is proved, as where friction jams
 };
 constexpr auto names_of(VerdictKind) { return std::to_array<std::string_view>({"exists", "impossible", "undecided"}); }
@@ -17,7 +17,7 @@ constexpr auto names_of(VerdictKind) { return std::to_array<std::string_view>({"
 /// entries; or u = W y + q, y in N s, D c entries, where M and H are not known. Proofs are for the numbers as stored.
 struct Verdict {
   VerdictKind kind = VerdictKind::undecided;
-  /// The largest s found with u_n - mu |u_t| >= s at every contact, m/s; the search ends where s reaches max |q_c|. If
+  /// The largest s found with u_n - mu |u_t| >= s at every contact, m/s; the search ends once s exceeds max |q_c|. If
   /// s > 0 a solution exists [V. Acary, F. Cadoux, C. Lemarechal, J. Malick, ZAMM 91 (2011) 155-175]. A lower bound in
   /// outward-rounded arithmetic. Infinite without contacts.
   double margin = infinity;

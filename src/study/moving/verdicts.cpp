@@ -17,7 +17,7 @@ struct JudgedStep {
   SolverTrial accelerated = {}, automatic = {};
 };
 
-// The largest margin over the speed that it takes; margins end at max |q_c|.
+// The margin found over the speed that it takes.
 double margin_over_speed(const JudgedStep& one) {
   return one.verdict.speed > 0 ? one.verdict.margin / one.verdict.speed : not_a_number;
 }
@@ -32,7 +32,8 @@ const ResultColumns<JudgedStep>& judged_step_columns() {
       {"verdict", "", "exists, impossible or undecided",
        [](const Step& s) { return std::string(to_string(s.verdict.kind)); }},
       {"scale", "m/s", "max |q_c|, the largest relative velocity without contact impulses", &Step::scale},
-      {"margin", "m/s", "the largest s found with u_n - mu |u_t| >= s at every contact, at most `scale`",
+      {"margin", "m/s",
+       "the largest s found with u_n - mu |u_t| >= s at every contact; the search ends once it exceeds `scale`",
        [](const Step& s) { return s.verdict.margin; }},
       {"margin_over_speed", "1", "the margin over |v'|, the speed of the bodies that gives it", margin_over_speed},
       {"normal_margin", "m/s", "the largest s found with u_n >= s at every contact; nan if a solution exists",
