@@ -10,6 +10,16 @@
 
 namespace nscdd {
 
+/// Whether sweeps carry velocities. Those that read rows of W begin without momentum, with a check every ten sweeps:
+/// most problems known by W alone are small, and solved by few.
+template <ContactProblem P>
+bool sweeps_are_cheap(const P& problem) {
+  if constexpr (StoredProblem<P>)
+    return problem.knows_bodies();
+  else
+    return true;
+}
+
 template <ContactProblem P>
 void automatic(P& problem, SolverRun<P::dimension>& run) {
   constexpr Index first_sweeps = 500, rounds_with_momentum = 2, very_many_contacts = 100'000;
@@ -37,7 +47,7 @@ void automatic(P& problem, SolverRun<P::dimension>& run) {
     const Index most = std::min(first_sweeps << 2 * turn, options.maximum_sweeps - run.now.sweeps);
     if (!given_up) {
       if (turn == last) run.now.impulses = begin;
-      const bool accelerates = turn < rounds_with_momentum;
+      const bool accelerates = turn < rounds_with_momentum && (turn > 0 || sweeps_are_cheap(problem));
       if ((accelerates ? accelerated_sweeps(problem, run, most) : sweep(problem, run, most)) && is_over()) return;
     }
     if (run.spent()) continue;

@@ -118,6 +118,7 @@ concept ContactProblem = requires(P& problem, const P& fixed, const Vector& r, I
 template <class P>
 concept StoredProblem = ContactProblem<P> && requires(const P& fixed) {
   { fixed.rows() } -> std::convertible_to<const ContactBlocks<P::dimension>&>;
+  { fixed.knows_bodies() } -> std::same_as<bool>;  // M and H
 };
 
 }  // namespace nscdd

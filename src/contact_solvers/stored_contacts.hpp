@@ -20,6 +20,7 @@ class StoredContacts {
   ContactData data;
 
   const ContactBlocks<D>& rows() const { return rows_; }
+  bool knows_bodies() const { return problem_.h.cols() > 0; }
   Vector product(const Vector& r) const { return rows_ * r; }
   auto sweeps(const FrictionSolverOptions& options) const {
     return [rows = SweepRows<D>(problem_, options.order, options.seed), omega = options.relaxation](
