@@ -114,10 +114,7 @@ std::string first_of(const std::vector<Index>& numbers) {
 
 void print_verdict(const Verdict& verdict) {
   fmt::print("verdict              {}", to_string(verdict.kind));
-  if (verdict.kind == VerdictKind::exists && std::isinf(verdict.margin)) {
-    fmt::print(": there are no contacts\n");
-    return;
-  }
+  if (std::isinf(verdict.margin)) return fmt::print(": there are no contacts\n");
   if (verdict.kind == VerdictKind::exists)
     fmt::print(": proved, bodies at {:.3g} m/s open every contact by the margin", verdict.speed);
   if (verdict.kind == VerdictKind::impossible)
