@@ -16,7 +16,7 @@ enum class SolverStatus {
   diverged,         ///< impulses grew to a million times their first size, or energy to ten times that available
   no_number,        ///< an impulse or velocity is not finite
   given_up,         ///< by IterationSink::goes_on: such a step is not taken
-  impossible,       ///< proved: there is no solution, whatever the iterations returned
+  impossible,       ///< the verdict proves that there is no solution
 };
 constexpr auto names_of(SolverStatus) {
   return std::to_array<std::string_view>(

@@ -79,7 +79,7 @@ TEST_CASE_FIXTURE(Session, "simulate: a step without a solution ends the run wit
   check_refused(never + " --force --set solver.impossible=go_on", {"solver.verdict failed or every", "met never"});
 }
 
-TEST_CASE_FIXTURE(Session, "simulate: the speed at which walls close is theirs, whatever the gap") {
+TEST_CASE_FIXTURE(Session, "simulate: a gap does not change the closing speed of the walls") {
   file("one.csv", disks_at({0}));
   // Gaps are those after half a step, 0.15 mm here. A wall at 0.1 m/s closes 0.5 mm in a step of 5 ms.
   file("closing.toml", closing_case("one.csv", "0.5004"));

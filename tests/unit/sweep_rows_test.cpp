@@ -298,7 +298,7 @@ TEST_CASE("impulses of accelerated sweeps are judged after sweeps without moment
   CHECK(sliding > 100);
 }
 
-TEST_CASE("contacts that share a body that W does not couple have two colours: the number of threads changes no bit") {
+TEST_CASE("contacts of one body have different colours, also where W does not couple them") {
   // Point masses whose three rows are not one body: contacts c and c + half act on other rows of the same three.
   constexpr Index half = 3000;
   std::vector<Eigen::Triplet<double>> entries;
