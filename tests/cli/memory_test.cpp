@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Work that does not fit into memory is refused before it is done, and what is counted is what is taken.
+#include "../support/thorough.hpp"
 #include "session.hpp"
 
 using namespace nscdd::testing;
@@ -24,6 +25,7 @@ TEST_CASE_FIXTURE(Session, "memory: a run is refused with 3/5 of what it takes, 
   const std::string hexagonal = " hexagonal --set packing.columns=100 --set packing.rows=100 ";
   const std::string sweep = "sweep" + hexagonal + "--csv - --subdomains ", in_space = "sweep fcc.toml --csv - ";
   const std::string steps = " --steps 1 --iterations 3 --force -o run.h5 ";
+  bool allow = true;  // every other one, where time is short
   for (const std::string& line : Texts{
            sweep + "16x1 --epsilon 1 --solver shift-invert", sweep + "16x1 --epsilon 1 --eta 0.1 --solver shift-invert",
            sweep + "16x1 --epsilon 0 --solver shift-invert", sweep + "30x30 --epsilon 1 --solver shift-invert",
@@ -42,7 +44,8 @@ TEST_CASE_FIXTURE(Session, "memory: a run is refused with 3/5 of what it takes, 
     REQUIRE(outcome.exit_code == 0);
     const double taken = static_cast<double>(outcome.peak_memory) / (1 << 30);
     ended(2, limited + std::to_string(0.6 * taken), {"--memory-limit"});
-    CHECK(run(limited + std::to_string(1.4 * taken)).exit_code == 0);
+    if (allow || thorough()) CHECK(run(limited + std::to_string(1.4 * taken)).exit_code == 0);
+    allow = !allow;
   }
 }
 

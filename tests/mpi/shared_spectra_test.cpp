@@ -2,6 +2,7 @@
 // Spectra of packings that processes share, against those of one process with our own factorisation.
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
+#include "../support/thorough.hpp"
 #include "ddm/shifted_pencil.hpp"
 #include <nscdd/mpi/multifrontal.hpp>
 #include <nscdd/mpi/processes.hpp>
@@ -120,7 +121,7 @@ TEST_CASE("shared: SLEPc, which has another pencil and another search, finds the
   const int visited = for_shared_packings(shared, 150, [&](const Model& whole, const Model& own) {
     const InterfaceFamily family(whole.parts), of_own(own.parts);
     // Processes that have to take turns on a core wait for each other a hundred thousand times.
-    const std::size_t step = shared.processes.size > 2 ? 3 : 1;
+    const std::size_t step = thorough() ? 1 : shared.processes.size > 2 ? pairs.size() : 3;
     for (std::size_t k = 0; k < pairs.size(); k += step) {
       const auto [epsilon, eta] = pairs[k];
       INFO("epsilon = ", epsilon, ", eta = ", eta);

@@ -2,6 +2,7 @@
 // Verdicts on contact problems: closed forms, problems made with or without a solution, and the proofs by themselves.
 #include "../support/fclib_files.hpp"
 #include "../support/sanitized.hpp"
+#include "../support/thorough.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/contact_solvers/verdict.hpp>
 
@@ -99,7 +100,7 @@ RandomBodies random_bodies(RandomStream& random) {
   return made;
 }
 
-constexpr Index random_problems = sanitized ? 200 : 10'000;
+const Index random_problems = sanitized ? 200 : thorough() ? 10'000 : 2000;
 
 }  // namespace
 
