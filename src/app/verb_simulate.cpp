@@ -195,6 +195,7 @@ int run(const Options& options, const Context& context) {
     Simulation start = simulation_of(*one);
     start.processes = all;
     start.inertia = context.machine.inertia;
+    start.bddc = context.machine.bddc;
     if (!options.restart) return start;
     take_up(start, options.files.output);
     found = run_so_far(options.files.output);

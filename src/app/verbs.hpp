@@ -18,7 +18,7 @@ struct Machine {
   Index processes_here = 1;  ///< ranks that share the memory of this computer
   InertiaMethod inertia = multifrontal(processes.counts);
   SpectrumSolver slepc = {};
-  BddcSolver bddc = {};
+  Bddc bddc = {};
   Index threads = 0;  ///< default of a rank; 0: all
 
   bool serves(std::string_view verb) const { return verbs.empty() || std::ranges::find(verbs, verb) != verbs.end(); }

@@ -11,11 +11,11 @@ PETSC_EXTERN PetscErrorCode MatCreate_SchurComplement(Mat);
 namespace nscdd::mpi {
 namespace {
 
-constexpr double tolerance = 1e-8;
-constexpr int most_iterations = 5000;
 static_assert(std::is_same_v<PetscInt, SparseMatrix::StorageIndex>, "PETSc with indices of 32 bits");
 
 using OwnedKsp = Owned<KSP, KSPDestroy>;
+using OwnedSet = Owned<IS, ISDestroy>;
+using OwnedScatter = Owned<VecScatter, VecScatterDestroy>;
 using OwnedMap = Owned<ISLocalToGlobalMapping, ISLocalToGlobalMappingDestroy>;
 
 // PETSc's options of these parameters, under a prefix of their own, while it lives.
@@ -54,41 +54,15 @@ class Options {
 };
 
 // Unknowns of the undivided packing: grains that have contacts, in their order.
-struct Numbering {
-  Numbering(const Decomposition& parts, const Subdomain& own) {
-    const Index d = parts.dofs_per_grain();
-    Vector present = Vector::Zero(parts.interface.grains());
-    present(own.grains).setOnes();
-    parts.interface.processes().add_up({present.data(), at(present.size())});
-    std::vector<Index> first;  // unknown of each grain
-    for (const double copies : present) first.push_back(std::exchange(size, size + (copies > 0 ? d : 0)));
-    for (const Index grain : own.grains)
-      for (Index k = 0; k < d; ++k) rows.push_back(static_cast<PetscInt>(first[at(grain)] + k));
-  }
-
-  Index size = 0;
-  std::vector<PetscInt> rows;  // of this rank's subdomain
-};
-
-// The subdomain of this rank.
-const Subdomain& own_subdomain(const Decomposition& parts) {
-  const Interface& glued = parts.interface;
-  if (glued.processes().size != count(parts.subdomains))
-    fail("bddc: expected as many processes as subdomains, {}, met {}", count(parts.subdomains), glued.processes().size);
-  Index own = 0;
-  while (glued.process_of(own) != glued.processes().rank) ++own;
-  return parts.subdomains[at(own)];
-}
-
-// The share of a whole vector that PETSc puts on this rank.
-template <class Share>
-void with_share(Vec of_petsc, Vector& whole, const Share& share) {
-  PetscInt first = 0, last = 0;
-  double* values = nullptr;
-  VecGetOwnershipRange(of_petsc, &first, &last);
-  check(VecGetArray(of_petsc, &values), "entries of a vector");
-  share(whole.segment(first, last - first), Eigen::Map<Vector>(values, last - first));
-  VecRestoreArray(of_petsc, &values);
+void number_unknowns(const Decomposition& parts, const Subdomain& own, BddcSystem& system) {
+  const Index d = parts.dofs_per_grain();
+  Vector present = Vector::Zero(parts.interface.grains());
+  present(own.grains).setOnes();
+  parts.interface.processes().add_up({present.data(), at(present.size())});
+  std::vector<Index> first;  // unknown of each grain
+  for (const double copies : present) first.push_back(std::exchange(system.size, system.size + (copies > 0 ? d : 0)));
+  for (const Index grain : own.grains)
+    for (Index k = 0; k < d; ++k) system.unknowns.push_back(first[at(grain)] + k);
 }
 
 void prepare(KSP solver, Mat matrix, const BddcParameters& parameters) {
@@ -96,7 +70,8 @@ void prepare(KSP solver, Mat matrix, const BddcParameters& parameters) {
   KSPSetOperators(solver, matrix, matrix);
   KSPSetType(solver, KSPCG);
   KSPSetNormType(solver, KSP_NORM_UNPRECONDITIONED);
-  KSPSetTolerances(solver, tolerance, 0, PETSC_DEFAULT, most_iterations);
+  KSPSetTolerances(solver, parameters.tolerance, 0, PETSC_DEFAULT,
+                   static_cast<PetscInt>(parameters.maximum_iterations));
   KSPSetComputeSingularValues(solver, PETSC_TRUE);
   KSPSetOptionsPrefix(solver, Options::prefix);
   KSPGetPC(solver, &preconditioner);
@@ -105,75 +80,150 @@ void prepare(KSP solver, Mat matrix, const BddcParameters& parameters) {
   check(KSPSetFromOptions(solver), "options of BDDC");
 }
 
-BddcSolution solve(const Decomposition& parts, const BddcParameters& parameters, const Communicator& all) {
-  const Subdomain& own = own_subdomain(parts);
-  const OneBlasThread serial_blas;
-  const QuietPetsc quiet;
-  MatRegister(MATSCHURCOMPLEMENT, MatCreate_SchurComplement);  // a second session of PETSc 3.18 forgets this type
-  const Numbering numbering(parts, own);
-  const Options options(parameters, parts.dofs_per_grain());
-  SparseMatrix m = own.h * SparseMatrix(own.h.transpose()) / parameters.flexibility;  // outlives `local`
-  m += SparseMatrix(own.inertia.asDiagonal());
-  m.makeCompressed();
-  const auto n = static_cast<PetscInt>(m.rows()), size = static_cast<PetscInt>(numbering.size);
+// What a system holds until its last solution.
+struct Solver {
+  std::shared_ptr<void> session;
+  std::shared_ptr<const Communicator> all;
+  std::shared_ptr<WorkCount> counts;
+  SparseMatrix own;  // K_E
   OwnedMap map;
   OwnedMatrix local, matrix;
-  OwnedVector b, x;
-  OwnedKsp solver;
-  check(ISLocalToGlobalMappingCreate(all.get(), 1, n, numbering.rows.data(), PETSC_COPY_VALUES, map.fill()), "a map");
-  check(MatCreateIS(all.get(), 1, PETSC_DECIDE, PETSC_DECIDE, size, size, map.get(), map.get(), matrix.fill()),
-        "a matrix of subdomains");
-  check(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, m.outerIndexPtr(), m.innerIndexPtr(), m.valuePtr(),
-                                  local.fill()),
-        "the matrix of a subdomain");
-  for (const Mat one : {local.get(), matrix.get()}) MatSetOption(one, MAT_SPD, PETSC_TRUE);
-  check(MatISSetLocalMat(matrix.get(), local.get()), "the matrix of a subdomain");
-  MatAssemblyBegin(matrix.get(), MAT_FINAL_ASSEMBLY);
-  check(MatAssemblyEnd(matrix.get(), MAT_FINAL_ASSEMBLY), "a matrix of subdomains");
-  check(MatCreateVecs(matrix.get(), x.fill(), b.fill()), "vectors");
+  OwnedVector b, x, share;  // right-hand side and solution, and this rank's copies of either
+  OwnedScatter copies;
+  OwnedKsp ksp;
 
+  PC preconditioner() const {
+    PC result = nullptr;
+    KSPGetPC(ksp.get(), &result);
+    return result;
+  }
+};
+
+// Adds what PETSc sends while it lives to the counts of a rank.
+class CountedMessages {
+ public:
+  explicit CountedMessages(WorkCount& counts) : counts_(counts), before_(now()) {}
+  ~CountedMessages() {
+    const WorkCount after = now();
+    counts_.messages += after.messages - before_.messages;
+    counts_.message_bytes += after.message_bytes - before_.message_bytes;
+    counts_.sums += after.sums - before_.sums;
+  }
+  CountedMessages(const CountedMessages&) = delete;
+  CountedMessages& operator=(const CountedMessages&) = delete;
+
+ private:
+  static WorkCount now() {
+    return {.messages = petsc_isend_ct + petsc_send_ct,
+            .message_bytes = petsc_isend_len + petsc_send_len,
+            .sums = petsc_allreduce_ct + petsc_gather_ct + petsc_scatter_ct};
+  }
+
+  WorkCount& counts_;
+  WorkCount before_;
+};
+
+double flops_so_far() {
+  PetscLogDouble flops = 0;
+  PetscGetFlops(&flops);
+  return flops;
+}
+
+void fill(Solver& solver, const BddcSystem& system) {
+  std::vector<PetscInt> rows(system.unknowns.begin(), system.unknowns.end());
+  const auto n = static_cast<PetscInt>(rows.size()), size = static_cast<PetscInt>(system.size);
+  const MPI_Comm all = solver.all->get();
+  OwnedSet of_rank;
+  SparseMatrix& k = solver.own;
+  check(ISLocalToGlobalMappingCreate(all, 1, n, rows.data(), PETSC_COPY_VALUES, solver.map.fill()), "a map");
+  check(MatCreateIS(all, 1, PETSC_DECIDE, PETSC_DECIDE, size, size, solver.map.get(), solver.map.get(),
+                    solver.matrix.fill()),
+        "a matrix of subdomains");
+  check(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, k.outerIndexPtr(), k.innerIndexPtr(), k.valuePtr(),
+                                  solver.local.fill()),
+        "the matrix of a subdomain");
+  for (const Mat one : {solver.local.get(), solver.matrix.get()}) MatSetOption(one, MAT_SPD, PETSC_TRUE);
+  check(MatISSetLocalMat(solver.matrix.get(), solver.local.get()), "the matrix of a subdomain");
+  MatAssemblyBegin(solver.matrix.get(), MAT_FINAL_ASSEMBLY);
+  check(MatAssemblyEnd(solver.matrix.get(), MAT_FINAL_ASSEMBLY), "a matrix of subdomains");
+  check(MatCreateVecs(solver.matrix.get(), solver.x.fill(), solver.b.fill()), "vectors");
+  check(VecCreateSeq(PETSC_COMM_SELF, n, solver.share.fill()), "a vector");
+  check(ISCreateGeneral(PETSC_COMM_SELF, n, rows.data(), PETSC_COPY_VALUES, of_rank.fill()), "rows");
+  check(VecScatterCreate(solver.b.get(), of_rank.get(), solver.share.get(), nullptr, solver.copies.fill()),
+        "an exchange");
+}
+
+// Calls work(entries) on the vector of a rank's copies.
+template <class Work>
+void with_entries(const Solver& solver, const Work& work) {
+  double* values = nullptr;
+  check(VecGetArray(solver.share.get(), &values), "entries of a vector");
+  work(Eigen::Map<Vector>(values, solver.own.rows()));
+  VecRestoreArray(solver.share.get(), &values);
+}
+
+void exchange(const Solver& solver, Vec from, Vec to, InsertMode mode, ScatterMode direction) {
+  VecScatterBegin(solver.copies.get(), from, to, mode, direction);
+  check(VecScatterEnd(solver.copies.get(), from, to, mode, direction), "an exchange");
+}
+
+BddcSolution solution(const Solver& solver, const Vector& right) {
+  const OneBlasThread serial_blas;
+  const QuietPetsc quiet;
+  const CountedMessages counted(*solver.counts);
   BddcSolution result;
-  result.right_hand_side = RandomStream(1).normal_vector(numbering.size);
-  with_share(b.get(), result.right_hand_side, [](const auto& whole, auto entries) { entries = whole; });
-  check(KSPCreate(all.get(), solver.fill()), "a solver");
-  prepare(solver.get(), matrix.get(), parameters);
-  const double begun = MPI_Wtime();
-  check(KSPSetUp(solver.get()), "a preconditioner");
-  const double ready = MPI_Wtime();
-  check(KSPSolve(solver.get(), b.get(), x.get()), "a solution");
-  result.setup_seconds = ready - begun;
-  result.seconds = MPI_Wtime() - ready;
+  const double begun = MPI_Wtime(), flops = flops_so_far();
+  with_entries(solver, [&](auto entries) { entries = right; });
+  VecSet(solver.b.get(), 0);
+  exchange(solver, solver.share.get(), solver.b.get(), ADD_VALUES, SCATTER_REVERSE);
+  check(KSPSolve(solver.ksp.get(), solver.b.get(), solver.x.get()), "a solution");
+  exchange(solver, solver.x.get(), solver.share.get(), INSERT_VALUES, SCATTER_FORWARD);
+  with_entries(solver, [&](auto entries) { result.velocities = entries; });
+  result.seconds = MPI_Wtime() - begun;
+  result.flops = flops_so_far() - flops;
 
   PetscInt iterations = 0;
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-  PC preconditioner = nullptr;
-  KSPGetIterationNumber(solver.get(), &iterations);
-  KSPGetConvergedReason(solver.get(), &reason);
-  KSPGetPC(solver.get(), &preconditioner);
-  check(KSPComputeExtremeSingularValues(solver.get(), &result.lambda_max, &result.lambda_min), "a condition number");
+  KSPGetIterationNumber(solver.ksp.get(), &iterations);
+  KSPGetConvergedReason(solver.ksp.get(), &reason);
+  check(KSPComputeExtremeSingularValues(solver.ksp.get(), &result.lambda_max, &result.lambda_min),
+        "a condition number");
   result.iterations = iterations;
-  result.coarse_size = static_cast<const PC_BDDC*>(preconditioner->data)->coarse_size;
   result.converged = reason > 0;
-
-  const Processes& processes = parts.interface.processes();
-  result.velocities = Vector::Zero(numbering.size);
-  with_share(x.get(), result.velocities, [](auto whole, const auto& entries) { whole = entries; });
-  processes.add_up({result.velocities.data(), at(numbering.size)});
-  Vector product = Vector::Zero(numbering.size);
-  product(numbering.rows) = m * Vector(result.velocities(numbering.rows));
-  processes.add_up({product.data(), at(numbering.size)});
-  result.residual = (result.right_hand_side - product).norm() / result.right_hand_side.norm();
   return result;
 }
 
 }  // namespace
 
-BddcSolver bddc(MPI_Comm communicator) {
+Bddc bddc(MPI_Comm communicator) {
   const auto all = std::make_shared<const Communicator>(communicator);
   const auto session = std::make_shared<std::shared_ptr<void>>();  // begins at the first call
-  return [session, all](const Decomposition& own, const BddcParameters& parameters) {
+  return [session, all](const Decomposition& parts, SparseMatrix matrix, const BddcParameters& parameters) {
+    const Subdomain& own = parts.subdomains[at(own_subdomain(parts))];
     if (!*session) *session = slepc_session();
-    return solve(own, parameters, *all);
+    const OneBlasThread serial_blas;
+    const QuietPetsc quiet;
+    MatRegister(MATSCHURCOMPLEMENT, MatCreate_SchurComplement);  // a second session of PETSc 3.18 forgets this type
+    const auto solver = std::make_shared<Solver>();
+    solver->session = *session;
+    solver->all = all;
+    solver->counts = parts.interface.processes().counts;
+    solver->own = std::move(matrix);
+    solver->own.makeCompressed();
+    const CountedMessages counted(*solver->counts);
+    BddcSystem system;
+    number_unknowns(parts, own, system);
+    const Options options(parameters, parts.dofs_per_grain());
+    fill(*solver, system);
+    check(KSPCreate(all->get(), solver->ksp.fill()), "a solver");
+    prepare(solver->ksp.get(), solver->matrix.get(), parameters);
+    const double begun = MPI_Wtime(), flops = flops_so_far();
+    check(KSPSetUp(solver->ksp.get()), "a preconditioner");
+    system.setup_seconds = MPI_Wtime() - begun;
+    system.setup_flops = flops_so_far() - flops;
+    system.coarse_size = static_cast<const PC_BDDC*>(solver->preconditioner()->data)->coarse_size;
+    system.solve = [solver](const Vector& right) { return solution(*solver, right); };
+    return system;
   };
 }
 

@@ -134,6 +134,10 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   const auto start = Clock::now();
   const StepSolver& solver = simulation.dynamics.solver;
   const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
+  if (!admm && solver.interface_preconditioner == SystemPreconditioner::bddc)
+    throw Error(
+        "solver.interface_preconditioner",
+        "expected network, lumped or dirichlet with two_stage_newton, whose systems are not symmetric, met bddc");
   // Solutions of Newton's steps are refined: their errors are about the square of the tolerance.
   const double tolerance = admm ? std::min(1e-8, solver.tolerance) : std::min(1e-4, 1e4 * solver.tolerance);
   std::optional<CutContacts<D>> cut;
@@ -146,7 +150,8 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
                            .scaling = solver.interface_scaling,
                            .coarse_space = solver.coarse_space,
                            .kappa = solver.coarse_kappa,
-                           .inertia = stage_two_inertia(simulation)});
+                           .inertia = stage_two_inertia(simulation),
+                           .bddc = simulation.bddc});
   DividedContacts<D> divided(step.problem, step.partition, std::move(parts),
                              contact_colours(simulation, step.problem.geometry), std::move(cut),
                              admm ? Refinement::none : Refinement::one_step);

@@ -31,6 +31,7 @@ void add_needs(std::vector<Need>& needs, const StepSolver& solver) {
   };
   const auto is = [](auto value) { return [value](auto now) { return now == value; }; };
   const auto is_not = [](auto value) { return [value](auto now) { return now != value; }; };
+  const auto is_one_of = [](auto... values) { return [=](auto now) { return ((now == values) || ...); }; };
   for (const char* path : {"solver.tolerance", "solver.gluing_tolerance"})
     if (sweeps) add(path, "solver.criterion", solver.criterion, is_not(Criterion::none));
   add("solver.seed", "solver.order", solver.order, is(ContactOrder::random));
@@ -44,7 +45,9 @@ void add_needs(std::vector<Need>& needs, const StepSolver& solver) {
   add("solver.interface_scaling", "solver.interface_preconditioner", solver.interface_preconditioner,
       is_not(SystemPreconditioner::network));
   add("solver.coarse_space", "solver.interface_preconditioner", solver.interface_preconditioner,
-      is(SystemPreconditioner::dirichlet));
+      is_one_of(SystemPreconditioner::dirichlet, SystemPreconditioner::bddc));
+  add("solver.interface_network", "solver.interface_preconditioner", solver.interface_preconditioner,
+      is_not(SystemPreconditioner::bddc));
   add("solver.coarse_kappa", "solver.coarse_space", solver.coarse_space, is(SystemCoarseSpace::geneo));
   add("solver.impossible", "solver.verdict", solver.verdict, is_not(VerdictSteps::never));
   for (const char* path : {"solver.switch_after", "solver.switch_flexibility"})

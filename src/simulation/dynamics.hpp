@@ -54,6 +54,7 @@ struct Simulation {
   Partitioner partitioner = GridPartitioner{};
   Processes processes = {};    ///< the ranks that share the subdomains of a step, each with the whole system and state
   InertiaMethod inertia = {};  ///< factorisation of Stage 2, see stage_two_inertia
+  Bddc bddc = {};              ///< set by nscdd-mpi, see CutOptions
 };
 
 inline StepStart start_of(const Simulation& simulation) {

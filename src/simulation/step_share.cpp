@@ -205,7 +205,7 @@ Packing free_grains(const GranularSystem& system, const GranularState& state, In
 template <int D>
 GranularStep<D> share_step(const Simulation& simulation) {
   check_system(simulation, D);
-  const auto& [system, state, dynamics, partitioner, all, inertia] = simulation;
+  const auto& [system, state, dynamics, partitioner, all, inertia, bddc] = simulation;
   if (!all.alone() && (!decomposes(dynamics.solver.algorithm) || switches_models(simulation)))
     throw Error("processes: expected an algorithm that decomposes if several ranks share a step, met another");
   const Index subdomains = subdomains_of_step(simulation);

@@ -39,6 +39,13 @@ CutContacts<D>::CutContacts(Decomposition parts, const CutOptions& options)
     own_.push_back(subdomain.contacts);
     for (Index& column : own_.back()) column -= parts_.first_contact;
   }
+  if (options_.preconditioner == SystemPreconditioner::bddc) {
+    if (!options_.bddc)
+      throw Error("solver.interface_preconditioner",
+                  "expected network, lumped or dirichlet with nscdd, met bddc, which nscdd-mpi has");
+    own_subdomain(parts_);  // one for each rank
+    return;
+  }
   const bool local = options_.preconditioner != SystemPreconditioner::network;
   if (local && options_.network == InterfaceNetwork::none)
     throw Error("solver.interface_network",
@@ -102,6 +109,16 @@ std::optional<LocalPreconditioner> CutContacts<D>::local_preconditioner() const 
   return LocalPreconditioner(parts, interface, LocalStiffness::dirichlet, coarse);
 }
 
+// Stored zeros give all matrices one pattern. Driven directions of a free body have rows without entries of H.
+template <int D>
+SparseMatrix CutContacts<D>::system_of(Index i) const {
+  const Subdomain& subdomain = parts_.subdomains[at(i)];
+  SparseMatrix k = subdomain.h * blocks_of(i, e_, Zeros::stored) * SparseMatrix(subdomain.h.transpose());
+  k += SparseMatrix(subdomain.inertia.asDiagonal());
+  k.makeCompressed();
+  return k;
+}
+
 template <int D>
 bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
   ++work_.factorisations;
@@ -109,18 +126,24 @@ bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
   longest_ = {};
   e_.clear();
   for (const ContactRelation<D>& relation : relations_) e_.push_back(relation.p.inverse() * relation.q);
+  symmetric_ = !processes().any(!std::ranges::all_of(e_, [](const auto& block) { return block == block.transpose(); }));
+  if (options_.preconditioner == SystemPreconditioner::bddc) {
+    bddc_ = options_.bddc(
+        parts_, system_of(own_subdomain(parts_)),
+        {.scaling = options_.scaling,
+         .threshold = options_.coarse_space == SystemCoarseSpace::geneo ? std::optional(options_.kappa) : std::nullopt,
+         .tolerance = options_.tolerance,
+         .maximum_iterations = options_.maximum_iterations});
+    bddc_flops_ += bddc_.setup_flops;
+    return true;
+  }
   std::vector<char> regular(parts_.subdomains.size(), 1);
   for_each_in_parallel(count(parts_.subdomains), [&](Index i) {
-    const Subdomain& subdomain = parts_.subdomains[at(i)];
-    if (subdomain.grains.empty()) return;  // without contacts, or of another rank
-    // Stored zeros give all matrices one pattern. Driven directions of a free body have rows without entries of H.
-    SparseMatrix k = subdomain.h * blocks_of(i, e_, Zeros::stored) * SparseMatrix(subdomain.h.transpose());
-    k += SparseMatrix(subdomain.inertia.asDiagonal());
-    k.makeCompressed();
+    if (parts_.subdomains[at(i)].grains.empty()) return;  // without contacts, or of another rank
+    const SparseMatrix k = system_of(i);
     if (!lu_[at(i)]) lu_[at(i)].emplace(k);
     regular[at(i)] = lu_[at(i)]->factorise(k);
   });
-  symmetric_ = !processes().any(!std::ranges::all_of(e_, [](const auto& block) { return block == block.transpose(); }));
   const bool local = parts_.interface_size() > 0 && options_.preconditioner != SystemPreconditioner::network;
   if (local && !(local_ = local_preconditioner())) return false;
   if (!local && parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
@@ -147,7 +170,7 @@ int CutContacts<D>::determinant_sign() const {
 
 template <int D>
 double CutContacts<D>::take_operations() {
-  double sum = 0;
+  double sum = bddc_flops_;
   for (const std::optional<SparseLu>& lu : lu_) sum += lu ? lu->operations() : 0;
   const double own = sum - std::exchange(work_.flops, sum);
   const std::vector<double> of_all = processes().gather_each(own);
@@ -178,6 +201,32 @@ Matrix CutContacts<D>::dense() const {
 }
 
 template <int D>
+std::vector<Vector> CutContacts<D>::glued_velocities(std::vector<Vector> impulses) {
+  if (bddc_.solve) {
+    const Index own = own_subdomain(parts_);
+    const BddcSolution found = bddc_.solve(impulses[at(own)]);
+    work_.iterations += found.iterations;
+    work_.failures += Index{!found.converged};
+    bddc_flops_ += found.flops;
+    impulses[at(own)] = found.velocities;
+    return impulses;
+  }
+  std::vector<Vector> v = velocities(impulses);
+  if (parts_.interface_size() == 0) return v;
+  const LinearMap system = [this](const Vector& f) { return apply(f); };
+  const LinearMap inverse = [this](const Vector& g) { return precondition(g); };
+  const Vector jumps = parts_.interface.exchange(v);
+  const IterationLimits limits{options_.tolerance, options_.maximum_iterations};
+  const IteratedSolution f = symmetric_ ? conjugate_gradients(system, inverse, jumps, limits)
+                                        : generalised_minimal_residuals(system, inverse, jumps, limits);
+  work_.iterations += f.iterations;
+  work_.failures += Index{!f.converged};
+  if (f.iterations > longest_.iterations) longest_ = f;
+  for (Index i = 0; i < count(impulses); ++i) impulses[at(i)] -= parts_.interface.distribute(i, f.x);
+  return velocities(impulses);
+}
+
+template <int D>
 Vector CutContacts<D>::solve(const Vector& b) {
   ++work_.solves;
   Vector r(b.size());  // P^-1 b
@@ -185,20 +234,7 @@ Vector CutContacts<D>::solve(const Vector& b) {
     r.segment<D>(D * c) = relations_[at(c)].p.inverse() * b.segment<D>(D * c);
   std::vector<Vector> right;
   for (std::size_t i = 0; i < own_.size(); ++i) right.push_back(parts_.subdomains[i].h * r(own_[i]));
-  std::vector<Vector> v = velocities(right);
-  if (parts_.interface_size() > 0) {
-    const LinearMap system = [this](const Vector& f) { return apply(f); };
-    const LinearMap inverse = [this](const Vector& g) { return precondition(g); };
-    const Vector jumps = parts_.interface.exchange(v);
-    const IterationLimits limits{options_.tolerance, options_.maximum_iterations};
-    const IteratedSolution f = symmetric_ ? conjugate_gradients(system, inverse, jumps, limits)
-                                          : generalised_minimal_residuals(system, inverse, jumps, limits);
-    work_.iterations += f.iterations;
-    work_.failures += Index{!f.converged};
-    if (f.iterations > longest_.iterations) longest_ = f;
-    for (std::size_t i = 0; i < right.size(); ++i) right[i] -= parts_.interface.distribute(static_cast<Index>(i), f.x);
-    v = velocities(right);
-  }
+  const std::vector<Vector> v = glued_velocities(std::move(right));
   Vector caused = Vector::Zero(b.size());  // E H_E^T V_E
   for (std::size_t i = 0; i < parts_.subdomains.size(); ++i) {
     const Vector u = parts_.subdomains[i].h.transpose() * v[i];

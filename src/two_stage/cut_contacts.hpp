@@ -5,6 +5,7 @@
 #include "ddm/local_preconditioner.hpp"
 #include "linalg/linear_iteration.hpp"
 #include "two_stage/step_solver.hpp"
+#include <nscdd/ddm/bddc.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 
 namespace nscdd {
@@ -19,6 +20,7 @@ struct CutOptions {
   SystemCoarseSpace coarse_space = SystemCoarseSpace::none;
   double kappa = 30;           ///< that GenEO shall keep
   InertiaMethod inertia = {};  ///< factorises P, see InterfaceOperator::solve
+  Bddc bddc = {};              ///< takes the place of Stage 1 and Stage 2, for symmetric systems
 };
 
 /// Linear systems  P r + Q W r = b  of the contacts of a step (see ContactMatrix), cut in the FETI way. E = P^-1 Q.
@@ -27,6 +29,7 @@ struct CutOptions {
 ///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T  or, with c = 1, by the LocalPreconditioner of this sum,
 /// where D is the diagonal of E: X_eta with eta = c alpha on the active contacts. In space D keeps the symmetric part
 /// of the tangential blocks of E: a sliding contact resists across its direction only. Then r = P^-1 b - E H_E^T V_E.
+/// With BDDC the V_E are the copies R_E V of (sum_E R_E^T K_E R_E) V = sum_E R_E^T H_E P^-1 b instead.
 /// No bit depends on the number of threads. Collective: each rank has its own subdomains and contacts, and whole
 /// interface vectors. Without a network in Stage 2 no bit depends on the number of ranks; the factor of a network does.
 template <int D>
@@ -65,6 +68,8 @@ class CutContacts {
  private:
   const Processes& processes() const { return parts_.interface.processes(); }
   std::vector<Vector> velocities(const std::vector<Vector>& impulses) const;  // K_E^-1 of them
+  std::vector<Vector> glued_velocities(std::vector<Vector> impulses);         // the same with F, or by BDDC
+  SparseMatrix system_of(Index subdomain) const;                              // K_E
 
   using Blocks = std::vector<Eigen::Matrix<double, D, D>>;
   // Zeros off the diagonal of blocks.
@@ -79,6 +84,8 @@ class CutContacts {
   std::vector<ContactRelation<D>> relations_;
   Blocks e_;
   std::vector<std::optional<SparseLu>> lu_;
+  BddcSystem bddc_;
+  double bddc_flops_ = 0;
   std::optional<InterfaceOperator> preconditioner_;
   std::optional<LocalPreconditioner> local_;
   bool symmetric_ = false;

@@ -57,12 +57,13 @@ enum class SystemPreconditioner {
   network,    ///< X or X_eta, by InterfaceNetwork
   lumped,     ///< see LocalPreconditioner: of the contacts of InterfaceNetwork, as stiff as in the system
   dirichlet,  ///< the same
+  bddc,       ///< of PETSc, see BddcParameters: symmetric systems, solved in velocities
 };
 constexpr auto names_of(SystemPreconditioner) {
-  return std::to_array<std::string_view>({"network", "lumped", "dirichlet"});
+  return std::to_array<std::string_view>({"network", "lumped", "dirichlet", "bddc"});
 }
 
-/// Its coarse space, with dirichlet.
+/// Its coarse space, with dirichlet or bddc (geneo: its adaptive constraints).
 enum class SystemCoarseSpace { none, geneo };
 constexpr auto names_of(SystemCoarseSpace) { return std::to_array<std::string_view>({"none", "geneo"}); }
 

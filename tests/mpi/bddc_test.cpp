@@ -4,6 +4,7 @@
 #include "../support/spectra.hpp"
 #include "ddm/primal_interface.hpp"
 #include "linalg/pencil.hpp"
+#include "linalg/random.hpp"
 #include "spectra/balanced_spectrum.hpp"
 #include <nscdd/mpi/bddc.hpp>
 #include <nscdd/mpi/processes.hpp>
@@ -24,22 +25,43 @@ struct BddcProblem {
   Model whole = build(deposit(400, {processes.size > 1 ? processes.size / 2 : 1, processes.size > 1 ? 2 : 1}));
   Model own = of_process(whole, processes);
   double scale = flexibility_scale(whole);
-  BddcSolver solver = mpi::bddc(MPI_COMM_WORLD);
+  Bddc bddc = mpi::bddc(MPI_COMM_WORLD);
 
-  // Checked: it converged to the solution of the undivided packing.
-  BddcSolution solve(const BddcParameters& parameters) const {
-    const BddcSolution found = solver(own.parts, parameters);
-    CHECK(found.converged);
-    CHECK(found.residual < 1e-7);
-    CHECK(found.lambda_min > 0.99);
-    CHECK(found.lambda_min < 1.1);
-    const Subdomain undivided = reassemble(whole.parts);
-    SparseMatrix m = undivided.h * SparseMatrix(undivided.h.transpose()) / parameters.flexibility;
-    m += SparseMatrix(undivided.inertia.asDiagonal());
-    const Vector known = Eigen::SimplicialLLT<SparseMatrix>(m).solve(found.right_hand_side);
-    const Vector error = found.velocities - known;
-    CHECK(error.dot(m * error) < 1e-8 * known.dot(m * known));
-    return found;
+  static SparseMatrix system(const Subdomain& one, double epsilon) {
+    SparseMatrix m = one.h * SparseMatrix(one.h.transpose()) / epsilon;
+    m += SparseMatrix(one.inertia.asDiagonal());
+    return m;
+  }
+
+  struct Found : BddcSolution {
+    Index coarse_size;
+  };
+  // Checked: two right-hand sides converge to the solutions of the undivided packing.
+  Found solve(double epsilon, const BddcParameters& parameters) const {
+    const BddcSystem glued =
+        bddc(own.parts, system(own.parts.subdomains[at(own_subdomain(own.parts))], epsilon), parameters);
+    const SparseMatrix m = system(reassemble(whole.parts), epsilon);
+    REQUIRE(glued.size == m.rows());
+    BddcSolution found;
+    for (const std::uint64_t seed : {2U, 1U}) {
+      // What every rank adds is another vector.
+      const Vector share = RandomStream(seed + 10 * static_cast<std::uint64_t>(processes.rank))
+                               .normal_vector(static_cast<Index>(glued.unknowns.size()));
+      Vector right = Vector::Zero(glued.size);
+      right(glued.unknowns) = share;
+      processes.add_up({right.data(), at(right.size())});
+      found = glued.solve(share);
+      CHECK(found.converged);
+      CHECK(found.lambda_min > 0.99);
+      CHECK(found.lambda_min < 1.1);
+      CHECK(found.flops > 0);
+      const Vector known = Eigen::SimplicialLLT<SparseMatrix>(m).solve(right);
+      Vector met = known;
+      met(glued.unknowns) = found.velocities;
+      const Vector error = met - known;
+      CHECK(error.dot(m * error) < 1e-8 * known.dot(m * known));
+    }
+    return {found, glued.coarse_size};
   }
 };
 
@@ -61,7 +83,7 @@ TEST_CASE("bddc: solutions are ours; two subdomains have the spectrum of Neumann
       sharing, [&](const auto& one) { return one.size() > 2 || std::ranges::count(sharing, one) == 1; });
   for (const Scaling scaling : {Scaling::multiplicity, Scaling::stiffness, Scaling::deluxe}) {
     CAPTURE(to_string(scaling));
-    const BddcSolution found = problem.solve({epsilon, scaling});
+    const auto found = problem.solve(epsilon, {scaling});
     CHECK(found.coarse_size == 2 * vertices);
     if (problem.processes.size != 2) continue;
     const Vector known = one_level(problem.whole, epsilon, scaling);
@@ -76,7 +98,7 @@ TEST_CASE("bddc: adaptive constraints keep the condition number to a factor, and
   for (const double relative : {1e-6, 1e-3}) {
     CAPTURE(relative);
     const double epsilon = relative * problem.scale;
-    const BddcSolution found = problem.solve({epsilon, Scaling::deluxe, wanted});
+    const auto found = problem.solve(epsilon, {Scaling::deluxe, wanted});
     CHECK(found.lambda_max <= 2 * wanted);  // theory allows a factor that grows with the edges of a subdomain
     if (problem.processes.size < 4) continue;
     // A primal velocity removes as many dimensions as it has copies less one, a constraint of an edge one.
@@ -104,6 +126,6 @@ TEST_CASE("bddc: other numbers of processes than of subdomains are refused") {
   const Processes processes = mpi::processes_of(MPI_COMM_WORLD);
   const Model own = of_process(build(random_lattice(3, 12, 12, {3, 3})), processes);
   CHECK_THROWS_WITH_AS(
-      mpi::bddc(MPI_COMM_WORLD)(own.parts, {}),
+      mpi::bddc(MPI_COMM_WORLD)(own.parts, {}, {}),
       ("bddc: expected as many processes as subdomains, 9, met " + std::to_string(processes.size)).c_str(), Error);
 }

@@ -3,6 +3,7 @@
 #include "../support/spheres.hpp"
 #include "simulation/simulation.hpp"
 #include "simulation/step_verdict.hpp"
+#include <nscdd/mpi/bddc.hpp>
 #include <nscdd/mpi/processes.hpp>
 #include <nscdd/packing/generator.hpp>
 
@@ -181,6 +182,37 @@ TEST_CASE("shared steps: criteria that are sums and maxima over all contacts hav
     CHECK(own.residual.qm_16() == whole.residual.qm_16());
     if (criterion == "normal_change") CHECK(own.last.normal_change == whole.last.normal_change);
   }
+}
+
+TEST_CASE("shared steps: two-stage ADMM with BDDC has the solutions of one process") {
+  if (all().size > 2) return;  // ranks of PETSc that take turns on a core wait for each other
+  const std::array<Index, 2> grid{all().size, 1};
+  for (const std::string space : {"none", "geneo"}) {
+    CAPTURE(space);
+    Dynamics dynamics = dynamics_of("two_stage_admm");
+    Simulation alone = shaken_lattice(9, 6, dynamics, grid);
+    dynamics.solver.interface_preconditioner = "bddc";
+    dynamics.solver.coarse_space = space;
+    Simulation shared = shaken_lattice(9, 6, dynamics, grid);
+    shared.processes = all();
+    shared.bddc = mpi::bddc(MPI_COMM_WORLD);
+    for (int step = 0; step < 2; ++step) {
+      const GranularStep<2> whole = solve_step(alone), own = solve_step(shared);
+      CHECK(own.report.status == SolverStatus::converged);
+      CHECK(own.report.interface_systems == whole.report.interface_systems);
+      CHECK(own.report.factorisations == whole.report.factorisations);
+      take_step(alone, whole);
+      take_step(shared, own);
+      for (std::size_t i = 0; i < alone.state.x.size(); ++i)
+        CHECK(shared.state.velocity_x[i] == doctest::Approx(alone.state.velocity_x[i]).epsilon(1e-6));
+    }
+  }
+  Dynamics newton = dynamics_of("two_stage_newton");
+  newton.solver.interface_preconditioner = "bddc";
+  CHECK_THROWS_WITH_AS(solve_step(shaken_lattice(9, 6, newton, grid)),
+                       doctest::Contains("expected network, lumped or dirichlet with two_stage_newton"), Error);
+  newton.solver.algorithm = "two_stage_admm";
+  CHECK_THROWS_WITH_AS(solve_step(shaken_lattice(9, 6, newton, grid)), doctest::Contains("which nscdd-mpi has"), Error);
 }
 
 TEST_CASE("shared steps: processes without contacts, and steps without any") {

@@ -5,28 +5,19 @@
 #include "core/fail.hpp"
 #include "ddm/factor_work.hpp"
 #include "ddm/local_preconditioner.hpp"
-#include "linalg/linear_iteration.hpp"
 #include "linalg/pencil.hpp"
-#include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include "spectra/balanced_spectrum.hpp"
+#include "study/linear/coarse_rows.hpp"
 #include "study/linear/sweep_points.hpp"
-
-#include <Eigen/Cholesky>
-
-#include <chrono>
 
 namespace nscdd {
 namespace {
 
 using Preconditioner = InterfacePreconditioner;
 
-constexpr double softer = 10;        // eta / epsilon of X_eta
 constexpr double ends_apart = 1e-6;  // relative, of the shifts that certify an end
-constexpr Index most_iterations = 5000, most_predicted = 2500, most_lumped = 4000;
-constexpr double cg_tolerance = 1e-8, most_residual = 1e-6;  // the latter of a solution of PETSc
-
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+constexpr Index most_lumped = 4000;
 
 class CoarseStudy {
  public:
@@ -59,10 +50,14 @@ class CoarseStudy {
     result.epsilon = epsilon;
     result.method = method;
     if (!method.preconditioner) return result;
-    if (method.preconditioner == Preconditioner::bddc) return bddc(result);
+    if (method.preconditioner == Preconditioner::bddc) return solve_bddc(result, parts_, parameters_), result;
     result.modes = 0;
     result.coarse = {0, 0};
-    if (!processes().alone()) return stage_two(result), result;
+    const auto stage_two = [&] {
+      const bool active = method.preconditioner == Preconditioner::active;
+      solve_stage_two(result, parts_, active ? parts_ : all_, sweep_.spectral);
+    };
+    if (!processes().alone()) return stage_two(), result;
     condense_at(epsilon);
     result.interface = interface_work_;
     if (!interface_->definite()) return result.converged = false, result;
@@ -78,7 +73,7 @@ class CoarseStudy {
     else if (method.preconditioner == Preconditioner::dirichlet)
       dirichlet(result);
     else
-      stage_two(result);
+      stage_two();
     return result;
   }
 
@@ -97,79 +92,9 @@ class CoarseStudy {
   }
 
   void iterate(CoarseResult& result, const LinearMap& inverse, const Vector& eigenvalues) const {
-    iterate(
-        result, [&](const Vector& f) { return interface_->apply_dual(parts_.interface, f); }, inverse, eigenvalues);
-  }
-
-  void iterate(CoarseResult& result, const LinearMap& system, const LinearMap& inverse,
-               const Vector& eigenvalues) const {
-    RandomStream random(1);
-    const IterationLimits limits{cg_tolerance, most_iterations};
-    const IteratedSolution found =
-        conjugate_gradients(system, inverse, random.normal_vector(parts_.interface_size()), limits);
-    result.iterations = static_cast<double>(found.iterations);
-    result.converged &= found.converged;
-    predict(result, eigenvalues);
-  }
-
-  static void predict(CoarseResult& result, const Vector& eigenvalues) {
-    if (eigenvalues.size() > 0 && eigenvalues.size() <= most_predicted)
-      result.predicted = static_cast<double>(
-          predicted_iterations(eigenvalues.cast<std::complex<double>>(), {cg_tolerance, most_iterations}));
-  }
-
-  CoarseResult bddc(CoarseResult result) const {
-    const bool adaptive = result.method.space == CoarseSpace::geneo;
-    if (adaptive) result.threshold = parameters_.threshold.value_or(parameters_.kappa.value_or(30));
-    const BddcSolution found = parameters_.bddc(
-        parts_, {result.epsilon, *result.method.scaling, adaptive ? std::optional(result.threshold) : std::nullopt});
-    result.interface = result.coarse = {not_a_number, not_a_number};
-    result.modes = static_cast<double>(found.coarse_size);
-    result.lambda_min = found.lambda_min;
-    result.lambda_max = found.lambda_max;
-    result.iterations = static_cast<double>(found.iterations);
-    result.setup_seconds = found.setup_seconds;
-    result.seconds = found.seconds;
-    result.converged = found.converged;
-    if (found.converged && !(found.residual < most_residual))
-      fail("{}: bddc: expected a residual of at most {} by nscdd's matrices, met {}", result.of_case.name,
-           most_residual, found.residual);
-    return result;
-  }
-
-  // X and X_eta: the ends of 1 - spectrum of the contraction.
-  void stage_two(CoarseResult& result) const {
-    const double begun = seconds();
-    const double eta = result.method.preconditioner == Preconditioner::inertia ? infinity : softer * result.epsilon;
-    const bool active = result.method.preconditioner == Preconditioner::active;
-    const InterfaceFamily family(active ? parts_ : all_, InterfaceFamily::default_dense_limit, sweep_.spectral.inertia);
-    const Contraction b{family.at(eta), InterfaceFamily(parts_).at(result.epsilon)};
-    b.preconditioner.solve(Vector::Zero(b.rows()));  // factorises
-    const double ready = seconds();
-    iterate(
-        result, [&](const Vector& f) { return b.system.apply(f); },
-        [&](const Vector& g) { return b.preconditioner.solve(g); }, {});
-    result.setup_seconds = ready - begun;
-    result.seconds = seconds() - ready;
-    SpectralOptions options = sweep_.spectral;
-    options.certify = true;
-    const SpectralRadius radius = spectral_radius(b, options);
-    result.lambda_min = 1 - radius.eigenvalue_max;
-    result.lambda_max = 1 - radius.eigenvalue_min;
-    result.certified = radius.certified;
-    result.converged &= radius.converged;
-    if (processes().alone() && b.rows() <= most_predicted)
-      predict(result, symmetric_values(symmetric_product(b.system.dense(), [&](const Matrix& lower) -> Matrix {
-                return Eigen::LLT<Matrix>(b.preconditioner.dense()).solve(lower);
-              })));
-  }
-
-  // L^T P^-1 L with the eigenvalues of P^-1 S, S = L L^T; `solve`: L -> P^-1 L.
-  template <class Solve>
-  static Matrix symmetric_product(const Matrix& s, const Solve& solve) {
-    const Matrix lower = Eigen::LLT<Matrix>(s).matrixL();
-    const Matrix product = lower.triangularView<Eigen::Lower>().transpose() * solve(lower);
-    return 0.5 * (product + product.transpose());
+    solve_interface(
+        result, [&](const Vector& f) { return interface_->apply_dual(parts_.interface, f); }, inverse,
+        parts_.interface_size(), eigenvalues);
   }
 
   void lumped(CoarseResult& result) const {

@@ -13,7 +13,7 @@ enum class InterfacePreconditioner {
   active,     ///< the same of the contacts of X_eps
   lumped,     ///< see LocalPreconditioner
   dirichlet,  ///< the same; it alone takes each coarse space
-  bddc,       ///< of PETSc, in velocities, see BddcSolver; geneo means its adaptive constraints
+  bddc,       ///< of PETSc, in velocities, see BddcParameters; geneo means its adaptive constraints
 };
 constexpr auto names_of(InterfacePreconditioner) {
   return std::to_array<std::string_view>({"X", "X_eta", "X_eta_active", "lumped", "dirichlet", "bddc"});
@@ -28,7 +28,7 @@ struct CoarseParameters {
   std::optional<double> kappa;      ///< that GenEO shall keep (30): its threshold is then N_n / kappa, which is safe
   std::optional<double> threshold;  ///< of GenEO instead
   bool counts = false;              ///< ranks and counts of the network and of its factors only
-  BddcSolver bddc = {};             ///< set by nscdd-mpi (nscdd/mpi/bddc.hpp)
+  Bddc bddc = {};                   ///< set by nscdd-mpi (nscdd/mpi/bddc.hpp)
 };
 /// Throws Error for parameters that have no effect with the others, kappa <= 1 and a threshold <= 0. `option`: whether
 /// to name them as options.
