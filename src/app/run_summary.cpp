@@ -43,6 +43,13 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
                         ? fmt::format(" and jumps to {}", solver.gluing_tolerance)
                         : "",
                     advice(totals, dynamics));
+  const double safe = 2 / static_cast<double>(totals.most_copies);
+  if (open > 0 && has_part(solver.algorithm, StepPart::whole_copies) && solver.interface_relaxation >= safe)
+    text += fmt::format(
+        "attention: up to {} subdomains share a body, and schwarz may diverge with an interface_relaxation of {:.3g} "
+        "or "
+        "more, met {}\n",
+        totals.most_copies, safe, solver.interface_relaxation);
   if (totals.doubtful > 0)
     text += fmt::format(
         "attention: {} of {} steps converged relative to impulses that are large relative to what drives the step: see "

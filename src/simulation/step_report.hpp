@@ -65,6 +65,7 @@ struct StepReport {
   ContactResidual residual = {};
   Index contacts = 0;  ///< contacts considered
   Index interface_size = 0;
+  Index most_copies = 1;  ///< q, of a body
   Interpenetration overlap = {};
   StepEnergy energy = {};
   double eta = not_a_number;       ///< of the enriched algorithm, 1/kg

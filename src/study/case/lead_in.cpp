@@ -40,6 +40,7 @@ void RunTotals::add(const StepReport& report) {
   overlap = std::max(overlap, report.overlap.maximum);
   relative_overlap = std::max(relative_overlap, report.overlap.relative);
   interface = interface || report.interface_size > 0;
+  most_copies = std::max(most_copies, report.most_copies);
   boundary_work += report.energy.boundary_work;
   dissipation += report.energy.dissipation;
   numerical += report.energy.numerical;

@@ -22,6 +22,7 @@ struct RunTotals {
   double gluing = 0;                                         ///< the largest of any step, at its last iteration
   double overlap = 0, relative_overlap = 0;                  ///< the largest, m, and times the smaller radius
   bool interface = false;                                    ///< in any step
+  Index most_copies = 1;                                     ///< of a body, in any step
   double boundary_work = 0, dissipation = 0, numerical = 0;  ///< energies, J
   double gain = 0;                                           ///< energy that contacts added, J
   Index gaining_steps = 0;                                   ///< those in which contacts added energy
