@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Local preconditioners and coarse spaces of the interface: theorems that hold for every network.
 #include "../support/dense.hpp"
+#include "../support/mumps.hpp"
 #include "../support/problems.hpp"
 #include "ddm/local_preconditioner.hpp"
 #include "linalg/linear_iteration.hpp"
@@ -51,10 +52,17 @@ CoarseProblem no_coarse_space(const PrimalInterface& interface) {
   return {interface, CoarseVectors{SparseMatrix(interface.size(), 0), {}, {}}};
 }
 
-// Rank of a semidefinite matrix.
+// Rank of a semidefinite matrix by LAPACK; the inertia that MUMPS counts must agree.
 Index rank_of(const Matrix& a) {
   const Vector values = symmetric_values(a);
-  return (values.array() > 1e-9 * values.maxCoeff()).count();
+  const double least = 1e-9 * values.maxCoeff();
+  const Index rank = (values.array() > least).count(), n = a.rows();
+  const Matrix shifted = a - least * Matrix::Identity(n, n), lower = shifted.triangularView<Eigen::Lower>();
+  const InertiaPattern pattern{lower.sparseView(), std::vector<Index>(at(n), 0)};
+  const InertiaFactor factor = mumps().analyse(pattern).factorise(pattern.lower, {0, 0});
+  REQUIRE(factor.regular);
+  CHECK(factor.negative_eigenvalues == n - rank);
+  return rank;
 }
 
 // The eigenvalues above 1, descending.
@@ -242,7 +250,9 @@ void check_law_1(const Model& model, Scaling scaling) {
     visible += rank_of(flexibility);
     n0(one.rows, one.rows) += one.weights * flexibility * one.weights.transpose();
   }
-  const Index rank = model.parts.interface_size() - InterfaceFamily(model.parts).at(0).nullity();
+  const InterfaceOperator rigid = InterfaceFamily(model.parts).at(0);
+  const Index rank = model.parts.interface_size() - rigid.nullity();
+  CHECK(rank_of(rigid.dense()) == rank);
   const Index unbounded = rank_of(n0) + rank - visible;
   CHECK(unbounded <= std::min(rank, interface->size()));
   const auto eigenvalues = [&](double epsilon) {
