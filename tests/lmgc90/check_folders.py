@@ -43,8 +43,9 @@ REFUSED = {"RIGID_2D_200DK_BoxJC_MD": ["TACT_BEHAV.DAT:2:", "MD_JKRs"],
            "RIGID_3D_Wall_PR": ["BODIES.DAT:29:", "POLYR"]}
 STEP_ONE = 0.025  # relative difference of the velocities of step 1 from the run of LMGC90 to 1e-7
 # LMGC90's own runs differ by 5.2 and 6.9 % in steps 10 and 20: with friction solutions are not unique. Step 20 of two
-# runs of nscdd, to 1e-8 and to 1e-10, differs by 4.1 %.
-LATER = {10: 0.06, 20: 0.08}
+# runs of nscdd, to 1e-8 and to 1e-10, differs by 4.1 %, and step 10 on two processors, whose BLAS rounds otherwise, was
+# 5.4 and 6.0 % away.
+LATER = {10: 0.08, 20: 0.08}
 
 
 def distance(one, other):
