@@ -11,6 +11,7 @@ namespace fs = std::filesystem;
 struct NamedTrial {
   std::string problem;
   SolverTrial trial;
+  std::optional<Verdict> verdict = {};
 };
 
 const ResultColumns<NamedTrial>& columns() {
@@ -18,7 +19,11 @@ const ResultColumns<NamedTrial>& columns() {
       {{{"problem", "", "name of the file", &NamedTrial::problem}},
        columns_of(&NamedTrial::trial, trial_columns()),
        {{"driven_residual", "1", "the natural map of `residual` relative to what drives the contacts, max(|r^1|, p)",
-         [](const NamedTrial& one) { return one.trial.driven_residual; }}}});
+         [](const NamedTrial& one) { return one.trial.driven_residual; }},
+        {"verdict", "", "whether the problem has a solution: exists, impossible or undecided; none if not asked for",
+         [](const NamedTrial& one) { return one.verdict ? to_string(one.verdict->kind) : std::string_view("none"); }},
+        {"margin", "m/s", "largest s found with u_n - mu |u_t| >= s at every contact; nan without a verdict",
+         [](const NamedTrial& one) { return one.verdict ? one.verdict->margin : not_a_number; }}}});
   return all;
 }
 
@@ -42,7 +47,8 @@ TableWork trial_work(const std::vector<fs::path>& files, const TrialOptions& opt
   for (const FrictionAlgorithm solver : options.solvers) solvers += fmt::format("solver {}\n", to_string(solver));
   const Index each = count(options.solvers);
   return {{code_identity(), cases, solvers,
-           field_lines(options.solver) + fmt::format("time_limit = {}\n", options.time_limit.value_or(infinity))},
+           field_lines(options.solver) +
+               fmt::format("time_limit = {}\nverdict = {}\n", options.time_limit.value_or(infinity), options.verdict)},
           headings(columns()),
           count(files) * each,
           [files, each, solvers = options.solvers](Index row) {
@@ -88,15 +94,25 @@ void run_trials(const std::vector<fs::path>& files, const TrialOptions& options,
   const Index each = count(options.solvers), total = count(files) * each;
   const Monitor monitor = interruption.watch("solve", first, "run");
   std::optional<LocalFrictionProblem> problem;
+  std::optional<Verdict> verdict;  // on the problem, once a solver failed or it is asked for
   for (Index number = first; number < total; ++number) {
     const fs::path& file = files[at(number / each)];
-    if (number == first || number % each == 0) problem = problem_of(file);
+    if (number == first || number % each == 0) {
+      problem = problem_of(file);
+      verdict = {};
+    }
     FrictionSolverOptions solver = options.solver;
     solver.algorithm = options.solvers[at(number % each)];
     NamedTrial one{file.filename().string(), {.solver = solver.algorithm}};
     if (problem)
       one.trial = try_solver(*problem, solver, options.time_limit.value_or(infinity),
                              [&] { return report(monitor, number, total); });
+    const bool converged = one.trial.status == to_string(FrictionStatus::converged);
+    if (problem && !interruption.stopped() && (options.verdict || !converged)) {
+      if (!verdict) verdict = verdict_of(*problem, [&](Index, Index) { return report(monitor, number, total); });
+      one.verdict = verdict;
+      if (proves_impossible(verdict, converged, one.trial.driven_residual)) one.trial.status = "impossible";
+    }
     if (interruption.stopped()) return;
     sink(row(columns(), one));
     if (!report(monitor, number + 1, total)) return;
@@ -104,6 +120,11 @@ void run_trials(const std::vector<fs::path>& files, const TrialOptions& options,
 }
 
 }  // namespace
+
+bool proves_impossible(const std::optional<Verdict>& verdict, bool converged, double driven_residual) {
+  constexpr double tight = 1e-6;
+  return verdict && verdict->kind == VerdictKind::impossible && !(converged && driven_residual < tight);
+}
 
 LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name) {
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, name);

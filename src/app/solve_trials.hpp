@@ -4,6 +4,7 @@
 #include "app/case_options.hpp"
 #include "app/shared_work.hpp"
 #include "study/moving/solver_trial.hpp"
+#include <nscdd/contact_solvers/verdict.hpp>
 #include <nscdd/formats/fclib.hpp>
 
 namespace nscdd::app {
@@ -14,9 +15,14 @@ struct TrialOptions {
   std::vector<FrictionAlgorithm> solvers;
   FrictionSolverOptions solver;  ///< except the algorithm
   std::optional<double> time_limit;
+  bool verdict = false;  ///< on every problem, not only where a solver fails
   std::string csv;
   Reopening how;
 };
+
+/// Whether a verdict proves that there is no solution. One that was found refutes a proof for slow bodies, unless its
+/// tolerance is loose.
+bool proves_impossible(const std::optional<Verdict>& verdict, bool converged, double driven_residual);
 
 /// Writes the table, a row per problem and solver (solvers vary fastest), and prints how many problems each solver
 /// brought to each compared residual. A file without a contact problem is noted, and its rows have the status

@@ -71,11 +71,8 @@ void print_problem(const FclibFile& file, const LocalFrictionProblem& local) {
   fmt::print("entries of W         {}\n", local.w.nonZeros());
 }
 
-// A solution that was found refutes a proof for slow bodies; not one to a loose tolerance.
 bool is_impossible(const FrictionSolution& solution, const std::optional<Verdict>& verdict) {
-  constexpr double tight = 1e-6;
-  const bool found = solution.status == FrictionStatus::converged && solution.state.driven_residual < tight;
-  return verdict && verdict->kind == VerdictKind::impossible && !found;
+  return proves_impossible(verdict, solution.status == FrictionStatus::converged, solution.state.driven_residual);
 }
 
 void print_solution(const FrictionSolution& solution, const std::optional<Verdict>& verdict, double tolerance,
@@ -201,8 +198,9 @@ int run(const Options& options, const Context& context) {
   if (!options.csv.empty()) {
     std::vector<FrictionAlgorithm> solvers{options.solver.algorithm};
     if (!options.algorithms.empty()) solvers = contact_solvers_named(options.algorithms, "--solver");
-    return solve_trials({options.file, solvers, options.solver, options.time_limit, options.csv, options.how},
-                        context.machine);
+    return solve_trials(
+        {options.file, solvers, options.solver, options.time_limit, options.verdict, options.csv, options.how},
+        context.machine);
   }
   check_options(options);
   FrictionSolverOptions solver = options.solver;
@@ -274,9 +272,9 @@ Action declare_solve(Command& command) {
       .add("--time-limit SECONDS", options->time_limit, "of --csv: end a run at its first check after so long",
            {.above = 0, .also = infinity})
       .needs = csv;
+  command.add("--verdict", options->verdict,
+              "also decide, with proof, whether a solution exists; without it only where the solver fails");
   Option* const alone[] = {
-      &command.add("--verdict", options->verdict,
-                   "also decide, with proof, whether a solution exists; without it only where the solver fails"),
       &command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero"),
       &command.add("--convergence FILE", options->convergence,
                    "write one row per residual there, as CSV, each when it is known"),

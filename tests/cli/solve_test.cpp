@@ -123,7 +123,27 @@ TEST_CASE_FIXTURE(Session, "solve: a verdict where no solution exists, and on re
   const Outcome failed = ended(1, "solve p.hdf5 --solver nlgs --maximum-sweeps 3 --tolerance 1e-12", {});
   CHECK(value(failed.standard_output, "status") == "maximum_reached");
   CHECK(value(failed.standard_output, "verdict") == "exists:");
-  check_refused("solve p.hdf5 --verdict --csv t.csv", {"--verdict"});
+
+  // Of a folder: one verdict for all solvers of a problem.
+  file("folder/p.hdf5", raw_global(box()).bytes());
+  file("folder/walls.hdf5", raw_global(walls).bytes());
+  answer("solve folder --solver auto --solver nlgs --csv some.csv");
+  const CsvTable some = csv("some.csv");
+  REQUIRE(some.rows.size() == 4);
+  for (const std::size_t row : {0U, 1U}) {
+    CHECK(some.text(row, "verdict") == "none");
+    CHECK(some.text(row, "margin") == "nan");
+    CHECK(some.text(row + 2, "status") == "impossible");
+    CHECK(some.text(row + 2, "verdict") == "impossible");
+    CHECK(some.number(row + 2, "margin") == doctest::Approx(-0.05).epsilon(1e-6));
+  }
+  const CsvTable every = table("solve folder --solver auto --solver nlgs --verdict");
+  for (const std::size_t row : {0U, 1U}) {
+    CHECK(every.text(row, "verdict") == "exists");
+    CHECK(every.number(row, "margin") > 0);
+    CHECK(every.text(row, "status") == "converged");
+    CHECK(every.text(row + 2, "verdict") == "impossible");
+  }
 }
 
 TEST_CASE_FIXTURE(Session, "solve: bad input is refused, and nothing is overwritten") {
