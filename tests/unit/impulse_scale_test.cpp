@@ -368,7 +368,8 @@ TEST_CASE("closing walls: no residual is small, and every step says that there m
   }
 }
 
-TEST_CASE("closing walls: without gravity, three of them, driven disks, spheres between planes, and walls that stop") {
+TEST_CASE("closing walls: without gravity, three of them, driven disks, spheres between planes, and walls that stop" *
+          doctest::skip(sanitized)) {  // minutes
   std::vector<std::pair<const char*, Simulation>> scenes;
   scenes.emplace_back("weightless", closing_walls("auto", {}, 0));
   Dynamics corner = dynamics_of("auto");
@@ -455,7 +456,8 @@ TEST_CASE("driven disks that go apart, along, or after each other leave room, an
       }
 }
 
-TEST_CASE("room enough: walls that close in on grains that can get out of the way raise no alarm") {
+TEST_CASE("room enough: walls that close in on grains that can get out of the way raise no alarm" *
+          doctest::skip(sanitized)) {  // a minute
   for (const std::string algorithm : {"auto", "nlgs", "generic"}) {
     CAPTURE(algorithm);
     for (const StepReport& report : run(closing_walls(algorithm, {}, 0, 0.3, 0.05), 8)) CHECK_FALSE(report.no_room);

@@ -64,7 +64,7 @@ TEST_CASE("solver trial: a residual is met where a run to that tolerance ends, a
 }
 
 TEST_CASE("solver trial: the time that checks take is not the solver's") {
-  constexpr double pause = 0.01;
+  constexpr double pause = 0.03;
   Index checks = 0;
   const SolverTrial trial = try_solver(bodies(), {.algorithm = FrictionAlgorithm::nlgs}, infinity, [&] {
     std::this_thread::sleep_for(std::chrono::duration<double>(pause));

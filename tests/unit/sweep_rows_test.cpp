@@ -3,6 +3,7 @@
 #include "contact_solvers/sweep_rows.hpp"
 
 #include "../support/fclib_files.hpp"
+#include "../support/sanitized.hpp"
 #include "contact_solvers/contact_turns.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
@@ -268,7 +269,7 @@ TEST_CASE("M and H of another form than two bodies per contact are left to store
   CHECK(refused(coupled));
 }
 
-TEST_CASE("accelerated sweeps take a fraction of the sweeps on a slow problem") {
+TEST_CASE("accelerated sweeps take a fraction of the sweeps on a slow problem" * doctest::skip(sanitized)) {
   // A column of disks on a floor: the slowest mode of sweeps needs some n^2 of them.
   const LocalFrictionProblem column = column_of_disks(60);
   const FrictionSolverOptions options{.algorithm = FrictionAlgorithm::nlgs};
@@ -282,7 +283,8 @@ TEST_CASE("accelerated sweeps take a fraction of the sweeps on a slow problem") 
   CHECK(found.sweeps < 0.35 * static_cast<double>(plain.sweeps));
 }
 
-TEST_CASE("impulses of accelerated sweeps are judged after sweeps without momentum: they obey the cones") {
+TEST_CASE("impulses of accelerated sweeps are judged after sweeps without momentum: they obey the cones" *
+          doctest::skip(sanitized)) {  // minutes
   const LocalFrictionProblem problem = many_contacts();
   Index checks = 0, sliding = 0;
   solve_friction(problem, {.algorithm = FrictionAlgorithm::accelerated, .tolerance = 1e-14, .maximum_sweeps = 2000}, {},

@@ -100,7 +100,7 @@ RandomBodies random_bodies(RandomStream& random) {
   return made;
 }
 
-const Index random_problems = sanitized ? 200 : thorough() ? 10'000 : 2000;
+const Index random_problems = sanitized ? 50 : thorough() ? 10'000 : 2000;
 
 }  // namespace
 

@@ -4,7 +4,7 @@
 
 #include "linalg/linear_iteration.hpp"
 #include "linalg/pencil.hpp"
-#include "study/linear/coarse.hpp"
+#include "study/linear/coarse_table.hpp"
 
 #include <Eigen/Cholesky>
 

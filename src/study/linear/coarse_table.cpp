@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "study/linear/coarse.hpp"
+#include "study/linear/coarse_table.hpp"
+
 #include "study/tables/study.hpp"
 
 namespace nscdd {
