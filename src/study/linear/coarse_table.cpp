@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/linear/coarse_table.hpp"
 
-#include "study/tables/study.hpp"
-
 namespace nscdd {
 namespace {
-
-std::string_view name_of(const auto& word) { return word ? to_string(*word) : "none"; }
 
 ResultColumns<FactorWork> work_columns(const std::string& name, const std::string& words) {
   return {{name + "_entries", "1", "entries of the factors of " + words, &FactorWork::entries},
@@ -54,29 +50,5 @@ ResultColumns<CoarseResult> coarse_columns(bool relative) {
       {"epsilon_relative", "1", "epsilon in multiples of mean_w_nn", [](const R& r) { return r.epsilon / r.scale; }}};
   return relative ? joined<R>({columns, in_multiples}) : columns;
 }
-
-constinit const Observable observables::coarse_space{
-    .name = "coarse_space",
-    .summary = "condition numbers of preconditioned interface problems, and the coarse vectors that they need",
-    .keys = {"epsilon", "contacts", "preconditioner", "scaling", "coarse_space", "kappa", "threshold", "counts"},
-    .columns = [](const StudyTable& table) { return headings(coarse_columns(table.sweep.relative_epsilon)); },
-    .run =
-        [](const ObservedCase& work) {
-          const SweepParameters& sweep = work.table.sweep;
-          return coarse_spaces(build(work.one), sweep, work.table.coarse,
-                               as_rows(coarse_columns(sweep.relative_epsilon), work.sink), work.monitor, work.first);
-        },
-    .rows = [](const StudyTable& table) { return count(table.sweep.epsilon) * count(methods_of(table.coarse)); },
-    .known =
-        [](const StudyTable& table, Index row) {
-          const Index methods = count(methods_of(table.coarse));
-          const CoarseMethod method = methods_of(table.coarse)[at(row % methods)];
-          const double epsilon = table.sweep.epsilon[at(row / methods)];
-          KnownCells cells{{"preconditioner", to_cell(name_of(method.preconditioner))},
-                           {"scaling", to_cell(name_of(method.scaling))},
-                           {"coarse_space", to_cell(to_string(method.space))}};
-          if (!table.sweep.relative_epsilon) cells.emplace_back("epsilon", epsilon);
-          return cells;
-        }};
 
 }  // namespace nscdd

@@ -39,4 +39,7 @@ inline constexpr std::array<double, 2> wanted_kappas{30, 100};
 
 ResultColumns<CoarseResult> coarse_columns(bool relative);
 
+/// A word of a method, "none" where it lacks one.
+std::string_view name_of(const auto& word) { return word ? to_string(*word) : "none"; }
+
 }  // namespace nscdd
