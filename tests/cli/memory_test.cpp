@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Work that does not fit into memory is refused before it is done, and what is counted is what is taken.
+// Work that does not fit into memory is refused before it is done, and what is counted is what is taken. Runs have all
+// threads of the machine, whose buffers count.
 #include "../support/thorough.hpp"
 #include "session.hpp"
 
