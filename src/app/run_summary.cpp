@@ -46,9 +46,8 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
   const double safe = 2 / static_cast<double>(totals.most_copies);
   if (open > 0 && has_part(solver.algorithm, StepPart::whole_copies) && solver.interface_relaxation >= safe)
     text += fmt::format(
-        "attention: up to {} subdomains share a body, and schwarz may diverge with an interface_relaxation of {:.3g} "
-        "or "
-        "more, met {}\n",
+        "attention: up to {} subdomains share a body, and schwarz may diverge with an interface_relaxation of "
+        "{:.3g} or more, met {}\n",
         totals.most_copies, safe, solver.interface_relaxation);
   if (totals.doubtful > 0)
     text += fmt::format(

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Work that does not fit into memory is refused before it is done, and what is counted is what is taken. Runs have all
-// threads of the machine, whose buffers count.
+// Work that does not fit into memory is refused before it is done. The memory counted is that taken, with all threads.
 #include "../support/thorough.hpp"
 #include "session.hpp"
 
