@@ -36,7 +36,7 @@ TEST_CASE_FIXTURE(Session, "memory: a run is refused with 3/5 of what it takes, 
            "network --set loads.compression=1,1" + hexagonal,
            "network --contacts unilateral --set loads.compression=1,1" + hexagonal, "inspect --ranks" + hexagonal,
            "simulate settle-10k --algorithm newton" + steps,
-           "simulate settle-10k --algorithm two_stage_newton --subdomains 2x1" + steps,
+           "simulate settle-10k --algorithm two_stage_newton --subdomains 2x1 --tolerance 1e-9" + steps,
            "simulate settle-10k --algorithm enriched --eta 30W" + steps}) {
     CAPTURE(line);
     const std::string limited = line + " --memory-limit ";
