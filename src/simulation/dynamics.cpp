@@ -154,15 +154,18 @@ double half_length_along(const Wall& wall, std::size_t k) {
   return along * wall.half_length + std::sqrt(1 - along * along) * radius;
 }
 
+bool may_turn(const Boundary& boundary) {
+  return turns(boundary.motion) || (boundary.body && boundary.body->free(BodyDirection::spin));
+}
+
 // Of a plank or cylinder grains see only the nearest image.
 void check_length(const GranularSystem& system, const Wall& wall) {
   if (wall.radius == 0) return;
   const Boundary& boundary = system.boundaries[at(wall.boundary)];
-  const bool turning = turns(boundary.motion) || (boundary.body && boundary.body->free(BodyDirection::spin));
   const double all_around = std::hypot(wall.half_length, wall.half_width) + std::abs(wall.radius);
   const std::array periods{system.period.x, system.period.y};
   for (std::size_t k = 0; k < 2; ++k) {
-    const double length = 2 * (turning && wall.half_length > 0 ? all_around : half_length_along(wall, k));
+    const double length = 2 * (may_turn(boundary) && wall.half_length > 0 ? all_around : half_length_along(wall, k));
     if (periods[k] > 0 && length > periods[k])
       fail(
           "boundary '{}': expected a {} that is shorter than the periodic cell along {}, met one of {} m in a cell of "
@@ -183,11 +186,12 @@ void complete(GranularSystem& system, const GranularState& first, const Dynamics
     double& reach = system.boundaries[at(k)].body->reach;
     const Place arm = difference(centre_of(first, at(i)), {pose.x, pose.y, pose.z});
     reach = std::max(reach, system.length(arm) + system.radius[at(i)]);
+    // A body that does not turn may be as long as the cell and longer: any image of each of its grains will do.
     for (const double length : {system.period.x, system.period.y})
-      if (length > 0 && 2 * reach > length)
+      if (length > 0 && 2 * reach > length && may_turn(system.boundaries[at(k)]))
         fail(
-            "boundary '{}': expected a body that is shorter than the periodic cell, met grains as far as {} m from its "
-            "centre, in a cell of {} m",
+            "boundary '{}': expected a body that turns to be shorter than the periodic cell, met grains as far as {} m "
+            "from its centre, in a cell of {} m",
             system.boundaries[at(k)].name, reach, length);
   }
   if (dynamics.interaction.on_velocity() && dynamics.interaction.cohesion_range > 0)

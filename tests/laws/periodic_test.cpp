@@ -13,18 +13,8 @@ using namespace nscdd::testing;
 
 namespace {
 
-Simulation in_cell(const std::vector<Grain>& grains, Dynamics dynamics, double period) {
-  Packing packing;
-  for (const Grain& one : grains) {
-    packing.x.push_back(one.x);
-    packing.y.push_back(one.y);
-    packing.radius.push_back(one.radius);
-    packing.mass.push_back(one.mass);
-  }
-  GranularScene start = scene(packing, dynamics, {.x = period});
-  for (std::size_t i = 0; i < grains.size(); ++i)
-    set_motion(start.state, i, {grains[i].velocity_x, grains[i].velocity_y, 0, 0, 0, grains[i].spin}, 1);
-  return {std::move(start.system), std::move(start.state), std::move(dynamics), {}};
+Simulation in_cell(const std::vector<Grain>& grains, const Dynamics& dynamics, double period) {
+  return simulation_of(grains, dynamics, {1, 1}, {.x = period});
 }
 
 // Disks that fall on a floor, in a cell of 5 m.
@@ -190,6 +180,30 @@ TEST_CASE("the grains of a clump are beside its centre, and no clump meets itsel
   CHECK(simulation.system.boundaries[0].body->reach == doctest::Approx(0.7).epsilon(1e-12));
   CHECK_THROWS_WITH_AS(clump_in_cell(2.2, {{.x = 4.2}, {.x = 4.9}, {.x = 5.6}}),
                        doctest::Contains("shorter than the periodic cell"), Error);
+}
+
+TEST_CASE("a raft that does not turn is as long as its cell, and carries a disk across the boundary of the cell") {
+  // A row of five disks, loaded by the weight of all, that moves up and down alone; the last one is half a cell away.
+  const double weight = (2 + 1) * g;
+  Dynamics dynamics = tight({driven_grains("raft", 0, 4)});
+  dynamics.interaction.friction = 0;
+  dynamics.boundaries[0].motion.centre = {1, 0, 0};
+  FreeBody& body = dynamics.boundaries[0].body.emplace();
+  body.directions = {false, true, false, false, false, false};
+  body.mass = 2;
+  body.load = moving({.y = weight});
+  std::vector<Grain> grains;
+  for (int k = 0; k < 5; ++k) grains.push_back({.x = 0.5 + k});
+  grains.push_back({.x = 0, .y = std::sqrt(0.75)});  // on the first disk and the last
+  Simulation simulation = in_cell(grains, dynamics, 5);
+  for (Index k = 0; k < 10; ++k) {
+    CHECK(advance(simulation).contacts == 2);
+    CHECK(std::abs(simulation.state.velocity_y[5]) < 1e-9);
+    CHECK(std::abs(simulation.state.body_velocities[0].y) < 1e-9);
+  }
+  body.directions[5] = true;
+  body.inertia[2] = 1;
+  CHECK_THROWS_WITH_AS(in_cell(grains, dynamics, 5), doctest::Contains("shorter than the periodic cell"), Error);
 }
 
 namespace {

@@ -27,6 +27,17 @@ Dynamics tight(const std::vector<BoundarySpec>& boundaries) {
   return dynamics;
 }
 
+StepSolver switching(SwitchedModel model) {
+  StepSolver solver = tight().solver;
+  solver.algorithm = "generic";
+  solver.tolerance = solver.gluing_tolerance = 1e-7;
+  solver.maximum_iterations = 50'000;
+  solver.model = model;
+  solver.switch_after = 5;
+  solver.switch_flexibility = Flexibility(1e-8, true);
+  return solver;
+}
+
 BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, Motion motion) {
   return {.name = name,
           .dimension = 2,
@@ -53,7 +64,8 @@ Motion moving(RigidVelocity velocity, std::array<double, 2> centre) {
   return {.centre = {centre[0], centre[1], 0}, .time = {0}, .velocity = {velocity}};
 }
 
-Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynamics, std::array<Index, 2> grid) {
+Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynamics, std::array<Index, 2> grid,
+                         const Period& period) {
   Packing packing;
   for (const Grain& grain : grains) {
     packing.x.push_back(grain.x);
@@ -61,7 +73,7 @@ Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynam
     packing.radius.push_back(grain.radius);
     packing.mass.push_back(grain.mass);
   }
-  GranularScene made = scene(packing, dynamics);
+  GranularScene made = scene(packing, dynamics, period);
   for (std::size_t i = 0; i < grains.size(); ++i) {
     made.state.velocity_x[i] = grains[i].velocity_x;
     made.state.velocity_y[i] = grains[i].velocity_y;
@@ -80,6 +92,14 @@ StepReport advance(Simulation& simulation, Index steps) {
   StepReport last;
   for (Index k = 0; k < steps; ++k) last = advance(simulation);
   return last;
+}
+
+std::string refusal_of(Simulation& simulation) {
+  try {
+    return run_simulation(simulation, {}).reason;
+  } catch (const Error& error) {
+    return error.what();
+  }
 }
 
 LocalVector<2> impulse_between(const GranularState& state, Index a, Index b) {
@@ -136,8 +156,14 @@ Close closely(const Simulation& simulation) {
   result.contacts = std::move(contacts);
   result.velocities = std::move(velocities);
   result.interface_size = step.iteration.parts().interface_size();
+  result.grains = simulation.system.grains();
   result.problem = std::move(step.share.problem);
   return result;
+}
+
+void check_close(const Close& step, const Close& whole, double tolerance) {
+  CHECK(step.gluing < 1e-9);
+  CHECK(largest_difference(step.velocities, whole.velocities, step.grains) < tolerance);
 }
 
 double relative_natural_map(const std::vector<GrainContact<2>>& contacts, const std::vector<GrainVelocity<2>>& v) {

@@ -27,6 +27,9 @@ Dynamics swept(const std::vector<BoundarySpec>& boundaries = {});
 /// The same to rounding: natural map below 1e-13, at most 200 000 sweeps.
 Dynamics tight(const std::vector<BoundarySpec>& boundaries = {});
 
+/// Algorithm 1 to 1e-7, whose subdomains take `model` after 5 iterations without a change of status.
+StepSolver switching(SwitchedModel model);
+
 /// The straight wall through `from` and `to`, grains on its left.
 BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, Motion motion = {});
 
@@ -43,12 +46,15 @@ BoundarySpec driven_grains(const std::string& name, Index first, Index last, Mot
 /// Uniform motion.
 Motion moving(RigidVelocity velocity, std::array<double, 2> centre = {0, 0});
 
-Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynamics,
-                         std::array<Index, 2> grid = {1, 1});
+Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1},
+                         const Period& period = {});
 
 /// Solves and takes one step; requires that the solver converged.
 StepReport advance(Simulation& simulation);
 StepReport advance(Simulation& simulation, Index steps);  ///< of the last step
+
+/// Runs all steps. Returns why the run was refused or ended early, or nothing.
+std::string refusal_of(Simulation& simulation);
 
 /// Impulse of a contact in the last step taken, zero where there was none. Wall w is number disks + w.
 LocalVector<2> impulse_between(const GranularState& state, Index a, Index b);
@@ -93,9 +99,12 @@ struct Close {
   std::vector<GrainContact<2>> contacts;
   std::vector<GrainVelocity<2>> velocities;
   double gluing = 1, map = 1;  ///< IterationRecord::gluing and the relative natural map at the end
-  Index interface_size = 0;
+  Index interface_size = 0, grains = 0;
 };
 Close closely(const Simulation& simulation);
+
+/// Checks that copies move together, to 1e-9, and as the grains of `whole` do, to `tolerance`, m/s.
+void check_close(const Close& step, const Close& whole, double tolerance = 1e-8);
 
 /// |natural map| / |r| of Coulomb's law, contact by contact.
 double relative_natural_map(const std::vector<GrainContact<2>>& contacts, const std::vector<GrainVelocity<2>>& v);
