@@ -111,7 +111,7 @@ void run_trials(const std::vector<fs::path>& files, const TrialOptions& options,
     if (problem && !interruption.stopped() && (options.verdict || !converged)) {
       if (!verdict) verdict = verdict_of(*problem, [&](Index, Index) { return report(monitor, number, total); });
       one.verdict = verdict;
-      if (proves_impossible(verdict, converged, one.trial.driven_residual)) one.trial.status = "impossible";
+      if (proves_impossible(*verdict, converged, one.trial.driven_residual)) one.trial.status = "impossible";
     }
     if (interruption.stopped()) return;
     sink(row(columns(), one));
@@ -120,11 +120,6 @@ void run_trials(const std::vector<fs::path>& files, const TrialOptions& options,
 }
 
 }  // namespace
-
-bool proves_impossible(const std::optional<Verdict>& verdict, bool converged, double driven_residual) {
-  constexpr double tight = 1e-6;
-  return verdict && verdict->kind == VerdictKind::impossible && !(converged && driven_residual < tight);
-}
 
 LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name) {
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, name);

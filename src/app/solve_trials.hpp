@@ -20,10 +20,6 @@ struct TrialOptions {
   Reopening how;
 };
 
-/// Whether a verdict proves that there is no solution. One that was found refutes a proof for slow bodies, unless its
-/// tolerance is loose.
-bool proves_impossible(const std::optional<Verdict>& verdict, bool converged, double driven_residual);
-
 /// Writes the table, a row per problem and solver (solvers vary fastest), and prints how many problems each solver
 /// brought to each compared residual. A file without a contact problem is noted, and its rows have the status
 /// "refused". Returns 1 if there are any, else 0. Throws Error for a folder without files.

@@ -72,7 +72,8 @@ void print_problem(const FclibFile& file, const LocalFrictionProblem& local) {
 }
 
 bool is_impossible(const FrictionSolution& solution, const std::optional<Verdict>& verdict) {
-  return proves_impossible(verdict, solution.status == FrictionStatus::converged, solution.state.driven_residual);
+  return verdict &&
+         proves_impossible(*verdict, solution.status == FrictionStatus::converged, solution.state.driven_residual);
 }
 
 void print_solution(const FrictionSolution& solution, const std::optional<Verdict>& verdict, double tolerance,

@@ -62,6 +62,11 @@ void take_chain(const LocalFrictionProblem& problem, const LargestMargin& found,
 
 }  // namespace
 
+bool proves_impossible(const Verdict& verdict, bool converged, double driven_residual) {
+  constexpr double tight = 1e-6;
+  return verdict.kind == VerdictKind::impossible && !(converged && driven_residual < tight);
+}
+
 Verdict verdict_of(const LocalFrictionProblem& problem, const Monitor& monitor) {
   const auto start = std::chrono::steady_clock::now();
   Verdict verdict;

@@ -76,10 +76,7 @@ std::string judge(GranularStep<D>& step, const Simulation& before, const std::fu
   }
   report.verdict = verdict.kind;
   report.margin = verdict.margin;
-  // A solution refutes a proof for slow bodies; not one to a loose tolerance.
-  constexpr double tight = 1e-6;
-  const bool found = is_credible(report) && report.driven_residual() < tight;
-  if (verdict.kind != VerdictKind::impossible || found) return "";
+  if (!proves_impossible(verdict, is_credible(report), report.driven_residual())) return "";
   if (!report.broke_down()) report.status = SolverStatus::impossible;
   std::vector<GrainContact<D>> driven;  // of the chain, without overlaps and gaps
   for (std::size_t i = 0; i < verdict.chain.size(); ++i) {

@@ -44,6 +44,10 @@ double proven_margin(const LocalFrictionProblem& problem, const Vector& friction
 /// Verdict::proven_speed of a self-stress, rounded downwards; 0 if its closing speed may be 0 or an entry is negative.
 double proven_speed(const LocalFrictionProblem& problem, const std::vector<Index>& chain, const Vector& stress);
 
+/// Whether a verdict proves that there is no solution, beside the end of a solver (FrictionState::driven_residual). One
+/// that was found refutes a proof for slow bodies, unless its tolerance is loose.
+bool proves_impossible(const Verdict& verdict, bool converged, double driven_residual);
+
 /// Decides whether a contact problem has a solution: an interior point method looks for velocities with a margin and,
 /// if it finds none, for a self-stress that the supports work against. Both are then proved without it, by
 /// `proven_margin` > 0, and by `proven_speed` >= 10^6 max |q_c|. The problem must pass `check`. `monitor` is called

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "contact_solvers/sweep_rows.hpp"
+#include "mechanics/contact_law.hpp"
+
+namespace nscdd::testing {
+
+/// Contact after contact in an order, on the stored W, then the momentum of a sweep: what it is added to, times it.
+template <int D>
+Vector literal_sweeps(const LocalFrictionProblem& problem, const std::vector<Index>& order, Vector r, Index sweeps,
+                      double omega, double momentum) {
+  Vector before = r;
+  for (Index sweep = 0; sweep < sweeps; ++sweep) {
+    for (const Index c : order) {
+      const Vector u = (problem.w * r + problem.q).template segment<D>(D * c);
+      const FullDelassus<D> w = diagonal_block<D>(problem, c);
+      const LocalVector<D> now = component<D>(r, c);
+      const LocalVector<D> wanted = Coulomb{}.impulse(stopping(w, now, component<D>(u, 0)), w, problem.friction[c]);
+      set_component(r, c, now + omega * (wanted - now));
+    }
+    const Vector swept = r;
+    r += momentum * (swept - before);
+    before = swept;
+  }
+  return r;
+}
+
+}  // namespace nscdd::testing
