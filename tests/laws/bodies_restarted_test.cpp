@@ -323,12 +323,7 @@ TEST_CASE("bodies: a run with subdomains that become linear comes to the velocit
   const auto column_with = [](SwitchedModel model) {
     Dynamics dynamics = pressed(StepAlgorithm::generic);
     dynamics.interaction.friction = 2;
-    dynamics.solver.warm_start = false;
-    dynamics.solver.tolerance = dynamics.solver.gluing_tolerance = 1e-7;
-    dynamics.solver.maximum_iterations = 50'000;
-    dynamics.solver.model = model;
-    dynamics.solver.switch_after = 5;
-    dynamics.solver.switch_flexibility = Flexibility(1e-8, true);
+    dynamics.solver = switching(model);
     const double up = std::sqrt(0.96);
     std::vector<Grain> grains;
     for (Index k = 0; k < 8; ++k)

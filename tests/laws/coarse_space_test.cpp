@@ -20,17 +20,6 @@ namespace {
 
 constexpr std::array scalings{Scaling::multiplicity, Scaling::stiffness, Scaling::deluxe};
 
-template <class Law>
-void on_every_interface(Law&& law) {
-  int problems = 0;
-  for (const Case& one : with_interface(every_problem())) {
-    CAPTURE(one.spec.name);
-    law(build(one));
-    ++problems;
-  }
-  CHECK(problems >= 14);
-}
-
 std::shared_ptr<PrimalInterface> weighted(const Model& model, double epsilon, Scaling scaling) {
   auto interface = std::make_shared<PrimalInterface>(condense(model.parts, epsilon * flexibility_scale(model)));
   weigh(*interface, scaling);

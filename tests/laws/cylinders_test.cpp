@@ -221,12 +221,7 @@ TEST_CASE("rod: no sphere passes through it in a step") {
     CAPTURE(x);
     Simulation simulation = simulation_of({Ball{.centre = {x, 0, 0.5}, .velocity = {25, 0, 0}}}, dynamics);
     simulation.dynamics.time.steps = 3;
-    std::string refusal;
-    try {
-      refusal = run_simulation(simulation, {}).reason;
-    } catch (const Error& error) {
-      refusal = error.what();
-    }
+    const std::string refusal = refusal_of(simulation);
     if (refusal.empty())
       CHECK(simulation.state.velocity_x[0] == doctest::Approx(-25));
     else

@@ -17,12 +17,7 @@ namespace {
 Dynamics divided(SwitchedModel model, double friction) {
   Dynamics dynamics = tight({plane("floor", Vector3::Zero(), Vector3::UnitZ())});
   dynamics.interaction.friction = friction;
-  dynamics.solver.algorithm = "generic";
-  dynamics.solver.tolerance = dynamics.solver.gluing_tolerance = 1e-7;
-  dynamics.solver.maximum_iterations = 50'000;
-  dynamics.solver.model = model;
-  dynamics.solver.switch_after = 5;
-  dynamics.solver.switch_flexibility = Flexibility(1e-8, true);
+  dynamics.solver = switching(model);
   return dynamics;
 }
 

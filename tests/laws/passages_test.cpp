@@ -36,12 +36,7 @@ struct Ended {
 
 Ended run_for(Simulation simulation, double time) {
   simulation.dynamics.time.steps = static_cast<Index>(std::ceil(time / simulation.dynamics.time.step));
-  std::string refusal;
-  try {
-    refusal = run_simulation(simulation, {}).reason;
-  } catch (const Error& error) {
-    refusal = error.what();
-  }
+  const std::string refusal = refusal_of(simulation);
   return {std::move(simulation), refusal};
 }
 

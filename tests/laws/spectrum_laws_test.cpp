@@ -19,18 +19,6 @@ using namespace nscdd::testing;
 
 namespace {
 
-// Runs a law on every problem with an interface.
-template <class Law>
-void on_every_problem(Law&& law) {
-  int problems = 0;
-  for (const Case& one : with_interface(every_problem())) {
-    CAPTURE(one.spec.name);
-    law(build(one));
-    ++problems;
-  }
-  CHECK(problems >= 14);  // half of them in space
-}
-
 double smallest_eigenvalue(const Matrix& a) { return symmetric_eigenvalues(a).minCoeff(); }
 
 InterfaceOperator active_system(const Model& model, double epsilon) {
@@ -52,7 +40,7 @@ TEST_CASE("the problems of these tests have cross points and hyperstatic parts")
 }
 
 TEST_CASE("signs: epsilon < eta gives [0, 1), epsilon > eta gives <= 0, epsilon = eta gives B = 0") {
-  on_every_problem([](const Model& model) {
+  on_every_interface([](const Model& model) {
     const InterfaceFamily family(model.parts);
     for (const double eta : {0.05, 1.0, 20.0})
       for (const double epsilon : {0.01, 0.05, 1.0, 20.0, 300.0}) {
@@ -72,7 +60,7 @@ TEST_CASE("signs: epsilon < eta gives [0, 1), epsilon > eta gives <= 0, epsilon 
 }
 
 TEST_CASE("order: X_eta grows with eta, from X_0 to X; fewer contacts make it larger") {
-  on_every_problem([](const Model& model) {
+  on_every_interface([](const Model& model) {
     const InterfaceFamily family(model.parts);
     double previous = 0;
     for (const double eta : {1e-3, 1e-1, 1.0, 10.0, 1e3, infinity}) {
@@ -86,7 +74,7 @@ TEST_CASE("order: X_eta grows with eta, from X_0 to X; fewer contacts make it la
 }
 
 TEST_CASE("limits: eta to infinity is the generic algorithm, epsilon to 0 the rigid limit") {
-  on_every_problem([](const Model& model) {
+  on_every_interface([](const Model& model) {
     const InterfaceFamily family(model.parts);
     const InterfaceOperator system = family.at(0.3);
     CHECK(spectral_radius({family.at(1e12), system}).value ==
@@ -99,7 +87,7 @@ TEST_CASE("limits: eta to infinity is the generic algorithm, epsilon to 0 the ri
 }
 
 TEST_CASE("the generic radius rises monotonically as epsilon falls") {
-  on_every_problem([](const Model& model) {
+  on_every_interface([](const Model& model) {
     const InterfaceFamily family(model.parts);
     double previous = 0;
     for (double exponent = 4; exponent >= -4; exponent -= 0.5) {
@@ -112,7 +100,7 @@ TEST_CASE("the generic radius rises monotonically as epsilon falls") {
 }
 
 TEST_CASE("rigid limit: the multiplicity of 1 is that counted from ranks, for every eta") {
-  on_every_problem([](const Model& model) {
+  on_every_interface([](const Model& model) {
     const InterfaceFamily family(model.parts);
     const Index expected = inspect(model).unit_multiplicity;
     for (const double eta : {0.01, 1.0, infinity}) {
@@ -137,7 +125,7 @@ TEST_CASE("rigid limit: the multiplicity of 1 is that counted from ranks, for ev
 TEST_CASE("certificates of the dense solver count the eigenvalues in the interval of each end") {
   constexpr double rounding = 1e-11;  // of eigenvalues found by two solvers
   Index unlike = 0;
-  on_every_problem([&](const Model& model) {
+  on_every_interface([&](const Model& model) {
     const InterfaceFamily family(model.parts);
     const Contraction b{family.at(infinity), family.at(0.1)};
     const SpectralRadius found = spectral_radius(b, {.solver = SpectralSolver::dense, .certify = true});
@@ -231,7 +219,7 @@ TEST_CASE("linear law: the best eta is epsilon, where B = 0") {
 }
 
 TEST_CASE("optimal relaxation gives (kappa - 1)/(kappa + 1) < 1 for every eta") {
-  on_every_problem([](const Model& model) {
+  on_every_interface([](const Model& model) {
     const InterfaceFamily family(model.parts);
     const InterfaceOperator system = active_system(model, 0);
     for (const double eta : {0.01, 0.3, 1.0, 30.0, infinity}) {

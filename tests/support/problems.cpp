@@ -4,6 +4,7 @@
 #include "linalg/random.hpp"
 
 #include <Eigen/Geometry>
+#include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -70,6 +71,16 @@ std::vector<Case> every_problem() {
 std::vector<Case> with_interface(std::vector<Case> all) {
   std::erase_if(all, [](const Case& one) { return build(one).parts.interface_size() == 0; });
   return all;
+}
+
+void on_every_interface(const std::function<void(const Model&)>& law) {
+  int problems = 0;
+  for (const Case& one : with_interface(every_problem())) {
+    CAPTURE(one.spec.name);
+    law(build(one));
+    ++problems;
+  }
+  CHECK(problems >= 14);
 }
 
 Case renumbered(const Case& one, std::uint64_t seed) {

@@ -6,6 +6,7 @@
 #include <nscdd/ddm/decomposition.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ std::vector<Case> every_problem();
 
 /// Those whose subdomains share a grain.
 std::vector<Case> with_interface(std::vector<Case> all);
+
+/// Runs `law` on the model of every problem that has an interface; half of them are in space.
+void on_every_interface(const std::function<void(const Model&)>& law);
 
 /// The packing of a case with its grains renumbered at random; the last grain stays the last.
 Case renumbered(const Case& one, std::uint64_t seed);

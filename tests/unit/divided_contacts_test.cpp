@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contact problems of steps cut into subdomains, against the stored W of the whole step.
+#include "../support/literal_sweeps.hpp"
 #include "../support/sanitized.hpp"
 #include "../support/spheres.hpp"
 #include "contact_solvers/stored_contacts.hpp"
@@ -11,6 +12,7 @@
 #include <doctest/doctest.h>
 
 #include <numbers>
+#include <numeric>
 #include <set>
 
 using namespace nscdd;
@@ -45,26 +47,13 @@ Dynamics cut_dynamics(const std::string& law, double restitution = 0) {
   return dynamics;
 }
 
-// Contact after contact, colour after colour, on the stored W.
+// By colours.
 template <int D>
-Vector literal_sweeps(const Divided<D>& divided, Vector r, Index sweeps, double omega, double momentum = 0) {
-  const LocalFrictionProblem& whole = divided.whole;
-  Vector before = r;
-  for (Index sweep = 0; sweep < sweeps; ++sweep) {
-    for (Index colour = 0; colour < divided.colours.number; ++colour)
-      for (Index c = 0; c < whole.contacts(); ++c) {
-        if (divided.colours.of_contact[at(c)] != colour) continue;
-        const Vector u = (whole.w * r + whole.q).template segment<D>(D * c);
-        const FullDelassus<D> w = diagonal_block<D>(whole, c);
-        const LocalVector<D> now = component<D>(r, c),
-                             wanted = Coulomb{}.impulse(stopping(w, now, component<D>(u, 0)), w, whole.friction[c]);
-        set_component(r, c, now + omega * (wanted - now));
-      }
-    const Vector swept = r;
-    r += momentum * (swept - before);
-    before = swept;
-  }
-  return r;
+std::vector<Index> order_of(const Divided<D>& divided) {
+  std::vector<Index> order(at(divided.whole.contacts()));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::ranges::stable_sort(order, {}, [&](Index c) { return divided.colours.of_contact[at(c)]; });
+  return order;
 }
 
 template <int D>
@@ -80,7 +69,7 @@ void check_against_whole(const Simulation& simulation, const std::string& algori
   CHECK((data.q - whole.q).norm() < 1e-13 * whole.q.norm());
   const Vector start = r.cwiseAbs();
   for (const auto& [omega, momentum] : {std::pair(1.0, 0.0), {0.7, 0.0}, {1.0, 0.8}}) {
-    const Vector expected = literal_sweeps(divided, start, 3, omega, momentum),
+    const Vector expected = literal_sweeps<D>(whole, order_of(divided), start, 3, omega, momentum),
                  found = divided.contacts.swept(start, {.many = 3, .momentum = momentum}, omega);
     CHECK((found - expected).norm() < 1e-12 * expected.norm());
     CHECK((expected - start).norm() > 0.1 * start.norm());
@@ -153,7 +142,8 @@ TEST_CASE("a grain with very many contacts takes as many colours, and shares the
   CHECK(divided.colours.number == around);
   check_colours(simulation, divided.step, divided.colours);
   const Vector found = divided.contacts.swept(Vector::Zero(divided.whole.size()), {.many = 2}, 1);
-  const Vector expected = literal_sweeps(divided, Vector::Zero(divided.whole.size()), 2, 1);
+  const Vector expected =
+      literal_sweeps<2>(divided.whole, order_of(divided), Vector::Zero(divided.whole.size()), 2, 1, 0);
   CHECK((found - expected).norm() < 1e-12 * expected.norm());
   // The large disk is in all subdomains, which leave it with one velocity.
   const std::vector<GrainVelocity<2>> velocities = divided.contacts.velocities(found);
