@@ -18,7 +18,7 @@ TEST_CASE("packing report: a mode is that of nscdd modes, at its own point and r
     CAPTURE(one.spec.name);
     PackingReportParameters parameters;
     parameters.sweep.epsilon = {0, 0.2, 3};
-    parameters.sweep.eta = {0.3, infinity};
+    parameters.sweep.eta = watched<double>({0.3, infinity});
     parameters.contact_sets = contact_sets_of(model);
     const auto report = report_packing(model, parameters);
     REQUIRE(report);

@@ -276,7 +276,7 @@ TEST_CASE("sphere deposit: what lies so regularly that nothing decides still end
 
 TEST_CASE("sphere deposit: grains are held by three supports or the floor, touch exactly, and stay in the box") {
   const auto of = [](Index grains) { return sanitized ? grains / 10 : grains; };
-  for (const Index seed : {1, 2, 3}) {
+  for (const Index seed : watched<Index>({1, 2, 3})) {
     CAPTURE(seed);
     check_bed(sphere_bed({.grains = of(3000), .sizes = sizes_between(0.1, 0.2), .seed = seed}));
     check_bed(sphere_bed({.grains = of(3000), .sizes = sizes_between(0.5, 0.5), .seed = seed}));
@@ -286,7 +286,7 @@ TEST_CASE("sphere deposit: grains are held by three supports or the floor, touch
   check_bed(sphere_bed(
       {.grains = of(5000), .sizes = {.distribution = "two_sizes", .radius_max = 3, .fraction_large = 0.003}}));
   // long ways of small spheres over large ones: what lets go of them must not be met again by rounding
-  for (const Index seed : {1, 2, 5, 6})
+  for (const Index seed : watched<Index>({1, 2, 5, 6}))
     check_bed(sphere_bed({.grains = of(10'000),
                           .width = 7,
                           .sizes = {.distribution = "two_sizes", .radius_max = 3, .fraction_large = 0.003},
