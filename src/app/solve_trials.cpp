@@ -2,6 +2,9 @@
 #include "app/solve_trials.hpp"
 
 #include "formats/contact_problem/siconos_dat.hpp"
+#include "formats/lmgc90/datbox.hpp"
+#include "formats/lmgc90/record.hpp"
+#include "formats/lmgc90/vloc_rloc.hpp"
 
 namespace nscdd::app {
 namespace {
@@ -30,7 +33,7 @@ const ResultColumns<NamedTrial>& columns() {
 // The files of contact problems, sorted by name.
 std::vector<fs::path> problem_files(const std::string& path) {
   std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) return {path};
+  if (!fs::is_directory(path, ignored) || holds_datbox(path)) return {path};
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(path))
     if (const fs::path ending = entry.path().extension(); ending == ".hdf5" || ending == ".h5" || ending == ".dat")
@@ -40,10 +43,21 @@ std::vector<fs::path> problem_files(const std::string& path) {
   return files;
 }
 
+// Of the text of a file; of all numbers of a problem that LMGC90 spreads over several files.
+std::string fingerprint_of(const fs::path& file) {
+  const std::string path = file.string();
+  if (!holds_datbox(path) && !record_at(path) && !has_vloc_rloc_name(path)) return fingerprint(read_text(path));
+  const LocalFrictionProblem problem = local_problem(read_contact_problem(path), path);
+  std::string all = fingerprint(std::span<const double>(problem.w.valuePtr(), at(problem.w.nonZeros())));
+  for (const Vector* numbers : {&problem.q, &problem.friction})
+    all += fingerprint(std::span<const double>(numbers->data(), at(numbers->size())));
+  return fingerprint(all);
+}
+
 TableWork trial_work(const std::vector<fs::path>& files, const TrialOptions& options) {
   std::string cases, solvers;
   for (const fs::path& file : files)
-    cases += fmt::format("{} (content {})\n", file.filename().string(), fingerprint(read_text(file.string())));
+    cases += fmt::format("{} (content {})\n", file.filename().string(), fingerprint_of(file));
   for (const FrictionAlgorithm solver : options.solvers) solvers += fmt::format("solver {}\n", to_string(solver));
   const Index each = count(options.solvers);
   return {{code_identity(), cases, solvers,
@@ -60,7 +74,9 @@ TableWork trial_work(const std::vector<fs::path>& files, const TrialOptions& opt
 // The problem of a file, or nothing, with a note, if the file cannot be read.
 std::optional<LocalFrictionProblem> problem_of(const fs::path& path) {
   try {
-    return local_problem(read_contact_problem(path.string()), path.string());
+    LocalFrictionProblem problem = local_problem(read_contact_problem(path.string()), path.string());
+    require_moderate(problem, path.string());
+    return problem;
   } catch (const Error& error) {
     note("refused: {}", error.what());
     return std::nullopt;
@@ -124,6 +140,19 @@ void run_trials(const std::vector<fs::path>& files, const TrialOptions& options,
 LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name) {
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, name);
   return std::get<LocalFrictionProblem>(file.problem);
+}
+
+void require_moderate(const LocalFrictionProblem& problem, const std::string& name) {
+  if (problem.contacts() == 0 || problem.q.isZero(0)) return;
+  constexpr double most = 1e140;
+  const auto require = [&](double size, std::string_view what) {
+    if (!(size <= most && size >= 1 / most))
+      fail("{}: {}: expected a number from {} to {}, met {}", name, what, 1 / most, most, size);
+  };
+  const double largest = problem.q.cwiseAbs().maxCoeff();
+  require(largest, "largest |q|");
+  require(largest / problem.w.diagonal().minCoeff(), "largest |q| over the least of W_nn and W_tt");
+  require(largest / problem.w.diagonal().maxCoeff(), "largest |q| over the largest of W_nn and W_tt");
 }
 
 int solve_trials(const TrialOptions& options, const Machine& machine) {

@@ -100,7 +100,7 @@ void print_doubt(const FrictionSolution& solution) {
   if (solution.credible || solution.status != FrictionStatus::converged) return;
   note(
       "the residual is small only relative to the impulses, which are large relative to what drives the contacts; "
-      "relative to the latter it is {:.3g}. Where no solution exists impulses grow so: a smaller --tolerance tells",
+      "relative to the latter it is {:.3g}. If there is no solution, impulses grow without bound: --verdict decides",
       solution.state.driven_residual);
 }
 
@@ -149,20 +149,6 @@ void print_trouble(const LocalFrictionProblem& problem, const FrictionSolution& 
              unsettled.empty() ? "" : " (" + first_of(unsettled) + ")");
 }
 
-// Squares of velocities and impulses must neither overflow nor vanish.
-void require_moderate(const LocalFrictionProblem& problem, const std::string& name) {
-  if (problem.contacts() == 0 || problem.q.isZero(0)) return;
-  constexpr double most = 1e140;
-  const auto require = [&](double size, std::string_view what) {
-    if (!(size <= most && size >= 1 / most))
-      fail("{}: {}: expected a number from {} to {}, met {}", name, what, 1 / most, most, size);
-  };
-  const double largest = problem.q.cwiseAbs().maxCoeff();
-  require(largest, "largest |q|");
-  require(largest / problem.w.diagonal().minCoeff(), "largest |q| over the least of W_nn and W_tt");
-  require(largest / problem.w.diagonal().maxCoeff(), "largest |q| over the largest of W_nn and W_tt");
-}
-
 // Impulses that did not converge are written as a guess.
 void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options,
                   const Context& context, OutputFile& output) {
@@ -184,7 +170,7 @@ void write_result(const FclibFile& file, const FrictionSolution& solution, const
 void check_options(const Options& options) {
   std::error_code ignored;
   if (std::filesystem::is_directory(options.file, ignored) && !holds_datbox(options.file))
-    fail("{}: expected a file, or a folder with --csv, met a folder alone", options.file);
+    fail("{}: expected a file, or a folder together with --csv, met a folder without --csv", options.file);
   if (options.algorithms.size() > 1 || options.algorithms == std::vector<std::string>{"all"})
     fail("--solver: expected one, or several with --csv, met {}", fmt::join(options.algorithms, ", "));
   if (options.convergence == "-") fail("--convergence: expected a file name, met -; standard output is for the report");

@@ -20,4 +20,6 @@ TEST_CASE("record: the page of a contact problem has the contacts of the record 
   CHECK(run.exit_code == 0);
   CHECK(run.standard_error.starts_with("nscdd: run: "));  // the name of the folder
   CHECK(read_file(folder / "run/page.html").find("the next step with h = 0.02 s\"") != std::string::npos);
+  CHECK(run_program(folder / "run", {"solve", "lmgc90.h5:ID_1", "--csv", "t.csv"}).exit_code == 0);
+  CHECK(read_file(folder / "run/t.csv").find("\nlmgc90.h5:ID_1,") != std::string::npos);
 }

@@ -85,9 +85,18 @@ TEST_CASE_FIXTURE(ProblemSession, "solve FOLDER: a killed run goes on, and a lim
   CHECK(late.text(0, "seconds_1e-08") == "nan");
 }
 
+TEST_CASE_FIXTURE(Session, "solve --csv: velocities whose squares vanish are refused, as without it") {
+  LocalFrictionProblem problem = reduce(random_bodies_problem(4, 12, 20));
+  problem.q *= 1e-170;
+  file("small.hdf5", raw_local(problem).bytes());
+  check_refused("solve small.hdf5", {"small.hdf5: largest |q|"});
+  ended(1, "solve small.hdf5 --csv t.csv", {"refused: small.hdf5: largest |q|"});
+  CHECK(csv("t.csv").text(0, "status") == "refused");
+}
+
 TEST_CASE_FIXTURE(ProblemSession, "solve FOLDER: what is asked for must make sense") {
   file("empty/notes.txt", "\n");
-  check_refused("solve problems", {"problems: expected a file, or a folder with --csv"});
+  check_refused("solve problems", {"problems: expected a file, or a folder together with --csv"});
   check_refused("solve empty --csv t.csv", {"empty: expected a folder with contact problems, .hdf5, .h5 or .dat"});
   check_refused("solve problems/b.hdf5 --solver all", {"--solver: expected one, or several with --csv"});
   check_refused("solve problems --solver nlgs --solver nlgs --csv t.csv", {"each solver once", "'nlgs'"});
