@@ -20,7 +20,7 @@ void derive(Mode& mode, const Contraction& b) {
   mode.jumps = parts.interface.exchange(mode.velocities);
   const double lambda = (1.0 - mode.eigenvalue) / b.relaxation;
   const Vector r = mode.jumps + lambda * pf;  // - S F + lambda P F
-  mode.residual = b.relaxation * std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r))));
+  mode.residual = b.relaxation * std::sqrt(std::max(r.dot(b.preconditioner.solve(r)), 0.0));
   // In the rigid limit the residual of the spectrum contains the error of S.
   if (b.system.flexibility() == 0) mode.residual = std::max(mode.residual, mode.spectrum.residual);
   const Index d = parts.dofs_per_grain();
@@ -28,7 +28,7 @@ void derive(Mode& mode, const Contraction& b) {
     mode.shares.push_back(mode.impulses.segment(d * k, d).dot(pf.segment(d * k, d)));
 }
 
-// The same of the scheme schwarz, where F was found up to its size.
+// The same of the scheme schwarz, where F is not yet normalised.
 void derive_schwarz(Mode& mode, const Contraction& b) {
   const Decomposition& parts = b.system.decomposition();
   Vector& p = mode.impulses;

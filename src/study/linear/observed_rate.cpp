@@ -40,16 +40,19 @@ class Run {
     return !vanished_;
   }
 
+  bool lost() const { return lost_; }  // a norm is not a number
+
   std::vector<double> logarithms;  // of the norms of the corrections
 
  private:
   double norm(const Vector& z) const {
     if (iteration_.schwarz()) return iteration_.norm_of_impulses(z);
     const Vector f = z.tail(iteration_.interface_size());
-    return std::sqrt(std::max(0.0, f.dot(preconditioner_.apply(f))));
+    return std::sqrt(std::max(f.dot(preconditioner_.apply(f)), 0.0));
   }
   void record(double norm, double before) {
     vanished_ = !(norm > done_ratio * before);
+    lost_ = std::isnan(norm);
     if (last_cleaned_ == 0) last_cleaned_ = norm;
     if (!vanished_) logarithms.push_back(std::log(norm) + offset_);
   }
@@ -66,7 +69,7 @@ class Run {
   const InterfaceOperator& preconditioner_;
   Vector correction_;  // of z, see TwoStageIteration
   double offset_ = 0, last_cleaned_ = 0;
-  bool vanished_ = false;
+  bool vanished_ = false, lost_ = false;
 };
 
 LinearFit fitted(const std::vector<double>& y, std::size_t first, std::size_t last) {
@@ -104,7 +107,9 @@ ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOp
     while (count(run.logarithms) < target)
       if (!run.advance()) {
         observed.iterations = count(run.logarithms);
-        return observed;  // rate 0: nothing left to correct
+        if (run.lost()) observed.converged = false;
+        if (run.lost()) observed.value = observed.error = not_a_number;
+        return observed;  // else rate 0: nothing left to correct
       }
     // The slopes of the last three sixths approach log(rate) geometrically. Their ratio bounds the remaining drift.
     const std::size_t n = run.logarithms.size(), sixth = n / 6;
