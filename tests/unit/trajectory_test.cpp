@@ -181,7 +181,7 @@ TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
 
 TEST_CASE("trajectory: a run that switches models goes on from any step, bit for bit") {
   const TemporaryFolder folder;
-  Simulation simulation = small(sanitized ? 4 : 24);
+  Simulation simulation = small(sanitized ? 8 : 24);
   simulation.dynamics.solver.maximum_iterations = 400;
   simulation.dynamics.solver.model = SwitchedModel::linear;
   simulation.dynamics.solver.switch_after = 30;
@@ -190,7 +190,7 @@ TEST_CASE("trajectory: a run that switches models goes on from any step, bit for
   TrajectoryWriter writer(folder / "run.h5", header_of(simulation), {simulation.state, {}}, headings(step_columns()));
   const std::vector<TrajectoryStep> steps = run_into(writer, simulation);
   Index carried = 0;  // steps that begin with a linear subdomain
-  for (std::size_t k = 0; k + 1 < steps.size(); k += sanitized ? 2 : 1) {
+  for (std::size_t k = 0; k + 1 < steps.size(); k += sanitized ? 3 : 1) {
     Simulation rest = start;
     rest.state = read_trajectory_step(folder / "run.h5", steps[k].state.step).state;
     rest.dynamics.time.steps = rest.state.step + 1;
@@ -346,6 +346,22 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
                   "interface/grain: expected");
   require_refused([](TrajectoryStep& s) { s.state.gluing[0].subdomain = 100'000'000; },
                   "interface/subdomain: expected");
+}
+
+TEST_CASE("trajectory: a boundary that a grain or wall does not have is refused with the file and array it is in") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  const auto require_refused = [&](const Simulation& simulation, const std::string& part) {
+    const TrajectoryStep step{simulation.state, {}};
+    { TrajectoryWriter writer(path, header_of(simulation), step, headings(step_columns())); }
+    CHECK_THROWS_WITH_AS(read_trajectory_header(path), doctest::Contains(part.c_str()), Error);
+  };
+  Simulation simulation = small(1);
+  simulation.system.driven_by[0] = 7;
+  require_refused(simulation, "driven_by: expected a number in -1..");
+  simulation.system.driven_by[0] = -1;
+  simulation.system.walls.at(0).boundary = 7;
+  require_refused(simulation, "boundary: expected a number in 0..");
 }
 
 TEST_CASE("trajectory: a state that is not finite is refused with the file it is in") {

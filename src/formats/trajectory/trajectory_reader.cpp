@@ -119,6 +119,8 @@ GranularSystem get_system(const Group& root) {
   }
   std::istringstream names(group.text("boundaries"));
   for (std::string name; std::getline(names, name);) system.boundaries.push_back({name, {}});
+  for (const Index k : system.driven_by) require_within(k, -1, count(system.boundaries), "driven_by", group);
+  for (const Wall& wall : system.walls) require_within(wall.boundary, 0, count(system.boundaries), "boundary", walls);
   return system;
 }
 
@@ -249,6 +251,8 @@ Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& h
     system.boundaries[k].orientation = specs[k].orientation;
     system.boundaries[k].body = specs[k].body;
   }
+  if (state.poses.size() != specs.size())
+    fail("{}: expected the poses of its {} boundaries, met {}", path, specs.size(), state.poses.size());
   system.period = spec.contacts.period();
   const auto of_packing = [&](Index k) { return k < 0 || specs[at(k)].shape != BoundaryShape::disks; };
   complete(system, state, *spec.dynamics, std::ranges::count_if(system.driven_by, of_packing));
