@@ -69,19 +69,21 @@ std::vector<BoundarySpec> clumps_of(const Packing& packing, const Period& period
 }
 
 void add_clumps(std::vector<BoundarySpec>& boundaries, const Packing& packing, const Period& period) {
-  std::vector<char> taken(at(packing.size()), 0);
+  std::vector<Index> taken(at(packing.size()), -1);  // the boundary of a grain
   std::set<std::string> names;
   for (Index k = 0; k < count(boundaries); ++k) {
     names.insert(boundaries[at(k)].name);
     if (boundaries[at(k)].shape == BoundaryShape::grains)
-      for (const Index i : grains_of(boundaries[at(k)], k, packing.size())) taken[at(i)] = 1;
+      for (const Index i : grains_of(boundaries[at(k)], k, packing.size())) taken[at(i)] = k;
   }
   for (BoundarySpec& body : clumps_of(packing, period)) {
     const std::vector<Index> own = grains_of(body, 0, packing.size());
-    const auto had = std::ranges::count_if(own, [&](Index i) { return taken[at(i)] != 0; });
-    if (had == count(own)) continue;
-    if (had > 0)
-      fail("{}: expected all of its {} grains in one boundary of the case or none, met {}", body.name, own.size(), had);
+    std::set<Index> owners;
+    for (const Index i : own) owners.insert(taken[at(i)]);
+    if (owners.size() > 1)
+      fail("{}: expected all of its {} grains in one boundary of the case or none, met {} in {}", body.name, own.size(),
+           std::ranges::count_if(own, [&](Index i) { return taken[at(i)] >= 0; }), owners.size() - owners.count(-1));
+    if (!owners.contains(-1)) continue;
     if (names.contains(body.name)) fail("boundary '{}': expected another name, met that of a clump", body.name);
     boundaries.push_back(std::move(body));
   }

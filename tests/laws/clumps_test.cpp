@@ -126,7 +126,10 @@ TEST_CASE("clumps of YADE: a boundary of the case may have all grains of a clump
   add_clumps(again);
   CHECK(to_toml(again.spec) == to_toml(one.spec));
   check_error([&] { case_of_clumps(dumbbell, "steps = 1", replaced(drive, "[2, 0]", "[0, 1]")); },
-              {"case.toml", "clump 7", "all of its 2 grains", "met 1"});
+              {"case.toml", "clump 7", "all of its 2 grains", "met 1 in 1"});
+  const std::string two =
+      replaced(drive, "[2, 0]", "[0]") + replaced(replaced(drive, "held", "other"), "[2, 0]", "[2]");
+  check_error([&] { case_of_clumps(dumbbell, "steps = 1", two); }, {"clump 7", "all of its 2 grains", "met 2 in 2"});
   check_error([&] { case_of_clumps(dumbbell, "steps = 1", replaced(replaced(drive, "held", "clump 7"), "2, 0", "1")); },
               {"case.toml", "'clump 7'", "another name"});
 }
