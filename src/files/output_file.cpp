@@ -107,7 +107,7 @@ void require_writable(const fs::path& path, bool force, bool partial_accepted) {
   if (!fs::is_directory(folder, ignored))
     fail("{}: cannot be written: there is no folder {}", path.string(), folder.string());
   if (force) return;
-  if (fs::exists(path, ignored))
+  if (fs::exists(fs::symlink_status(path, ignored)))  // a link, too, whatever it leads to
     fail("{}: exists already; choose another name, or --force to replace it", path.string());
   if (!partial_accepted && fs::exists(partial_path(path), ignored))
     fail("{}: left by an interrupted run; move it away, or --force to replace it", partial_path(path).string());

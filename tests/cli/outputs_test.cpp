@@ -77,6 +77,8 @@ TEST_CASE_FIXTURE(Session, "output: an existing file is refused and left as it w
   check_refused("network disks4 --csv old", {"old: exists already"});
   check_refused("network disks4 --csv new --grains old", {"old: exists already"});
   check_refused("optimum disks4 --csv old", {"old: exists already"});
+  std::filesystem::create_symlink("missing/old", folder / "link");
+  check_refused("optimum disks4 --csv link", {"link: exists already"});
 }
 
 TEST_CASE_FIXTURE(Session, "output: --force replaces an existing file") {
