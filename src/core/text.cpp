@@ -86,8 +86,8 @@ std::string printable(std::string_view text) {
 
 std::optional<double> number_of(std::string_view text) {
   double value = 0;
-  if (read_all(text, value)) return value;
   if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  if (read_all(text, value)) return value;
   std::string plain(text);
   for (char& c : plain)
     if (c == 'D' || c == 'd') c = 'e';
@@ -132,6 +132,16 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const auto next = text.find(separator);
+    parts.push_back(trimmed(text.substr(0, next)));
+    if (next == std::string_view::npos) return parts;
+    text.remove_prefix(next + 1);
+  }
+}
+
 double parse_number(std::string_view text, std::string_view what) {
   const std::optional<double> number = number_of(trimmed(text));
   return number ? *number : parse_all<double>(text, what, "a number");  // throws
@@ -152,13 +162,7 @@ void parse_value(std::string_view text, std::array<Index, 2>& value, std::string
 }
 
 std::vector<std::string_view> components_of(std::string_view text, std::string_view key) {
-  std::string_view body = without_brackets(text);
-  std::vector<std::string_view> parts;
-  for (auto comma = body.find(','); comma != std::string_view::npos; comma = body.find(',')) {
-    parts.push_back(body.substr(0, comma));
-    body.remove_prefix(comma + 1);
-  }
-  parts.push_back(body);
+  const std::vector<std::string_view> parts = split(without_brackets(text), ',');
   if (parts.size() < 2 || parts.size() > 3)
     fail("{}: expected two numbers 'a,b', or three 'a,b,c' in space, met '{}'", key, text);
   return parts;

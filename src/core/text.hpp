@@ -21,6 +21,9 @@ char line_end_of(std::string_view text);
 
 std::string_view without_byte_order_mark(std::string_view text);  ///< of UTF-8
 
+/// The parts of a text between separators, without blanks around them: one more than there are separators.
+std::vector<std::string_view> split(std::string_view text, char separator);
+
 /// The lines of a text, one at a time, without byte order mark, line ends and carriage returns before them.
 class TextLines {
  public:
@@ -28,7 +31,6 @@ class TextLines {
   bool next();                                     ///< goes to the next line; false after the last one
   std::string_view line() const { return line_; }  ///< without its end; empty after the last one
   std::size_t number() const { return number_; }   ///< of the line, counted from 1
-  bool at_end() const { return rest_.empty(); }
 
  private:
   std::string_view rest_, line_;

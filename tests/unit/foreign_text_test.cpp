@@ -120,7 +120,7 @@ TEST_CASE("every reader names UTF-16 and UTF-32, with and without a mark") {
 TEST_CASE("numbers of Fortran are read wherever a packing or a problem is text") {
   const std::vector<std::pair<const char*, double>> numbers{{"1.0D+00", 1},   {"1.0d0", 1},  {"1D-3", 1e-3},
                                                             {"+2.5D+01", 25}, {"-.5d1", -5}, {"1e3", 1e3},
-                                                            {"+7", 7},        {"1.", 1}};
+                                                            {"+7", 7},        {"1.", 1},     {"+inf", infinity}};
   for (const auto& one : numbers) {
     CAPTURE(one.first);
     CHECK(number_of(one.first) == one.second);

@@ -41,7 +41,8 @@ TEST_CASE("SPEC: nonsense is refused by name") {
   for (const char* spec : {"0", "1.5", "-inf", "nan", "1e10"}) CHECK_THROWS_AS(parse_sweeps(spec), Error);
   CHECK(parse_epsilon("0").first == std::vector<double>{0});
   CHECK(parse_eta("inf").first[0] == infinity);
-  CHECK(parse_relaxation("1,optimal") == std::vector<std::optional<double>>{1.0, std::nullopt});
+  CHECK(parse_relaxation("1, optimal") == std::vector<std::optional<double>>{1.0, std::nullopt});
+  CHECK(parse_epsilon("0.1 W , 1W").first == std::vector{0.1, 1.0});
   CHECK(parse_sweeps("1:3:3:linear,inf") == std::vector<std::optional<long>>{1, 2, 3, std::nullopt});
 }
 

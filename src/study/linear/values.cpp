@@ -19,7 +19,8 @@ std::vector<double> range(std::string_view item, const std::vector<std::string_v
   if (logarithmic && (from <= 0 || to <= 0))
     fail("{}: expected ends > 0 of a logarithmic range (or :linear), met '{}'", what, item);
   if (points < 1 || points > static_cast<Index>(most_values) || (points == 1 && from != to))
-    fail("{}: expected a count between 2 and {} in '{}', met {}", what, most_values, item, points);
+    fail("{}: expected a count from 2 to {} in '{}', or 1 if both ends are equal, met {}", what, most_values, item,
+         points);
   std::vector<double> values;
   for (Index i = 0; i < points; ++i) {
     const double t = points == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(points - 1);
@@ -43,14 +44,20 @@ void append(auto& all, const std::vector<double>& more, std::string_view what) {
   if (all.size() > most_values) fail("{}: expected at most {} values, met more", what, most_values);
 }
 
+// Removes a W at the end, and the blanks around the rest. Returns whether there was one.
+bool take_unit(std::string_view& text) {
+  text = trimmed(text);
+  const bool relative = text.ends_with('W');
+  text = trimmed(text.substr(0, text.size() - (relative ? 1 : 0)));
+  return relative;
+}
+
 FlexibilityValues flexibilities(std::string_view spec, std::string_view name, std::string_view expected,
                                 bool (*check)(double)) {
   std::vector<double> all;
   bool absolute = false, multiples = false;
   for (std::string_view item : split(spec, ',')) {
-    const bool relative = item.ends_with('W');
-    if (relative) item.remove_suffix(1);
-    while (item.ends_with(' ')) item.remove_suffix(1);
+    const bool relative = take_unit(item);
     if (item.empty() && relative) fail("{}: expected a number before W such as 10W, met '{}'", name, spec);
     const std::vector<double> values = parse_values(item, name);
     for (const double value : values) absolute |= !relative && value != 0 && std::isfinite(value);
@@ -63,16 +70,6 @@ FlexibilityValues flexibilities(std::string_view spec, std::string_view name, st
 }
 
 }  // namespace
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  while (true) {
-    const auto next = text.find(separator);
-    parts.push_back(text.substr(0, next));
-    if (next == std::string_view::npos) return parts;
-    text.remove_prefix(next + 1);
-  }
-}
 
 std::vector<double> parse_values(std::string_view spec, std::string_view what) {
   std::vector<double> values;
@@ -99,9 +96,7 @@ double one_value(const FlexibilityValues& all, double scale, std::string_view op
 
 std::optional<FlexibilityValues> parse_range(std::string_view spec, std::string_view name) {
   std::string_view text = spec;
-  const bool relative = text.ends_with('W');
-  if (relative) text.remove_suffix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
+  const bool relative = take_unit(text);
   const auto parts = split(text, ':');
   if (parts.size() != 2 || text.find(',') != std::string_view::npos) return std::nullopt;
   const double from = parse_number(parts[0], name), to = parse_number(parts[1], name);

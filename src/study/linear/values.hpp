@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "core/text.hpp"
 #include <nscdd/study/sweep.hpp>
 
 namespace nscdd {
-
-/// The parts of a text between separators, one more than there are separators.
-std::vector<std::string_view> split(std::string_view text, char separator);
 
 /// Values of a sweep: a comma-separated list whose items are numbers ("1e-3", "inf") or ranges
 ///     FROM:TO:COUNT          logarithmic, FROM and TO > 0
