@@ -28,7 +28,7 @@ std::vector<GrainContact<D>> with_impulses(std::vector<GrainContact<D>> contacts
   return contacts;
 }
 
-// Both enumerations begin with the same six values in the same order.
+// The first six values of both enumerations correspond one to one.
 SolverStatus status_of_step(FrictionStatus status) {
   static_assert(static_cast<int>(FrictionStatus::stopped) == static_cast<int>(SolverStatus::given_up));
   return static_cast<SolverStatus>(status);
@@ -52,7 +52,7 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
   const Processes& all = simulation.processes;
   StepReport& report = step.report;
   const ImpulseScale scale = report.residual.scale;
-  // r^1 is of contacts without any impulse r of the others; with r + pull = 0 these would pull.
+  // r^1 assumes r = 0 at the other contacts; with r + pull = 0 their pulls would act.
   if (problem.pulls) held.data.alone = std::sqrt(scale.alone);
   const auto take = [&](const Vector& shifted) {
     step.contacts = with_impulses(problem.contacts, shifted);
@@ -134,10 +134,7 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   const auto start = Clock::now();
   const StepSolver& solver = simulation.dynamics.solver;
   const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
-  if (!admm && solver.interface_preconditioner == SystemPreconditioner::bddc)
-    throw Error(
-        "solver.interface_preconditioner",
-        "expected network, lumped or dirichlet with two_stage_newton, whose systems are not symmetric, met bddc");
+  check_preconditioner(solver);
   // Solutions of Newton's steps are refined: their errors are about the square of the tolerance.
   const double tolerance = admm ? std::min(1e-8, solver.tolerance) : std::min(1e-4, 1e4 * solver.tolerance);
   std::optional<CutContacts<D>> cut;

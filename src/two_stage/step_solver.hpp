@@ -248,4 +248,13 @@ inline bool semi_implicit(const StepSolver& solver) {
   return has_part(solver.algorithm, StepPart::enriched_stage_two) && solver.enrichment == Enrichment::semi_implicit;
 }
 
+/// Throws Error for bddc, of symmetric systems, with two_stage_newton, whose systems are not.
+inline void check_preconditioner(const StepSolver& solver) {
+  if (solver.algorithm == StepAlgorithm::two_stage_newton &&
+      solver.interface_preconditioner == SystemPreconditioner::bddc)
+    throw Error(
+        "solver.interface_preconditioner",
+        "expected network, lumped or dirichlet with two_stage_newton, whose systems are not symmetric, met bddc");
+}
+
 }  // namespace nscdd

@@ -130,6 +130,11 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
                    "switch = \"linear\""),
           {"solver.switch:", "interaction.law coulomb"});
   CaseSpec one = parse(good);
+  one.dynamics->solver.interface_preconditioner = "bddc";
+  check_dynamics(one);  // of no effect
+  one.dynamics->solver.algorithm = "two_stage_newton";
+  CHECK_THROWS_WITH_AS(check_dynamics(one), doctest::Contains("not symmetric"), Error);
+  one = parse(good);
   one.dynamics->solver.eta = "3";
   CHECK(to_toml(one) == to_toml(parse(good)));
   one.dynamics->solver.switch_after = 3;  // a case that switches nothing is written as if there were no such thing

@@ -241,6 +241,7 @@ void check_dynamics(const CaseSpec& spec) {
   if (is_contact_solver(solver.algorithm) && solver.tolerance == 0)
     throw Error("solver.tolerance",
                 fmt::format("expected a number > 0 with solver.algorithm {}, met 0", to_string(solver.algorithm)));
+  check_preconditioner(solver);
   if (solver.criterion != Criterion::gluing) return;
   const auto refuse = [](std::string_view expected, std::string_view met) {
     throw Error("solver.criterion", fmt::format("expected {} with criterion gluing, met {}", expected, met));
