@@ -182,23 +182,23 @@ TEST_CASE("the grains of a clump are beside its centre, and no clump meets itsel
                        doctest::Contains("shorter than the periodic cell"), Error);
 }
 
-TEST_CASE("a raft that does not turn is as long as its cell, and carries a disk across the boundary of the cell") {
-  // A row of five disks, loaded by the weight of all, that moves up and down alone; the last one is half a cell away.
-  const double weight = (2 + 1) * g;
-  Dynamics dynamics = tight({driven_grains("raft", 0, 4)});
+TEST_CASE("a raft that does not turn is as long as its cell, and carries disks wherever its images are") {
+  // A row of five disks, loaded by the weight of all, that is pulled along x. The images of the disks that are nearest
+  // to its centre, x = 1, are -1.5, -0.5, 0.5, 1.5 and 2.5.
+  const double weight = (2 + 2) * g, speed = 0.3;
+  Dynamics dynamics = tight({driven_grains("raft", 0, 4, moving({.x = speed}, {1, 0}))});
   dynamics.interaction.friction = 0;
-  dynamics.boundaries[0].motion.centre = {1, 0, 0};
   FreeBody& body = dynamics.boundaries[0].body.emplace();
   body.directions = {false, true, false, false, false, false};
   body.mass = 2;
   body.load = moving({.y = weight});
   std::vector<Grain> grains;
   for (int k = 0; k < 5; ++k) grains.push_back({.x = 0.5 + k});
-  grains.push_back({.x = 0, .y = std::sqrt(0.75)});  // on the first disk and the last
+  for (const double x : {0.0, 3.0}) grains.push_back({.x = x, .y = std::sqrt(0.75), .velocity_x = speed});
   Simulation simulation = in_cell(grains, dynamics, 5);
-  for (Index k = 0; k < 10; ++k) {
-    CHECK(advance(simulation).contacts == 2);
-    CHECK(std::abs(simulation.state.velocity_y[5]) < 1e-9);
+  for (Index k = 0; k < 400; ++k) {  // the raft leaves the cell at one end and enters it at the other
+    CHECK(advance(simulation).contacts == 4);
+    for (const std::size_t disk : {5, 6}) CHECK(std::abs(simulation.state.velocity_y[disk]) < 1e-9);
     CHECK(std::abs(simulation.state.body_velocities[0].y) < 1e-9);
   }
   body.directions[5] = true;

@@ -58,7 +58,7 @@ TEST_CASE("mode: Stage 1 balance, jumps, eigen-equation, shares and norm on ever
     const Model model = build(one);
     if (model.parts.interface_size() == 0) continue;
     for (const ContactSet contacts : {ContactSet::all, ContactSet::active})
-      for (const double epsilon : watched<double>({0.0, 1e-3, 1.0}))
+      for (const double epsilon : sanitized ? std::vector{0.0, 1e-3} : std::vector{0.0, 1e-3, 1.0})
         for (const double eta : {0.3, infinity})
           for (const SpectrumSide side : {SpectrumSide::low, SpectrumSide::high}) {
             CAPTURE(one.spec.name);
