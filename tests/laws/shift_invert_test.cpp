@@ -3,6 +3,7 @@
 #include "../support/judged_radius.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
+#include "../support/thorough.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 
@@ -85,7 +86,7 @@ const std::vector<Flexibilities>& every_pair() {
 
 TEST_CASE("shift-invert: ends, certificates and multiplicities of every packing") {
   int counted = 0, compared = 0;
-  for (const Case& one : packings_up_to(800)) {
+  for (const Case& one : packings_up_to(thorough() ? 800 : 500)) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     const InterfaceFamily family(model.parts);
