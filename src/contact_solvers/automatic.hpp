@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sweeps, then the curve of a smoothed law from their impulses. The more sweeps, the nearer to a solution it begins.
+// Rounds of sweeps, then Newton's steps, then the curve of a smoothed law, each from the impulses of the sweeps.
 // Later rounds sweep without momentum, and the last one from the first impulses: whether a curve leads to a solution
 // depends on where it begins. Problems of very many contacts start with accelerated sweeps as long as these make
 // progress: they come nearer to a solution than any point of the curve.
@@ -10,8 +10,8 @@
 
 namespace nscdd {
 
-/// Whether sweeps carry velocities. Those that read rows of W begin without momentum, with a check every ten sweeps:
-/// most problems known by W alone are small, and solved by few.
+/// Whether sweeps update the velocities of bodies instead of reading rows of W. Problems without M and H are mostly
+/// small: their first round has no momentum, and a check every ten sweeps.
 template <ContactProblem P>
 bool sweeps_are_cheap(const P& problem) {
   if constexpr (StoredProblem<P>)
@@ -29,17 +29,17 @@ void automatic(P& problem, SolverRun<P::dimension>& run) {
   const auto& smoothings = run.data.sums.all_zero(run.now.impulses) ? cold_smoothings : warm_smoothings;
   const Vector begin = run.now.impulses;
   std::optional<FrictionStatus> given_up;  // how sweeps ended, once they make no progress
-  const auto is_over = [&] {               // not if they stalled: the other solvers are left
+  const auto ends_run = [&] {              // not if they stalled: the other solvers are left
     given_up = run.now.status;
     if (*given_up != FrictionStatus::stalled && *given_up != FrictionStatus::diverged) return true;
     run.now.status = FrictionStatus::maximum_reached;
     run.go_back(run.best());
     return false;
   };
-  // A caller that does not store W wants its linear systems to be solved.
+  // Only if W is stored: a divided problem goes to its linear systems sooner.
   if (StoredProblem<P> && run.data.contacts() >= very_many_contacts) {
     accelerated(problem, run);
-    if (run.now.status != FrictionStatus::maximum_reached && is_over()) return;
+    if (run.now.status != FrictionStatus::maximum_reached && ends_run()) return;
     run.go_back(run.best());
   }
   constexpr Index last = std::ssize(cold_smoothings) - 1;
@@ -48,7 +48,7 @@ void automatic(P& problem, SolverRun<P::dimension>& run) {
     if (!given_up) {
       if (turn == last) run.now.impulses = begin;
       const bool accelerates = turn < rounds_with_momentum && (turn > 0 || sweeps_are_cheap(problem));
-      if ((accelerates ? accelerated_sweeps(problem, run, most) : sweep(problem, run, most)) && is_over()) return;
+      if ((accelerates ? accelerated_sweeps(problem, run, most) : sweep(problem, run, most)) && ends_run()) return;
     }
     if (run.spent()) continue;
     const FrictionSolution swept = run.now;

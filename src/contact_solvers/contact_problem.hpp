@@ -96,7 +96,7 @@ struct ContactData {
 
 /// A contact problem for contact solvers, with any storage of W. All ranks call its functions together. The linear
 /// systems have W_s, where W = W_s + W_a with a symmetric W_s: W of a file with six digits is not symmetric. One matrix
-/// is factorised at a time; a solution that is not found is not finite.
+/// is factorised at a time; `solve` returns numbers that are not finite if it fails.
 template <class P>
 concept ContactProblem = requires(P& problem, const P& fixed, const Vector& r, Index number,
                                   const FrictionSolverOptions& options,

@@ -169,7 +169,7 @@ std::vector<Vector> Interface::copies_apart(const Vector& g) const {
   return velocities;
 }
 
-// Leaves first: a copy without rows below feels -F of its row, and passes the rest on.
+// From the last row: the impulse on the second copy is -F of its row; it is added to the first copy.
 Vector Interface::collect(std::vector<Vector> impulses) const {
   Vector f(size());
   for (Index row = count(gluing_) - 1; row >= 0; --row) {

@@ -42,7 +42,8 @@ std::optional<Index> negative_eigenvalues(Matrix a);
 ValuesAndVectors tridiagonal_eigen(const Vector& diagonal, const Vector& below);
 
 /// The n singular values of an n x c matrix, with n - c zeros if c < n, and its left singular vectors (LAPACK dgesdd,
-/// or dgesvd if that fails; no values if both fail). Unlike by eigenvalues of A A^T, small values keep their digits.
+/// or dgesvd if that fails; no values if both fail). Small values keep their digits, which eigenvalues of A A^T would
+/// lose.
 ValuesAndVectors left_singular(Matrix a);
 
 /// All eigenvalues of a general square matrix, n >= 1, with eigenvectors if wanted (LAPACK); none if it fails.

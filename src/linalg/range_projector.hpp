@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// Factorisation of  [I B; B^T D],  D = `diagonal` I, each multiplier with the last row of B that it ties.
+/// Factorisation of  [I B; B^T D],  D = `diagonal` I, each multiplier with the last row of B that it couples.
 SymmetricFactor saddle_point_factor(const SparseMatrix& b, double diagonal);
 
 /// Singular values of a matrix with unit columns below this count as zero.

@@ -86,14 +86,14 @@ struct FreeBody {
   double mass = 0;                   ///< kg
   std::array<double, 3> inertia{};   ///< principal moments about the centre of mass, kg m^2; in the plane the third
   Eigen::Quaterniond axes = Eigen::Quaterniond::Identity();  ///< principal axes at time 0
-  /// Force, N, and moment, N m, beside gravity: the time function of a motion. It has no centre.
+  /// Applied force, N, and moment, N m, without gravity, as a function of time; its `centre` is unused.
   Motion load = {};
   double reach = 0;  ///< from its centre to the farthest point of its grains, m; 0: it has a wall
 
   bool free(BodyDirection direction) const { return directions[static_cast<std::size_t>(direction)]; }
   bool wholly_free(Index dimension) const { return std::ranges::count(directions, true) == (dimension == 2 ? 3 : 6); }
-  /// Lengths by which the speed of a rim stands for a spin about a principal axis, m: that of a body of this mass with
-  /// the inertia of a grain of that radius; 1 where there is no inertia.
+  /// Rim radii, m: speed of the rim over spin, for each principal axis. A grain of this radius and mass has the same
+  /// inertia; 1 if there is no inertia.
   std::array<double, 3> rims(Index dimension) const;
 };
 
@@ -115,8 +115,9 @@ struct Pose {
 };
 
 /// A wall at time 0, which moves with its boundary: in the plane a straight line, in space a plane, with grains on the
-/// side that `normal` points to. With a radius it is a circular cylinder, in the plane a circle; with a length as well,
-/// a plank with round edges, grains all around: all points within `radius` of a segment, in space of a rectangle.
+/// side that `normal` points to. With a radius it is a circular cylinder, in the plane a circle. With a length and a
+/// radius > 0 it is a plank with round edges, grains all around: all points within `radius` of a segment, in space of a
+/// rectangle. With a length and a radius < 0 it is a cylinder with flat ends.
 struct Wall {
   std::array<double, 3> point{0, 0, 0};   ///< m; of a cylinder on its axis; of a plank, or between ends, the middle
   std::array<double, 3> normal{0, 1, 0};  ///< unit; of a cylinder along its axis, of a circle (0, 0, 1)

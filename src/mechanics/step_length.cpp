@@ -5,7 +5,8 @@
 namespace nscdd {
 namespace {
 
-// Whether bodies came together on the path: they did not overlap before, and were no contact that failed to hold.
+// Whether the step is too long: the overlap grew on the path of bodies that were apart before, or that overlapped by at
+// most `largest_overlap` in step 0.
 bool is_of_step(const DeepOverlap& one, const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   if (one.overlap <= one.before) return false;

@@ -54,7 +54,7 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
                                 std::vector<std::int32_t> bodies, const std::vector<RememberedImpulse>& last,
                                 bool warm_start);
 
-/// Sets the scale W, 1/kg, and the law that depends on it; by default W is that of the contacts of the problem.
+/// Sets the scale W, 1/kg, and the law that depends on it; `step_of_contacts` sets the mean W_nn of the contacts.
 template <int D>
 void set_scale(StepProblem<D>& problem, const Interaction& interaction, double scale) {
   problem.scale = scale;

@@ -79,7 +79,8 @@ struct PencilSide {
   double tolerance(double lambda) const { return options.tolerance * std::max(1.0, std::abs(1 - lambda)); }
   double rounding(double lambda) const { return point.rounding * std::max(1.0, std::abs(lambda)); }
 
-  /// Distance of the last shift beyond an eigenvalue: clear of rounding; a tenth of tolerance, as omega multiplies it.
+  /// Distance of the last shift beyond an eigenvalue: clear of rounding; at least a tenth of the tolerance, because
+  /// omega scales the error.
   double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
 
   /// The pencil at the shift or, if unreliable, at a nearby one inwards (`side` = 1) or outwards (-1), or nothing.
@@ -89,7 +90,7 @@ struct PencilSide {
     return end == SpectrumEnd::smallest ? pencil.below() - point.kernel : p.rows() - pencil.below();
   }
 
-  /// P x in the words of the pencil: the inner product.
+  /// P x, the inner product of the pencil.
   Vector apply(const Vector& x) const {
     return point.without == nullptr ? p.apply(x) : Vector(p.apply(x) - point.without->apply(x));
   }

@@ -90,9 +90,9 @@ auto first_answer(const SolverChoice& choice, double tolerance, Solve&& solve, A
     if (one.residual <= tolerance * std::max(1.0, std::abs(one.value))) return "it has not converged";
     return fmt::format("residual {:.1e} above the tolerance {:.1e}", one.residual, tolerance);
   };
-  const auto says_more = [](const auto& first, const auto& second) {
-    if (first.converged != second.converged) return second.converged;
-    return second.residual < first.residual || (std::isnan(first.residual) && !std::isnan(second.residual));
+  const auto is_better = [](const auto& next, const auto& best) {
+    if (next.converged != best.converged) return next.converged;
+    return next.residual < best.residual || (std::isnan(best.residual) && !std::isnan(next.residual));
   };
   auto best = solve(choice.solver);
   if (answers(best)) return best;
@@ -102,7 +102,7 @@ auto first_answer(const SolverChoice& choice, double tolerance, Solve&& solve, A
     if (answers(next)) return next;
     tried += "+" + next.solver;
     failures += fmt::format("; {}: {}", next.solver, reason(next));
-    if (says_more(best, next)) best = std::move(next);
+    if (is_better(next, best)) best = std::move(next);
   }
   if (!best.converged) best.solver = tried;
   best.failure = failures;

@@ -63,7 +63,7 @@ struct GranularSubdomain {
   }
 };
 
-/// A step cut in the FETI way: contacts are distributed, and shared free grains are split and glued by a chain of
+/// A step divided as in FETI: contacts are distributed, and shared free grains are split and glued by a chain of
 /// equalities. Driven bodies are not glued: every subdomain knows their motion.
 template <int D>
 struct GranularDecomposition {
@@ -89,7 +89,7 @@ struct GranularDecomposition {
   Vector all_interface_jumps() const;
   /// The part of f^T g from rows of a subdomain. The parts of all subdomains add up to f^T g.
   double part_of_dot(Index subdomain, const Vector& f, const Vector& g) const;
-  /// The part of |sum A_E V_E|^2, with jumps g.
+  /// The part of |g|^2 from the rows of a subdomain, g the jumps sum_E A_E V_E.
   double squared_jumps(Index subdomain, const Vector& g) const;
   /// Unknowns of the free bodies, subdomain by subdomain, each followed by V_common of its whole copies, m/s.
   Vector free_velocities() const;

@@ -209,7 +209,7 @@ TEST_CASE("contact_solvers: names that there are, each once, and a law whose con
   };
   refused("contact_solvers", "contact_solvers = [\"newtn\"]\n", "study.toml:5: contact_solvers: expected one of");
   refused("contact_solvers", "contact_solvers = [\"auto\", \"auto\"]\n", "expected each solver once, met 'auto' again");
-  refused("runs", "contact_solvers = [\"auto\"]\n", "an observable with it that uses it (contact_solvers)");
+  refused("runs", "contact_solvers = [\"auto\"]\n", "an observable that uses this key (contact_solvers)");
   refused("contact_solvers", "vary = { \"interaction.law\" = [\"linear_viscous\"], \"interaction.epsilon\" = [1] }\n",
           "interaction.law: expected a law with open contacts, met linear_viscous");
 }

@@ -113,7 +113,7 @@ void require_uses(const StrictTable& section, const Observable& observable) {
         std::vector<std::string_view> using_it;
         for (const Observable* one : observables::all)
           if (one->uses(key)) using_it.push_back(one->name);
-        section.fail(key, fmt::format("an observable with it that uses it ({})", fmt::join(using_it, ", ")),
+        section.fail(key, fmt::format("an observable that uses this key ({})", fmt::join(using_it, ", ")),
                      fmt::format("\"{}\"", observable.name));
       }
 }

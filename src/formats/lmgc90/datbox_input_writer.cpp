@@ -10,7 +10,7 @@ bool is_constant(const std::vector<double>& values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
 }
 
-// Whether DRV_DOF.DAT has such a velocity: [CT + AMP cos(OMEGA t + PHI)] min(1, RAMPI + RAMP t), or a table.
+// Whether DRV_DOF.DAT can express this velocity: [CT + AMP cos(OMEGA t + PHI)] min(1, RAMPI + RAMP t), or a table.
 bool has_formula(const std::vector<double>& values, const std::vector<std::array<double, 5>>& oscillations) {
   if (oscillations.empty()) return true;
   const auto& [amplitude, omega, phase, ramp, growth] = oscillations.front();

@@ -13,7 +13,7 @@ namespace nscdd {
 DatboxNetwork parse_vloc_rloc(std::string_view text, const std::string& name, const Datbox& datbox);
 
 /// The contact problem of the step after the state of `datbox`, with the points of its contacts, and with LMGC90's
-/// forces times h as a guess. h is that of the network, else its time over steps, or the default of cases. M is
+/// forces times h as a guess. h is that of the network, else its time / step number, else the default of cases. M is
 /// diagonal, with three rows per body, in space six, spins along its own axes; bodies that are driven in all degrees of
 /// freedom have none. Throws Error for other laws than those of DatboxLaw, a mass that is not positive, a point beyond
 /// the reach of its body (an image in a periodic cell), and for no contacts at all; `name` is that of the file.

@@ -20,7 +20,7 @@ Json table_of(const std::vector<Series>& columns) {
   });
 }
 
-// Tangential impulses have their sign in the plane, and their size in space.
+// Tangential impulses: signed in the plane, magnitudes in space.
 Json contacts_of(const std::vector<TrajectoryContact>& contacts, Index dimension) {
   std::vector<double> point;
   for (const TrajectoryContact& c : contacts)

@@ -21,7 +21,8 @@ struct FrontMemory {
 
 }  // namespace
 
-// Updates wait for their parent, those of the interior for the next factor. Parallel children may all peak at once.
+// An update is kept until its parent is assembled; updates at the edge of the interior stay for later factors. Parallel
+// children may all peak at once.
 FactorMemory factor_memory(const FrontTree& tree, FactorShape shape) {
   const bool full = shape == FactorShape::full;  // has no interior
   const double records = static_cast<double>(sizeof(FrontFactor) + sizeof(Matrix)) * static_cast<double>(tree.size());

@@ -29,7 +29,7 @@ struct InterfaceIterations {
   // multiplicity, Dirichlet with these, with deluxe ones, and with a coarse space of GenEO besides.
   FrozenInterface none, all, active, lumped, dirichlet, deluxe, geneo;
   Index undivided_factorisations = 0;  // of the same step on one subdomain
-  // The same step by other methods, with the limit solver.maximum_iterations.
+  // The same step by other methods, with the limit solver.maximum_iterations; of ADMM in hundreds.
   struct Rival {
     Index iterations = 0;
     bool converged = false;

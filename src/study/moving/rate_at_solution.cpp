@@ -188,7 +188,7 @@ const ResultColumns<RateAtSolution>& solved_rate_columns() {
       {"stick", "1", "of them sticking", &At::stick},
       {"slide", "1", "of them sliding", &At::slide},
       {"margin", "1", "smallest distance of a contact from another status, over the mean impulse", &At::margin},
-      {"near_edge", "1", "contacts that are within 1e-6", &At::near_edge},
+      {"near_edge", "1", "contacts whose distance is at most 1e-6", &At::near_edge},
       {"predicted", "1", "spectral radius of the frozen iteration with n_GS sweeps", &At::predicted},
       {"complex_pair", "", "whether its dominant eigenvalue is one of a complex pair", &At::complex_pair},
       {"predicted_exact", "1", "radius with an exact Stage 1; nan for large packings", &At::predicted_exact},

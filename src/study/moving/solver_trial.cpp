@@ -98,7 +98,10 @@ const ResultColumns<SolverTrial>& trial_columns() {
     ResultColumns<Trial> all{
         {"contacts", "1", "contacts of the problem", &Trial::contacts},
         {"solver", "", "contact solver", &Trial::solver},
-        {"status", "", "how it ended; time_limit, or refused for a problem that cannot be read", &Trial::status},
+        {"status", "",
+         "how the run ended: status of the solver, time_limit, impossible (proved to have no solution), or refused "
+         "(a problem that cannot be read)",
+         &Trial::status},
         {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to max(|r|, |r^1|)",
          &Trial::residual},
         {"seconds", "s", "of the solver by the clock, without its checks",
@@ -125,7 +128,8 @@ SolverTrial try_solver(const LocalFrictionProblem& problem, const FrictionSolver
   const auto start = Clock::now();
   SolverTrial best = try_once(problem, options, time_limit, go_on);
   for (int k = 1; k < most_runs && seconds_since(start) < seconds_wanted && best.status != "stopped"; ++k)
-    if (SolverTrial again = try_once(problem, options, time_limit, go_on); again.all.seconds < best.all.seconds)
+    if (SolverTrial again = try_once(problem, options, time_limit, go_on);
+        again.status == best.status && again.all.seconds < best.all.seconds)
       best = std::move(again);
   return best;
 }
