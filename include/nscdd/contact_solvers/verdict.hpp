@@ -44,8 +44,8 @@ double proven_margin(const LocalFrictionProblem& problem, const Vector& friction
 /// Verdict::proven_speed of a self-stress, rounded downwards; 0 if its closing speed may be 0 or an entry is negative.
 double proven_speed(const LocalFrictionProblem& problem, const std::vector<Index>& chain, const Vector& stress);
 
-/// Whether a verdict proves that there is no solution, beside the end of a solver (FrictionState::driven_residual). One
-/// that was found refutes a proof for slow bodies, unless its tolerance is loose.
+/// Whether a verdict proves that there is no solution. A solver that converged to a `driven_residual`
+/// (FrictionState::driven_residual) below 1e-6 has found one: this refutes a proof for slow bodies.
 bool proves_impossible(const Verdict& verdict, bool converged, double driven_residual);
 
 /// Decides whether a contact problem has a solution: an interior point method looks for velocities with a margin and,
