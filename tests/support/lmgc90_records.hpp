@@ -2,7 +2,6 @@
 #pragma once
 
 #include "datbox_texts.hpp"
-#include "network_texts.hpp"
 #include "run_program.hpp"
 
 /// Records of LMGC90's HDF5 file with what its text files have.

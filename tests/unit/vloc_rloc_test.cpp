@@ -3,7 +3,7 @@
 // hand, what is refused, and the folders of LMGC90 where NSCDD_LMGC90 names a folder of them.
 #include "formats/lmgc90/vloc_rloc.hpp"
 
-#include "../support/network_texts.hpp"
+#include "../support/datbox_texts.hpp"
 #include "../support/run_program.hpp"
 #include "../support/spoilt.hpp"
 #include "files/csv.hpp"
