@@ -134,7 +134,7 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   const auto start = Clock::now();
   const StepSolver& solver = simulation.dynamics.solver;
   const bool admm = contact_solver_of(solver.algorithm) == FrictionAlgorithm::admm;
-  check_preconditioner(solver);
+  check(solver);
   // Solutions of Newton's steps are refined: their errors are about the square of the tolerance.
   const double tolerance = admm ? std::min(1e-8, solver.tolerance) : std::min(1e-4, 1e4 * solver.tolerance);
   std::optional<CutContacts<D>> cut;

@@ -248,13 +248,8 @@ inline bool semi_implicit(const StepSolver& solver) {
   return has_part(solver.algorithm, StepPart::enriched_stage_two) && solver.enrichment == Enrichment::semi_implicit;
 }
 
-/// Throws Error for bddc, of symmetric systems, with two_stage_newton, whose systems are not.
-inline void check_preconditioner(const StepSolver& solver) {
-  if (solver.algorithm == StepAlgorithm::two_stage_newton &&
-      solver.interface_preconditioner == SystemPreconditioner::bddc)
-    throw Error(
-        "solver.interface_preconditioner",
-        "expected network, lumped or dirichlet with two_stage_newton, whose systems are not symmetric, met bddc");
-}
+/// Throws Error, with the key, for a tolerance of 0 with a contact solver, for bddc, of symmetric systems, with
+/// two_stage_newton, whose systems are not, and for gluing where nothing is cut.
+void check(const StepSolver& solver);
 
 }  // namespace nscdd

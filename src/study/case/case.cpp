@@ -238,18 +238,7 @@ void check_dynamics(const CaseSpec& spec) {
     throw Error("solver.algorithm", fmt::format("expected {} with law {}, met {}{}", algorithms_with(StepPart::sweeps),
                                                 to_string(interaction.law), to_string(solver.algorithm),
                                                 solver.algorithm == StepSolver{}.algorithm ? ", the default" : ""));
-  if (is_contact_solver(solver.algorithm) && solver.tolerance == 0)
-    throw Error("solver.tolerance",
-                fmt::format("expected a number > 0 with solver.algorithm {}, met 0", to_string(solver.algorithm)));
-  check_preconditioner(solver);
-  if (solver.criterion != Criterion::gluing) return;
-  const auto refuse = [](std::string_view expected, std::string_view met) {
-    throw Error("solver.criterion", fmt::format("expected {} with criterion gluing, met {}", expected, met));
-  };
-  if (!has_part(solver.algorithm, StepPart::exchanges))
-    refuse("solver.algorithm " + algorithms_with(StepPart::exchanges),
-           fmt::format("{}, which has no interface", to_string(solver.algorithm)));
-  if (semi_implicit(solver)) refuse("another solver.enrichment", "semi_implicit, which does not iterate on the jumps");
+  check(solver);
 }
 
 Simulation simulation_of(const Case& one, const Monitor& monitor) try {
