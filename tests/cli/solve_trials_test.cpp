@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `nscdd solve FOLDER --csv`: contact problems by contact solvers.
 #include "../support/fclib_files.hpp"
+#include "../support/spoilt.hpp"
 #include "session.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
@@ -92,6 +93,18 @@ TEST_CASE_FIXTURE(Session, "solve --csv: velocities whose squares vanish are ref
   check_refused("solve small.hdf5", {"small.hdf5: largest |q|"});
   ended(1, "solve small.hdf5 --csv t.csv", {"refused: small.hdf5: largest |q|"});
   CHECK(csv("t.csv").text(0, "status") == "refused");
+}
+
+TEST_CASE_FIXTURE(Session, "solve --csv: a problem of LMGC90 is not resumed with other bodies beside its contacts") {
+  std::filesystem::copy(source_folder() / "tests/data/lmgc90/square_on_plank", folder / "net");
+  const std::string work = "solve net --solver nlgs --solver auto --csv t.csv";
+  REQUIRE(run(work, {.signal_at = SignalAt{"t.csv.partial", 300, SIGKILL}}).exit_code == 128 + SIGKILL);
+  const std::string bulk = read("net/BULK_BEHAV.DAT");
+  file("net/BULK_BEHAV.DAT", replaced(bulk, "Umas= 0.3000000D+01", "Umas= 0.4000000D+01"));
+  check_refused(work + " --resume", {"t.csv", "net"});
+  file("net/BULK_BEHAV.DAT", bulk);
+  run(work + " --resume");
+  CHECK(csv("t.csv").rows.size() == 2);
 }
 
 TEST_CASE_FIXTURE(ProblemSession, "solve FOLDER: what is asked for must make sense") {
