@@ -25,7 +25,7 @@ Contraction contraction_of(const std::shared_ptr<Model>& model, const std::strin
   check_bounds(relaxation, Field{.above = 0}, "relaxation");
   const ContactSet set = Choice<ContactSet>::parse(contacts, "contacts");
   const auto scheme_asked = Choice<DecompositionScheme>::parse(scheme_text, "scheme");
-  check_scheme({.eta = {eta}, .scheme = scheme_asked});
+  check_sweep({.eta = {eta}, .scheme = scheme_asked});
   LongWork work;
   return work.run(0, [&] {
     const Enriched scheme{eta};  // eta = infinity is the generic algorithm

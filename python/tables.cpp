@@ -48,13 +48,6 @@ py::list swept(const Model& model, const std::string& epsilon, const std::string
   std::tie(parameters.eta, parameters.relative_eta) = parse_eta(eta);
   parameters.relaxation = parse_relaxation(relaxation);
   parameters.gauss_seidel_sweeps = parse_sweeps(sweeps);
-  if (options.spectral.certify || options.spectral.eigenvalues > 1)
-    for (const auto& some : parameters.gauss_seidel_sweeps)
-      if (some)
-        fail(
-            "gauss_seidel_sweeps: expected inf with certify or eigenvalues (an inexact Stage 1 has no symmetric "
-            "pencil), met {}",
-            *some);
   LongWork watch(options.progress);
   return table<SweepResult>(sweep_columns(parameters), parameters, watch, options.threads,
                             [&](const auto& sink, const Monitor& monitor) { sweep(model, parameters, sink, monitor); });

@@ -30,7 +30,7 @@ ModeParameters parameters(const Options& options, const Machine& machine, double
   result.scheme = options.scheme;
   result.side = options.end;
   result.spectral = spectra_on(machine, options.spectral);
-  check_scheme({.eta = {result.eta}, .spectral = result.spectral, .scheme = options.scheme}, "--");
+  check_sweep({.eta = {result.eta}, .spectral = result.spectral, .scheme = options.scheme}, "--");
   return result;
 }
 

@@ -34,7 +34,7 @@ StudyTable table_of(const Options& options, const Machine& machine) {
   work.sweep.contacts = options.contacts;
   work.sweep.scheme = options.scheme;
   work.sweep.spectral = spectra_on(machine, options.spectral);
-  check_scheme(work.sweep, "--");
+  check_sweep(work.sweep, "--");
   work.cases = {options.one.resolve({options.csv})};
   return work;
 }

@@ -38,7 +38,7 @@ PackingReportParameters parameters(const Options& options, const Machine& machin
   std::tie(sweep.eta, sweep.relative_eta) = parse_eta(options.eta);
   sweep.scheme = options.scheme;
   if (sweep.schwarz() && options.eta == Options{}.eta) std::tie(sweep.eta, sweep.relative_eta) = parse_eta("inf");
-  check_scheme(sweep, "--");
+  check_sweep(sweep, "--");
   for (auto* of_slider : {&sweep.epsilon, &sweep.eta}) sort_unique(*of_slider);
   std::set<ContactSet> sets;
   for (const std::string& name : options.contacts) sets.insert(Choice<ContactSet>::parse(name, "--contacts"));

@@ -28,13 +28,6 @@ SweepParameters parameters(const Options& options, const Machine& machine) {
   result.contacts = options.contacts;
   result.scheme = options.scheme;
   result.spectral = spectra_on(machine, options.spectral);
-  if (result.spectral.certify || result.spectral.eigenvalues > 1)
-    for (const auto& sweeps : result.gauss_seidel_sweeps)
-      if (sweeps)
-        fail(
-            "--gauss-seidel-sweeps: expected inf with --certify or --eigenvalues (an inexact Stage 1 has no symmetric "
-            "pencil), met {}",
-            *sweeps);
   return result;
 }
 
@@ -133,7 +126,7 @@ Asked asked(const Options& options, const Machine& machine) {
     std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(options.epsilon);
     std::tie(sweep.eta, sweep.relative_eta) = parse_eta(options.eta);
   }
-  check_scheme(sweep, "--");
+  check_sweep(sweep, "--");
   asked.work.cases = {options.one.resolve({options.csv, options.hdf5, options.counts})};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
   if (!options.counts.empty()) require_distinct(options.csv, options.counts);

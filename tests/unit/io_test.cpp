@@ -115,6 +115,8 @@ TEST_CASE("study file: a key that its observable does not use is refused") {
   refused("links", "scheme = \"schwarz\"", {"table[0].scheme"});
   refused("spectral_radius", "scheme = \"additive\"", {"table[0].scheme", "schwarz"});
   refused("spectral_radius", "scheme = \"schwarz\"\neta = 2", {"study.toml:5: eta: expected none with scheme schwarz"});
+  refused("spectral_radius", "gauss_seidel_sweeps = 3\ncertify = true",
+          {"study.toml:5: gauss_seidel_sweeps: expected inf with certify"});
 }
 
 TEST_CASE("study file: cases that move are judged before anything is run") {

@@ -22,8 +22,9 @@ struct SweepParameters {
   bool schwarz() const { return scheme == DecompositionScheme::schwarz; }
 };
 
-/// Throws Error if the scheme schwarz, which has no Stage 2, meets an eta, or a solver that does not know it.
-void check_scheme(const SweepParameters& parameters, std::string_view dashes = "");
+/// Throws Error if the scheme schwarz, which has no Stage 2, meets an eta, or a solver that does not know it, and if an
+/// inexact Stage 1 meets the optimal relaxation, certified ends or several eigenvalues. `dashes` precede option names.
+void check_sweep(const SweepParameters& parameters, std::string_view dashes = "");
 
 /// One point of a sweep, which is one row of its table.
 struct SweepPoint {

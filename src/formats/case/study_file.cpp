@@ -191,7 +191,7 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
     if (table.observable->uses(key)) section.read(key, value, field);
   });
   section.located("certify", [&] { check(sweep.spectral); });
-  section.located("scheme", [&] { check_scheme(sweep); });
+  section.located(sweep.schwarz() ? "scheme" : "gauss_seidel_sweeps", [&] { check_sweep(sweep); });
   Index seed = 1;
   section.read("seed", seed);
   if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));

@@ -91,7 +91,7 @@ Index optima(const Model& model, const SweepParameters& sweep, const Sink<Optimu
 Index optima(const Model& model, const Selection& selection, const SweepParameters& sweep,
              const Sink<OptimumResult>& sink, const Monitor& monitor, Index first) {
   const double scale = flexibility_scale(model);
-  check_scheme(sweep);
+  check_sweep(sweep);
   Index failed = 0;
   const Index total = count(sweep.epsilon);
   for (Index i = first; i < total; ++i) {

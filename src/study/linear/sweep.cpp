@@ -160,11 +160,22 @@ SweepPoint sweep_point(const SweepParameters& parameters, Index number) {
   return point;
 }
 
-void check_scheme(const SweepParameters& parameters, std::string_view dashes) {
+void check_sweep(const SweepParameters& parameters, std::string_view dashes) {
   require_solver_of(parameters.scheme, parameters.spectral, dashes);
   for (const double eta : parameters.eta)
     if (parameters.schwarz() && eta != infinity)
       fail("{0}eta: expected none with {0}scheme schwarz, which has no Stage 2, met {1}", dashes, eta);
+  const std::string_view key = dashes.empty() ? "gauss_seidel_sweeps" : "--gauss-seidel-sweeps";
+  const SpectralOptions& spectral = parameters.spectral;
+  for (const auto& sweeps : parameters.gauss_seidel_sweeps) {
+    if (!sweeps) continue;
+    if (spectral.certify || spectral.eigenvalues > 1)
+      fail("{0}: expected inf with {1}certify or {1}eigenvalues (an inexact Stage 1 has no symmetric pencil), met {2}",
+           key, dashes, *sweeps);
+    if (std::ranges::any_of(parameters.relaxation, [](const auto& relaxation) { return !relaxation; }))
+      fail("{}relaxation: expected a number with {} = {}, met 'optimal', which is known for an exact Stage 1 only",
+           dashes, key, *sweeps);
+  }
 }
 
 ContactChoice choose_contacts(const Model& model, ContactSet contacts) {
@@ -224,14 +235,7 @@ Selection select(const Model& model, ContactSet contacts, const ContactChoice& c
 
 Index sweep(const Model& model, const SweepParameters& parameters, const Sink<SweepResult>& sink,
             const Monitor& monitor, Index first) {
-  for (const auto& relaxation : parameters.relaxation)
-    for (const auto& sweeps : parameters.gauss_seidel_sweeps)
-      if (!relaxation && sweeps)
-        fail(
-            "relaxation: expected a number with gauss_seidel_sweeps = {}, met 'optimal', which is known for an exact "
-            "Stage 1 only",
-            *sweeps);
-  check_scheme(parameters);
+  check_sweep(parameters);
   return sweep(model, select(model, parameters.contacts), parameters, sink, monitor, first);
 }
 
