@@ -128,6 +128,7 @@ void check_end_of_step(const StepStart& start, const std::vector<GrainMotion>& v
   at_end.poses = state.poses;
   at_end.body_velocities = state.body_velocities;
   at_end.step = state.step;
+  at_end.time = state.time;
   finish_step(system, at_end, scheme, velocities, {});
   const StepStart after{system, at_end, interaction, scheme};
   std::vector<DeepOverlap> deep = Passage::too_deep(Path::to_end(after));
