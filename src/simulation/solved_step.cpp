@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/solved_step.hpp"
 
+#include "mechanics/levers.hpp"
+
 #include <fmt/ranges.h>
 
 #include <set>
@@ -47,7 +49,12 @@ StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double p
   }
   for (const GrainVelocity<D>& v : step.problem.free)
     if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, squared_velocity(v) + squared_rim(v));
-  for (const GrainContact<D>& c : step.contacts) speed_squared = std::max(speed_squared, squared(c.bias));
+  for (const GrainContact<D>& c : step.contacts) {
+    // A positive normal bias is the gap over h of a contact that hovers, and pushes nothing.
+    const LocalVector<D> push{std::min(c.bias.n, 0.0), c.bias.t};
+    speed_squared = std::max(speed_squared, squared(push));
+    if (c.levers) speed_squared = std::max(speed_squared, squared(driven_part(c, step.problem.free)));
+  }
   speed_squared = before.processes.maximum(speed_squared);
   const Place gravity = gravity_of(scheme, D);
   const double weight = mass * std::sqrt(dot(gravity, gravity));
