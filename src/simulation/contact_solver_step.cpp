@@ -60,6 +60,8 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
     report.residual = residual_of(step, all);
     report.residual.scale = scale;
   };
+  Vector pulls = Vector::Zero(D * count(problem.contacts));
+  for (std::size_t c = 0; c < problem.contacts.size(); ++c) pulls[D * static_cast<Index>(c)] = problem.contacts[c].pull;
   std::vector<ContactStatus> statuses;
   double observing = 0;  // s, for the indicators
   const auto seconds = [&] { return seconds_since(start) - observing; };
@@ -82,7 +84,7 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
     report.last = {.iteration = report.last.iteration + 1,
                    .sweeps = check.sweeps,
                    .zeta = not_a_number,
-                   .impulses = held.data.sums.squared_norm(check.impulses)};
+                   .impulses = held.data.sums.squared_norm(check.impulses - pulls)};
     report.factorisations = check.factorisations;
     if (sink.observes(report.last.iteration)) observe(check.impulses);
     return !sink.goes_on || sink.goes_on();
