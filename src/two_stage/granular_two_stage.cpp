@@ -233,7 +233,9 @@ void GranularTwoStage<D>::iterate() {
     });
     if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
       Vector change;
-      if (solver_.interface_method == InterfaceMethod::conjugate_gradient) {
+      // Of the generic and enriched algorithms; the key means nothing to Schwarz's method.
+      if (has_part(solver_.algorithm, StepPart::stage_two) &&
+          solver_.interface_method == InterfaceMethod::conjugate_gradient) {
         change = conjugate_step(g, sums);
       } else {
         change = solver_.interface_relaxation * preconditioned(g);
