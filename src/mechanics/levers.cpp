@@ -2,6 +2,7 @@
 #include "mechanics/levers.hpp"
 
 #include "core/fail.hpp"
+#include "mechanics/contact_law.hpp"
 
 namespace nscdd {
 namespace {
@@ -73,7 +74,9 @@ std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configu
     return node < 0 ? 0 : system.inverse_mass(node);
   };
   const Sliding sliding = sliding_of(levers, inverse_mass(c.a), inverse_mass(c.b));
-  if (sliding == Sliding::tied && std::max(friction_of(start, c, false), friction_of(start, c, true)) > 0)
+  const bool rubs =
+      std::visit([](const auto& law) { return law.rubs; }, contact_law(start.interaction, start.scheme.step, 1));
+  if (sliding == Sliding::tied && rubs && std::max(friction_of(start, c, false), friction_of(start, c, true)) > 0)
     fail(
         "contact of {} and {}: expected bodies that move across and along the surface independently, or no friction, "
         "met one that its free directions tie to the other",
