@@ -122,7 +122,8 @@ void DividedContacts<D>::set_data(const Partition& partition) {
 
 template <int D>
 void DividedContacts<D>::for_each_subdomain(const std::function<void(Index)>& work) const {
-  if (count(problem_.contacts) >= contacts_for_threads) return for_each_in_parallel(count(bodies_), work);
+  if (count(bodies_) > 1 && count(problem_.contacts) >= contacts_for_threads)
+    return for_each_in_parallel(count(bodies_), work);
   for (Index e = 0; e < count(bodies_); ++e) work(e);
 }
 

@@ -59,7 +59,9 @@ struct Coulomb {
   template <int D, class Delassus>
   LocalVector<D> impulse(LocalVector<D> stop, const Delassus& w, double friction) const {
     if constexpr (Delassus::coupled && D == 3) {
-      return ConeContact(w).impulse(w.apply(-1.0 * stop), friction);
+      const LocalVector<3> free = w.apply(-1.0 * stop);
+      if (friction > 0 && free.n < 0) return ConeContact(w).impulse(free, friction);
+      return {std::max(0.0, -free.n) / w.nn, {}};  // without the principal axes of W
     } else if constexpr (Delassus::coupled) {
       const LocalVector<D> free = w.apply(LocalVector<D>{-stop.n, -stop.t});
       if (free.n >= 0) return {};
