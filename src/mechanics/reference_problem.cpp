@@ -59,6 +59,11 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
   problem.h = d == 2 ? connectivity<2>(network) : connectivity<3>(network);
 
   require_fit(loads, d);
+  for (const auto& [length, k] : {std::pair(network.period.x, 0), std::pair(network.period.y, 1)})
+    if (length > 0 && (loads.compression[at(k)] != 0 || loads.shear != 0))
+      throw Error("loads", fmt::format("expected none that deform a cell along its period contacts.period_{}, met a "
+                                       "compression or shear, whose velocities jump at its end",
+                                       k == 0 ? 'x' : 'y'));
   problem.arriving_velocity = deformation_velocities(packing, loads);
   for (const PrescribedVelocity& one : prescribed) {
     if (one.grain < 0 || one.grain >= n)

@@ -194,6 +194,11 @@ class NearPairs {
 
 void check(const Packing& packing) {
   if (packing.size() == 0) throw Error("packing: expected at least one grain, met none");
+  for (const auto& [name, values] : {std::pair("y", &packing.y), std::pair("radius", &packing.radius)})
+    if (count(*values) != packing.size())
+      fail("packing: expected a {} for each of {} grains, met {}", name, packing.size(), values->size());
+  if (!packing.mass.empty() && count(packing.mass) != packing.size())
+    fail("packing: expected a mass for each of {} grains or for none, met {}", packing.size(), packing.mass.size());
   if (!packing.z.empty() && count(packing.z) != packing.size())
     fail("packing: expected a z for each of {} grains or for none, met {}", packing.size(), packing.z.size());
   if (!packing.clump.empty() && count(packing.clump) != packing.size())
@@ -218,13 +223,14 @@ Packing with_masses(Packing packing, const Masses& masses) {
   return packing;
 }
 
-void check(const Period& period, const std::vector<double>& radius) {
+void check(const Period& period, const std::vector<double>& radius, double reach) {
   if (!period.any() || radius.empty()) return;
-  const double least = 4 * std::ranges::max(radius);
+  constexpr double margin = 1e-6;  // at two diameters two grains touch across both ends of the cell
+  const double least = (4 + 2 * reach) * std::ranges::max(radius);
   for (const auto& [key, length] : {std::pair("contacts.period_x", period.x), std::pair("contacts.period_y", period.y)})
-    if (length != 0 && !(length >= least && std::isfinite(length)))
-      throw Error(
-          key, fmt::format("expected 0 or at least two diameters of the largest grain, {} m, met {} m", least, length));
+    if (length != 0 && !(length > least * (1 + margin) && std::isfinite(length)))
+      throw Error(key, fmt::format("expected 0 or more than two diameters of the largest grain, {} m, met {} m", least,
+                                   length));
 }
 
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection) {
@@ -237,7 +243,7 @@ ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& d
   // r_i + r_j + tolerance min(r_i, r_j) is at most stretch (r_i + r_j).
   const double stretch = 1 + 0.5 * pairs.reach();
   const Period period = detection.period();
-  check(period, packing.radius);
+  check(period, packing.radius, pairs.reach());
   for_each_near_pair({packing.x, packing.y, packing.z}, packing.radius, period, stretch, 0, [&](Index i, Index j) {
     const double distance = stretch * (packing.radius[at(i)] + packing.radius[at(j)]);
     // Most pairs end here, without a root; the margin is wide for rounding.

@@ -100,6 +100,16 @@ TEST_CASE("a closed row and a closed lattice of touching disks have contacts acr
     }
   CHECK(detect_contacts(lattice, {.period_x = 6, .period_y = 4 * height}).size() == 3 * 24);
   CHECK_THROWS_WITH_AS(detect_contacts(row, {.period_x = 1.9}), doctest::Contains("two diameters"), Error);
+  // At two diameters two disks touch at both ends, within the tolerance also a little above.
+  row.x = {0, 1}, row.y = {0, 0}, row.radius = {0.5, 0.5};
+  CHECK_THROWS_WITH_AS(detect_contacts(row, {.period_x = 2}), doctest::Contains("two diameters"), Error);
+  CHECK_THROWS_WITH_AS(detect_contacts(row, {.tolerance = 0.5, .period_x = 2.4}), doctest::Contains("met 2.4"), Error);
+  // Velocities of a deformation jump at the end of the cell.
+  row.mass = {1, 1};
+  for (const Loads& loads : {Loads{.compression = {1, 0}}, Loads{.compression = {0, 0}, .shear = 1}})
+    CHECK_THROWS_WITH_AS(assemble(row, detect_contacts(row, {.period_x = 3}), {}, loads),
+                         doctest::Contains("contacts.period_x"), Error);
+  CHECK_NOTHROW(assemble(row, detect_contacts(row, {.period_x = 3}), {}, {.compression = {0, 1}}));
 }
 
 TEST_CASE("disks move in the same way wherever their cell begins, and stay in it") {

@@ -150,6 +150,9 @@ TEST_CASE("packings: values that are no grains are refused") {
     CHECK_THROWS_AS(check({{0.0}, {0.0}, {1.0}, {bad}}), Error);
   }
   CHECK_THROWS_AS(check({{infinity}, {0.0}, {1.0}, {}}), Error);
+  CHECK_THROWS_WITH_AS(check({{0.0, 1.0}, {0.0}, {1.0, 1.0}, {}}), doctest::Contains("a y for each of 2"), Error);
+  CHECK_THROWS_WITH_AS(check({{0.0, 1.0}, {0.0, 0.0}, {1.0}, {}}), doctest::Contains("a radius for each"), Error);
+  CHECK_THROWS_WITH_AS(check({{0.0, 1.0}, {0.0, 0.0}, {1.0, 1.0}, {1.0}}), doctest::Contains("a mass for"), Error);
 }
 
 TEST_CASE("masses: given, unit, density, and the default") {

@@ -120,9 +120,9 @@ struct ContactDetection {
   }
 };
 
-/// Throws Error with the key of a period that is shorter than two diameters of the largest grain: no grain touches
-/// another one twice.
-void check(const Period& period, const std::vector<double>& radius);
+/// Throws Error with the key of a period that is not longer than two diameters of the largest grain, and the gap of
+/// `reach` radii across which grains still touch: no grain touches another one twice.
+void check(const Period& period, const std::vector<double>& radius, double reach = 0);
 
 /// Detects all contacts by a cell grid, in O(N), in a periodic cell also across its ends. Coordinates rounded more
 /// coarsely than the tolerances raise them, see RoundingDoubt. Throws Error naming both grains of a pair that overlaps

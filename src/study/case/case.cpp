@@ -86,7 +86,8 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
 
 // Free grains start with the arriving velocities of the linear study.
 void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
-  const ContactNetwork none{.contacts = {}, .grains = packing.size(), .dimension = packing.dimension()};
+  const ContactNetwork none{
+      .contacts = {}, .grains = packing.size(), .dimension = packing.dimension(), .period = one.spec.contacts.period()};
   const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing);
   for (std::size_t k = 0; k < prescribed.size(); ++k)
     if (const Index grain = prescribed[k].grain; !start.system.free(grain))
@@ -100,6 +101,9 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   for (Index i = 0; i < packing.size(); ++i)
     if (start.system.free(i)) set_motion(start.state, at(i), motions[at(i)], 1);
 }
+
+// `contacts = {}` would keep their memory.
+void without_contacts(ContactNetwork& network) { std::vector<Contact>().swap(network.contacts); }
 
 Model without_parts(const Case& one, const Monitor& monitor) try {
   Model model;
@@ -265,15 +269,14 @@ Model of_process(Model model, const Processes& processes) {
   if (processes.alone()) return model;
   const std::vector<Index> process_of = deal_out(model.parts, processes.size);
   model.parts = of_process(std::move(model.parts), process_of, processes);
-  // `contacts = {}` would keep the memory.
-  model.network = {.contacts = {}, .grains = model.network.grains, .dimension = model.network.dimension};
+  without_contacts(model.network);
   return model;
 }
 
 Model cut_up(const Case& one, const Processes& processes, const Monitor& monitor) {
   Model model = without_parts(one, monitor);
   if (one.made) one.made(model);
-  if (!processes.alone()) model.network = {.contacts = {}, .grains = model.network.grains};
+  if (!processes.alone()) without_contacts(model.network);
   model.parts = cut(model.problem, model.partition);
   if (model.problem.contacts() > 0) model.flexibility = mean_normal_delassus(model.problem);
   return model;

@@ -85,11 +85,10 @@ bool unique_impulses(const ReferenceProblem& problem, const std::vector<Unilater
     closed.push_back(c);
   }
   if (closed.empty()) return true;
-  // More columns than motions other than rigid ones cannot be independent, which spares large packings a factorisation.
-  // Rigid motions: three in the plane, six in space, but five of a pair, which may turn about its axis.
+  // More columns than motions other than translations cannot be independent, which spares large packings a
+  // factorisation. (Rotations are no rigid motions of a periodic cell.)
   const Index grains = std::count(touched.begin(), touched.end(), 1);
-  const Index rigid = problem.dimension == 2 ? 3 : grains > 2 ? 6 : 5;
-  if (count(closed) > problem.dofs_per_grain * grains - rigid) return false;
+  if (count(closed) > problem.dofs_per_grain * grains - problem.dimension) return false;
   return sparse_rank(selected_columns(problem.h, closed)).value == count(closed);
 }
 
