@@ -67,6 +67,7 @@ struct Range {
     // Decade by decade from above: the ends grow like 1/eta below their root, so the bracket should be narrow.
     while (true) {
       const double lower = std::max(upper - std::log(10.0), std::log(low));
+      if (upper == std::log(high) && of_log(upper) >= 0) return high;  // no root below
       if (of_log(lower) >= 0) return std::exp(find_root(of_log, lower, upper, tolerance).x);
       if (lower <= std::log(low)) return 0;
       upper = lower;
@@ -90,7 +91,7 @@ void find_relaxed(Spectra& spectra, const Range& range) {
   const auto lowest = static_cast<int>(least - values.begin());
   const bool falls_to_zero = lowest == 0 || values.front() <= *least * (1 + 1e-6);
   double x = point(lowest);
-  if (!falls_to_zero && best.generic_relaxed_radius <= *least * (1 + 1e-6)) {  // enriching does not pay
+  if (best.generic_relaxed_radius <= *least * (1 + 1e-6)) {  // enriching does not pay
     best.relaxed_status = OptimumStatus::eta_to_infinity;
     best.relaxed_eta = infinity;
     best.relaxed_radius = best.generic_relaxed_radius;
@@ -124,10 +125,13 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
   best.generic_relaxation = generic.relaxation();
   const auto finish = [&](OptimumStatus status) {
     best.status = spectra.all_converged ? status : OptimumStatus::not_converged;
-    if (status == OptimumStatus::already_exact) best.relaxed_status = status;
+    if (best.status != OptimumStatus::interior && best.status != OptimumStatus::eta_to_zero)
+      best.relaxed_status = best.status;
     return best;
   };
-  if (!(best.generic_radius > 1e-14)) return finish(OptimumStatus::already_exact);
+  if (best.unit_multiplicity == parts.interface_size()) return finish(OptimumStatus::all_unit);
+  // A radius within its residual cannot be told from 0, and its spectra have no ends to search for.
+  if (!(best.generic_radius > std::max(1e-14, best.residual))) return finish(OptimumStatus::already_exact);
 
   Range range(system);
   if (epsilon > 0) {  // the root of the linear case is eta = epsilon: the range must contain it

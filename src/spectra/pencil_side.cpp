@@ -58,9 +58,11 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
     const Added added = add_to_list(nearer ? *nearer : pencil, wanted - result.values.size());
     if (added.any) continue;
     const double last_shift = nearer ? nearer->shift() : pencil.shift();
-    if (!added.seen || inward(just_outside(*added.seen) - last_shift) <= 0) return false;
+    // A shift that moves by rounding alone finds what the last one found.
+    const auto nears = [&](double shift) { return inward(shift - last_shift) > 1e-6 * std::abs(last_shift); };
+    if (!added.seen || !nears(just_outside(*added.seen))) return false;
     nearer = factorise(just_outside(*added.seen));
-    if (!nearer) return false;
+    if (!nearer || !nears(nearer->shift())) return false;
   }
   const double last = result.values[wanted - 1];
   const std::optional<ShiftedPencil> outside = factorise(last - inward(margin(last)));

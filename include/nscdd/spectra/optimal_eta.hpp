@@ -13,12 +13,13 @@ enum class OptimumStatus {
   eta_to_zero,      ///< the radius falls all the way down the range searched
   eta_to_infinity,  ///< with relaxation only: no enriched algorithm beats the relaxed generic one
   no_interface,     ///< nothing to optimise: one subdomain, or no shared grain
-  already_exact,    ///< the generic algorithm converges in one iteration
+  already_exact,    ///< the generic algorithm converges in one iteration, as far as the residual tells
+  all_unit,         ///< B = I: no iteration changes anything
   not_converged,    ///< some spectrum needed did not converge
 };
 constexpr auto names_of(OptimumStatus) {
   return std::to_array<std::string_view>(
-      {"interior", "eta_to_zero", "eta_to_infinity", "no_interface", "already_exact", "not_converged"});
+      {"interior", "eta_to_zero", "eta_to_infinity", "no_interface", "already_exact", "all_unit", "not_converged"});
 }
 
 /// The best flexibility eta of Stage 2. With lambda_min(eta) <= lambda_max(eta) the ends of the spectrum of X_eta^-1 S
