@@ -349,6 +349,14 @@ TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and
   refused(initial, "$nodty", "!nodty", {"DOF.INI:10:", "$nodty", "met none"});
   refused(bulk, "$gravy", "!gravy", {"box/BULK_BEHAV.DAT:", "$gravy", "met none"});
   refused(tact, " other  MAC_CZM", " iqsc0  MAC_CZM", {"TACT_BEHAV.DAT:5:", "met 'iqsc0' again"});
+  refused(tact, "fric= 0.3000000D+00", "fric=-0.3000000D+00", {"TACT_BEHAV.DAT:2: fric: expected a number from 0"});
+  refused(tact, "IQS_CLB                         fric= 0.3000000D+00",
+          "RST_CLB                         rstn= 0.3000000D+01  rstt= 0.0000000D+00", {"TACT_BEHAV.DAT:2: rstn:", "1"});
+  refused(tact, "0.5000000D-01", "-.5000000D-01", {"TACT_BEHAV.DAT:12: alert: expected a number from 0"});
+  refused(driven, "vlocy      3  0.0000000D+00", "vlocy      2  0.0000000D+00", {"DRV_DOF.DAT:8:", "vlocy 2 again"});
+  refused(bulk, " HARDx  RIGID", " STONE  RIGID", {"BULK_BEHAV.DAT:8:", "'STONE' again"});
+  refused(bulk, "$behav  lawty\n HARDx", "$gravy\n HARDx", {"BULK_BEHAV.DAT:7:", "gravity once"});
+  refused(bulk, "Umas= 0.1000000D+04", "Umas=          1000", {"BULK_BEHAV.DAT:5: Umas: expected", "decimal point"});
   DatboxTexts texts = small_datbox();
   texts.driven = replaced(texts.driven, " vlocy      3  0.0000000D+00", " force      3  0.1000000D+01");
   CHECK(datbox_packing(read(texts), DatboxGrains::all).size() ==

@@ -161,6 +161,8 @@ TEST_CASE("record: what does not fit is refused by file and dataset") {
   spoil([](Arrays a) { a.numbers[7] = 1; }, {contacts + "/idata:1:", "two bodies", "body 1 twice"});
   spoil([](Arrays a) { a.numbers[16] = 0; }, {contacts + "/idata:1:", "2 laws of TACT_BEHAV.DAT", "met 0"});
   spoil([](Arrays a) { a.contacts[8] = 0.5; }, {contacts + "/idata:1:", "a unit vector n", "0.5"});
+  spoil([](Arrays a) { a.contacts[13] = not_a_number; }, {contacts + "/idata:2:", "finite numbers"});
+  spoil([](Arrays a) { a.step = not_a_number; }, {"lmgc90.h5: Evolution/ID_4/dt", "finite number >= 0"});
   spoil([](Arrays a) { a.contacts.resize(16); }, {contacts + "/rdata", "9 columns", "met 8"});
   const TemporaryFolder folder;
   const std::string file = write_run(folder, texts.datbox, {});

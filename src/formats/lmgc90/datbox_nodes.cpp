@@ -37,6 +37,8 @@ void DatboxWriter::number_bodies() {
   places_.resize(system.radius.size() + system.walls.size());
   Index number = 0;
   for (const Body& body : bodies_) {
+    if (count(body.grains) > most)
+      fail("LMGC90: expected at most {} contactors in a body, met {}", most, body.grains.size());
     Index contactor = 0;
     ++number;
     for (const std::size_t i : body.grains) places_[i] = {number, ++contactor};

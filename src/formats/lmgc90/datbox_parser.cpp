@@ -62,7 +62,9 @@ void read_drives(FixedColumns lines, Datbox& datbox, const DatboxTexts& texts, c
       if (dof < 1 || dof > most)
         lines.refuse(fmt::format("expected a degree of freedom 1, 2 {}", most == 3 ? "or 3" : "... 6"),
                      std::to_string(dof));
-      DatboxDrive& drive = (kind == "force" ? body.forces : body.drives)[at(dof - 1)].emplace();
+      auto& slot = (kind == "force" ? body.forces : body.drives)[at(dof - 1)];
+      if (slot) lines.refuse("expected each degree of freedom of a body once", fmt::format("{} {} again", kind, dof));
+      DatboxDrive& drive = slot.emplace();
       drive.place = lines.place();
       if (lines.text(15, 23) == "evolution") {
         read_table(lines, texts, folder, drive);
@@ -110,16 +112,23 @@ void read_initial(FixedColumns lines, Datbox& datbox) {
 }
 
 void read_bulk(FixedColumns lines, Datbox& datbox) {
+  std::set<std::string> met;  // LMGC90 takes the first of two
+  const auto require_first = [&](const std::string& name, std::string_view expected) {
+    if (!met.insert(name).second) lines.refuse(expected, fmt::format("'{}' again", name));
+  };
   while (lines.next()) {
     const std::string section(lines.key());
     if (section == "$gravy") {
+      require_first("$gravy", "expected gravity once");
       lines.require_next("the acceleration of gravity");
       datbox.gravity = {lines.number(25, "grv1"), lines.number(46, "grv2"),
                         datbox.space() ? lines.number(67, "grv3") : 0};
     } else if (section == "$behav") {
       lines.require_next("a bulk law");
+      const std::string name(lines.text(2, 6));
+      require_first(name, "expected each bulk law once");
       if (lines.text(9, 38).ends_with("RIGID"))  // THERMO_RIGID and others have further data
-        datbox.density[std::string(lines.text(2, 6))] = lines.positive_number(46, "Umas");
+        datbox.density[name] = lines.positive_number(46, "Umas");
     }
   }
 }
@@ -128,27 +137,28 @@ void read_bulk(FixedColumns lines, Datbox& datbox) {
 constexpr std::array<std::string_view, 4> laws_without_cohesion{"IQS_CLB", "GAP_SGR_CLB", "VEL_SGR_CLB", "RST_CLB"};
 
 DatboxLaw read_law(FixedColumns& lines) {
+  constexpr double largest_friction = 100, largest_force = 1e100;  // as in [interaction]
   DatboxLaw law{.kind = std::string(lines.text(9, 38)), .place = lines.place()};
   std::string twin = law.kind;
   if (const std::size_t found = twin.find("_DS_CLB"); found != std::string::npos) twin.erase(found, 3);
   const bool plain = std::ranges::count(laws_without_cohesion, twin) > 0;
   const auto read_frictions = [&](bool two) {  // older files call two of them dyfr and stfr
-    law.friction = lines.number(46, two ? "dfrc" : "fric");
-    law.static_friction = two ? lines.number(67, "sfrc") : law.friction;
+    law.friction = lines.number_within(46, two ? "dfrc" : "fric", largest_friction);
+    law.static_friction = two ? lines.number_within(67, "sfrc", largest_friction) : law.friction;
   };
   if (plain) {
     const bool two = twin != std::exchange(law.kind, twin);
     if (law.kind == "RST_CLB") {
-      law.restitution = lines.number(46, "rstn");
-      law.tangential_restitution = lines.number(67, "rstt");
+      law.restitution = lines.number_within(46, "rstn", 1);
+      law.tangential_restitution = lines.number_within(67, "rstt", 1);
       lines.require_next("the friction of RST_CLB");
     }
     read_frictions(two);
   } else if (law.wet() && lines.text(62, 65) == "coht") {  // others have the three lines of another version
-    law.cohesion = lines.number(46, "cohn");
-    law.tangential_cohesion = lines.number(67, "coht");
+    law.cohesion = lines.number_within(46, "cohn", largest_force);
+    law.tangential_cohesion = lines.number_within(67, "coht", largest_force);
     lines.require_next("the range of IQS_WET_DS_CLB");
-    law.range = lines.number(46, "Weth");
+    law.range = lines.number_within(46, "Weth", infinity);
     lines.require_next("the friction of IQS_WET_DS_CLB");
     read_frictions(true);
   } else if (law.wet()) {
@@ -171,7 +181,7 @@ void read_tact(FixedColumns lines, Datbox& datbox) {
       datbox.sights.push_back({{std::string(lines.text(9, 13)), std::string(lines.text(37, 41))},
                                {std::string(lines.text(16, 20)), std::string(lines.text(44, 48))},
                                std::string(lines.text(23, 27)),
-                               lines.number(55, "alert"),
+                               lines.number_within(55, "alert", 1e100),
                                lines.place()});
     }
   }

@@ -45,7 +45,8 @@ class FixedColumns {
   bool section() const { return line_.empty() || line_[0] == '$'; }
 
   /// A number in the 14 columns from `first` on, with D or E for the exponent. `blank`: blanks are 0. LMGC90 reads no
-  /// further: a number that goes on must have the same value with what it would cut off.
+  /// further: a number that goes on must have the same value with what it would cut off. Its format D14.7 puts the
+  /// point of a number without one before the last seven digits: such numbers are refused.
   double number(std::size_t first, std::string_view what, bool blank = false) const {
     const std::string_view field = text(first, first + 13);
     if (field.empty() && blank) return 0;
@@ -55,7 +56,17 @@ class FixedColumns {
     if (!value || value != fortran_number(whole))
       refuse(fmt::format("{}: expected a number in columns {} to {}", what, first, first + 13),
              whole.size() > field.size() ? fmt::format("'{}' and more behind it", field) : fmt::format("'{}'", field));
+    if (*value != 0 && field.find('.') == std::string_view::npos)
+      refuse(fmt::format("{}: expected a number with a decimal point, without which LMGC90 reads another one", what),
+             fmt::format("'{}'", field));
     return *value;
+  }
+  /// A number from 0 to `most`.
+  double number_within(std::size_t first, std::string_view what, double most) const {
+    const double value = number(first, what);
+    if (!(value >= 0 && value <= most))
+      refuse(fmt::format("{}: expected a number from 0 to {}", what, most), fmt::format("{}", value));
+    return value;
   }
   double positive_number(std::size_t first, std::string_view what) const {
     const double value = number(first, what);

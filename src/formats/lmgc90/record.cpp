@@ -122,6 +122,9 @@ DatboxNetwork read_network(const RecordPlace& place, const Datbox& datbox) {
   const hdf5::File file = opened(place.file);
   const Group record = group_of(file, place);
   DatboxNetwork network{.step = record.integer("NStep"), .time = record.number("TPS"), .h = record.number("dt")};
+  for (const auto& [name, value] : {std::pair("TPS", network.time), std::pair("dt", network.h)})
+    if (!(std::isfinite(value) && value >= 0))
+      fail("{}: expected a finite number >= 0, met {}", record.of(name), value);
   if (!record.has("VlocRloc")) return network;  // of a step without contacts
   const bool space = datbox.space();
   const std::size_t d = space ? 3 : 2;
@@ -155,6 +158,8 @@ DatboxNetwork read_network(const RecordPlace& place, const Datbox& datbox) {
       contact.frame << vector(13), vector(10), vector(16);
     else
       contact.frame << vector(7), Vector3::Zero(), Vector3::Zero();
+    if (!std::isfinite(contact.gap + contact.force.sum() + contact.speed.sum() + contact.point.sum()))
+      refuse(contact.place, "expected finite numbers in rdata, met others");
     complete_contact(contact, space);
   }
   return network;
