@@ -198,7 +198,7 @@ bool nothing_to_resume(const std::string& csv, const std::string& hdf5, const Ta
           "made of it; --force computes both again",
           csv, hdf5);
     require_rows_of(work, csv);
-    note("{}: already complete, nothing to resume", csv);
+    note("{}: already complete, nothing to resume; of a complete table only the rows it should have are compared", csv);
     return true;
   }));
 }

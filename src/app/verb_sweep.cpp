@@ -166,9 +166,9 @@ int run(const Options& options, const Context& context) {
     return interrupted("{}: interrupted: a table of curves is not resumed{}", name_of_output(options.csv),
                        is_stream(options.csv) ? "" : ", and nothing is left of it");
   if (interruption.stopped()) return leave(*csv, options.csv);
+  csv->finish();  // first: no other output that fails takes the rows with it
   if (hdf5) hdf5->bytes(to_hdf5(provenance(context, work.cases), {{"sweep", table}}));
   counts.finish();
-  csv->finish();
   if (hdf5) hdf5->finish();
   csv.forget();
   return code;

@@ -66,7 +66,9 @@ std::string csv_line(const Row& row) {
   for (std::size_t i = 0; i < row.size(); ++i) {
     if (i > 0) line += ',';
     const std::string text = to_text(row[i]);
-    const bool quoted = text.find_first_of(",\"\n\r") != std::string::npos;
+    // Rows that begin with # are comments, and blanks around a cell do not count.
+    const bool quoted = text.find_first_of(",\"\n\r") != std::string::npos || text.starts_with('#') ||
+                        trimmed(text).size() != text.size();
     if (quoted) line += '"';
     for (const char c : text) line.append(c == '"' ? 2 : 1, c);
     if (quoted) line += '"';

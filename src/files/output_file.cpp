@@ -117,7 +117,7 @@ void require_distinct(const std::string& first, const std::string& second) {
   std::error_code ignored;
   const bool same = first == second || fs::weakly_canonical(fs::absolute(first), ignored) ==
                                            fs::weakly_canonical(fs::absolute(second), ignored);
-  if (!same || is_stream(first)) return;
+  if (!same || (is_stream(first) && first != "-")) return;
   fail("{}: expected another name for each output, met the same twice", first);
 }
 
@@ -141,7 +141,7 @@ bool make_folder(const std::string& path, bool force) {
 }
 
 OutputFile::OutputFile(const std::string& path, bool force, std::optional<std::uintmax_t> kept_bytes)
-    : name_(path == "-" ? "standard output" : path) {
+    : name_(path == "-" ? "standard output" : path), replaces_(force) {
   if (path == "-") {
     stream_ = stdout;
     return;
@@ -190,7 +190,17 @@ void OutputFile::close() {
 
 void OutputFile::finish() {
   close();
-  if (!growing_.empty()) rename_file(std::exchange(growing_, {}), name_);
+  if (growing_.empty()) return;
+  const fs::path grown = std::exchange(growing_, {});
+  std::error_code status;
+  if (!replaces_)
+    fs::create_hard_link(grown, name_, status);  // fails where the name is taken, which a renaming does not
+  if (status == std::errc::file_exists)
+    fail("{}: expected no such file, met one that appeared during the run; the result is in {}", name_, grown.string());
+  if (replaces_ || status)  // not every file system has hard links
+    rename_file(grown, name_);
+  else
+    remove_file(grown);
 }
 
 void OutputFile::leave() {

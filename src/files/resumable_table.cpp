@@ -239,7 +239,15 @@ ResumableTable::ResumableTable(std::string path, TableWork work, Reopening how)
 }
 
 ResumableTable::~ResumableTable() {
-  if (csv_ && record_is_ours_) remove_record(path_);
+  if (!csv_) return;
+  if (written_ > 0 && !stream_ && work_.rows) {  // an error ends the run: what was computed stays
+    try {
+      leave();
+    } catch (const Error&) {
+    }
+  } else if (record_is_ours_) {
+    remove_record(path_);
+  }
 }
 
 void ResumableTable::replay(const std::function<void(const Row&)>& sink) const {

@@ -77,7 +77,7 @@ void remove_record(const std::string& path);
 class ResumableTable {
  public:
   ResumableTable(std::string path, TableWork work, Reopening how);
-  ~ResumableTable();
+  ~ResumableTable();  ///< without finish: leaves the rows as `leave` does, where the table can be resumed
   ResumableTable(const ResumableTable&) = delete;
   ResumableTable& operator=(const ResumableTable&) = delete;
 

@@ -236,8 +236,12 @@ TEST_CASE("CSV: quotes as in RFC 4180") {
   REQUIRE(csv.rows.size() == 2);
   CHECK(csv.rows[0] == std::vector<std::string>{"x,1", "say \"no\""});
   CHECK(csv.rows[1] == std::vector<std::string>{"", ""});
-  const std::vector<std::string> values{"plain", "a, b", "say \"no\"", "", "\"", "\r"};
+  const std::vector<std::string> values{"plain", "a, b", "say \"no\"", "", "\"", "\r", " a "};
   CHECK(csv_values(csv_line({values.begin(), values.end()}), "t.csv") == values);
+  const std::vector<std::string> no_comment{"#two", "1"};
+  const CsvText read = parse_csv("a,b\n" + csv_line({no_comment.begin(), no_comment.end()}) + "\n", "t.csv");
+  REQUIRE(read.rows.size() == 1);
+  CHECK(read.rows[0] == no_comment);
 }
 
 TEST_CASE("baselines: compared by value, effort left out") {

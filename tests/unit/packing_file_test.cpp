@@ -76,6 +76,19 @@ void refused(const std::string& bytes, const Names& names) {
 
 }  // namespace
 
+TEST_CASE("output file: another file that got the name meanwhile is not replaced without force") {
+  const testing::TemporaryFolder folder;
+  const std::string path = (folder / "t.csv").string();
+  OutputFile file(path, false), forced((folder / "u.csv").string(), true);
+  file.bytes("mine"), forced.bytes("mine");
+  for (const char* name : {"t.csv", "u.csv"}) testing::write_file(folder / name, "of others");
+  check_error([&] { file.finish(); }, {"t.csv", "appeared during the run", "t.csv.partial"});
+  CHECK(read_text(path) == "of others");
+  CHECK(read_text(path + ".partial") == "mine");
+  forced.finish();
+  CHECK(read_text((folder / "u.csv").string()) == "mine");
+}
+
 TEST_CASE("packing file: written and read back, every double is the same") {
   for (const int kind : {0, 1, 2, 3})
     for (const char* name : {"p.csv", "p.h5", "p.hdf5"}) {

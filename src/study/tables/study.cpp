@@ -52,9 +52,9 @@ Combination combination_of(const StudyTable& table, Index number) {
 constexpr Index shown_values = 64;  // longer lists are identified by their fingerprint
 
 std::string content(const Packing& packing) {
-  std::vector<double> all;
+  std::string all;  // with the length of each list: masses of disks are not heights of spheres
   for (const auto* values : {&packing.x, &packing.y, &packing.radius, &packing.mass, &packing.z})
-    all.insert(all.end(), values->begin(), values->end());
+    all += fmt::format("{} {} ", values->size(), fingerprint(*values));
   return fmt::format("{} grains, content {}", packing.size(), fingerprint(all));
 }
 
@@ -64,8 +64,10 @@ std::string content(const GlobalFrictionProblem& problem) {
     for (Index j = 0; j < matrix->cols(); ++j)
       for (SparseMatrix::InnerIterator e(*matrix, j); e; ++e)
         all.insert(all.end(), {static_cast<double>(e.row()), static_cast<double>(j), e.value()});
-  for (const Vector* values : {&problem.f, &problem.w, &problem.friction})
+  for (const Vector* values : {&problem.f, &problem.w, &problem.friction}) {
+    all.push_back(static_cast<double>(values->size()));
     all.insert(all.end(), values->begin(), values->end());
+  }
   return fmt::format("{} contacts, content {}", problem.contacts(), fingerprint(all));
 }
 
