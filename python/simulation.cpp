@@ -103,7 +103,13 @@ Case case_of(const std::string& path, const Packing* packing, const std::optiona
              const Settings& settings) {
   CaseSpec spec = spec_of_file(path, true);
   if (subdomains) spec.partition = parse_partitioner(*subdomains, "subdomains");
-  for (const auto& [key, value] : settings) override_case(spec, key, value);
+  for (const auto& [key, value] : settings) {
+    if (subdomains && key.starts_with("partition."))
+      fail("{}: expected either subdomains or a parameter of the partition, met both", key);
+    if (packing != nullptr && key.starts_with("packing."))
+      fail("{}: expected no parameter of the packing that `packing` replaces", key);
+    override_case(spec, key, value);
+  }
   check_dynamics(spec);
   for (const auto& [key, value] : settings) require_effect(*spec.dynamics, key, key);
   if (packing == nullptr) return resolve(std::move(spec));

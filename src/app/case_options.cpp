@@ -21,11 +21,26 @@ PrescribedVelocity parse_prescribed(const std::string& text) {
 
 }  // namespace
 
-void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
+void GivenParameters::add(const std::string& key, const std::string& option) {
+  const auto before = std::ranges::find(all_, key, &One::key);
+  if (before != all_.end()) fail("{}: expected {} once, met {} too", option, key, before->option);
+  all_.push_back({key, option});
+}
+
+void GivenParameters::add_partition(const std::string& subdomains) {
+  if (subdomains.empty()) return;
+  const auto name = [](const auto& partitioner) { return partitioner.name; };
+  const Partitioner partitioner = parse_partitioner(subdomains, "--subdomains");
+  add(fmt::format("partition.{}", std::visit(name, partitioner)), "--subdomains");
+}
+
+void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings, GivenParameters& given) {
   for (const std::string& setting : settings) {
     const auto equals = setting.find('=');
     if (equals == std::string::npos) fail("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting);
-    override_case(spec, setting.substr(0, equals), setting.substr(equals + 1));
+    const std::string key = setting.substr(0, equals);
+    given.add(key, "--set " + key);
+    override_case(spec, key, setting.substr(equals + 1));
   }
 }
 
@@ -70,10 +85,16 @@ Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
       fail("--prescribed: expected each grain once, met grain {} again", velocity.grain);
     spec.prescribed.push_back(velocity);
   }
-  if (density) override_case(spec, "masses.density", field_text(*density));
-  if (tolerance) override_case(spec, "contacts.tolerance", field_text(*tolerance));
-  if (overlap_tolerance) override_case(spec, "contacts.overlap_tolerance", field_text(*overlap_tolerance));
-  apply_settings(spec, settings);
+  GivenParameters given;
+  given.add_partition(subdomains);
+  for (const auto& [value, key, option] : {std::tuple(density, "masses.density", "--density"),
+                                           {tolerance, "contacts.tolerance", "--tolerance"},
+                                           {overlap_tolerance, "contacts.overlap_tolerance", "--overlap-tolerance"}}) {
+    if (!value) continue;
+    given.add(key, option);
+    override_case(spec, key, field_text(*value));
+  }
+  apply_settings(spec, settings, given);
   return resolve_case(spec, outputs);
 }
 

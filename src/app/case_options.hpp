@@ -6,8 +6,23 @@
 
 namespace nscdd::app {
 
-/// Sets parameters of a case from texts KEY=VALUE.
-void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings);
+/// Parameters on the command line, each with the option that gives it.
+class GivenParameters {
+ public:
+  struct One {
+    std::string key, option;
+  };
+  /// Throws Error if another option gave the parameter.
+  void add(const std::string& key, const std::string& option);
+  void add_partition(const std::string& subdomains);  ///< that of --subdomains, unless empty
+  const std::vector<One>& all() const { return all_; }
+
+ private:
+  std::vector<One> all_;
+};
+
+/// Sets parameters of a case from texts KEY=VALUE, and adds them to `given`.
+void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings, GivenParameters& given);
 
 /// Replaces the [partition] of a case by that of --subdomains.
 void set_partition(CaseSpec& spec, const std::string& subdomains);

@@ -10,6 +10,7 @@ void give(Option& option, std::string_view name, std::optional<std::string_view>
   if (option.given && !option.list) fail("{}: expected it once, met it again", name);
   if (option.flag && value) fail("{}: expected no value, met '{}'", name, *value);
   if (!option.flag && !value) fail("{}: expected a value, met none", name);
+  if (value && value->empty()) fail("{}: expected a value, met an empty text", name);
   if (!option.words.empty())
     position_of(*value, std::vector<std::string_view>(option.words.begin(), option.words.end()), name);
   option.set(value.value_or("true"), name);

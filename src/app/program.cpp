@@ -2,7 +2,9 @@
 #include "app/shared_work.hpp"
 #include "files/hdf5.hpp"
 
+#include <fcntl.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -100,6 +102,11 @@ int run(int argc, char** argv, const Machine& machine) {
 }
 
 }  // namespace
+
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF) ::open("/dev/null", O_RDONLY);
+}
 
 Outcome run_program(int argc, char** argv, const Machine& machine) {
   try {

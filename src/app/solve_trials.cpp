@@ -36,15 +36,17 @@ std::vector<fs::path> problem_files(const std::string& path) {
   if (!fs::is_directory(path, ignored) || holds_datbox(path)) return {path};
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(path))
-    if (const fs::path ending = entry.path().extension(); ending == ".hdf5" || ending == ".h5" || ending == ".dat")
+    if (const fs::path ending = entry.path().extension();
+        !entry.is_directory(ignored) && (ending == ".hdf5" || ending == ".h5" || ending == ".dat"))
       files.push_back(entry.path());
   if (files.empty()) fail("{}: expected a folder with contact problems, .hdf5, .h5 or .dat, met none", path);
   std::ranges::sort(files);
   return files;
 }
 
-// Of the text of a file; of all numbers of a problem that LMGC90 spreads over several files.
-std::string fingerprint_of(const fs::path& file) {
+// Of the text of a file; of all numbers of a problem that LMGC90 spreads over several files. A file that cannot be read
+// is refused when its turn comes.
+std::string fingerprint_of(const fs::path& file) try {
   const std::string path = file.string();
   if (!holds_datbox(path) && !record_at(path) && !has_vloc_rloc_name(path)) return fingerprint(read_text(path));
   const LocalFrictionProblem problem = local_problem(read_contact_problem(path), path);
@@ -52,6 +54,8 @@ std::string fingerprint_of(const fs::path& file) {
   for (const Vector* numbers : {&problem.q, &problem.friction})
     all += fingerprint(std::span<const double>(numbers->data(), at(numbers->size())));
   return fingerprint(all);
+} catch (const Error&) {
+  return "unreadable";
 }
 
 TableWork trial_work(const std::vector<fs::path>& files, const TrialOptions& options) {

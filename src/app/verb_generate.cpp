@@ -38,7 +38,8 @@ int run(const Options& options, const Context& context) {
   for (const std::string& setting : options.settings)
     if (!setting.starts_with("packing.") && !setting.starts_with("masses."))
       fail("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting);
-  apply_settings(spec, options.settings);
+  GivenParameters given;
+  apply_settings(spec, options.settings, given);
   const Case one = resolve_case(spec, {options.output});
   OutputFile file(options.output, options.force);
   const Packing packing = packing_of(one, progress("generate"));

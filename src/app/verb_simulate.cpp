@@ -33,36 +33,9 @@ struct Options {
   bool restart = false;
 };
 
-// A parameter on the command line, and its option.
-struct Given {
-  std::string key, option;
-};
-
-// The parameters with an option of their own, then those of --set. Throws Error if one is given twice.
-std::vector<Given> given_parameters(const Options& options) {
-  std::vector<Given> given;
-  const auto add = [&](const std::string& key, const std::string& option) {
-    const auto before = std::ranges::find(given, key, &Given::key);
-    if (before != given.end()) fail("{}: expected {} once, met {} too", option, key, before->option);
-    given.push_back({key, option});
-  };
-  if (!options.subdomains.empty()) {
-    const auto name = [](const auto& partitioner) { return partitioner.name; };
-    const Partitioner partitioner = parse_partitioner(options.subdomains, "--subdomains");
-    add(fmt::format("partition.{}", std::visit(name, partitioner)), "--subdomains");
-  }
-  for (const ParameterOption& one : options.parameters)
-    if (one.value) add(one.key, one.option);
-  for (const std::string& setting : options.settings) {
-    const std::string key = setting.substr(0, setting.find('='));
-    add(key, "--set " + key);
-  }
-  return given;
-}
-
 // Throws Error for a parameter without effect. On one subdomain, which has no interface, a note does: a loop over
 // numbers of subdomains may begin with 1.
-void require_effect(const Given& given, const CaseSpec& spec) {
+void require_effect(const GivenParameters::One& given, const CaseSpec& spec) {
   const Dynamics& dynamics = *spec.dynamics;
   const bool of_cell = given.key.starts_with("contacts.period_");
   if (given.key.starts_with("contacts.") && !of_cell)
@@ -89,12 +62,15 @@ void set(CaseSpec& spec, const ParameterOption& parameter) try {
 
 void apply(const Options& options, CaseSpec& spec) {
   if (!spec.dynamics) fail("{}: expected a case with a section [dynamics], met one without", options.name);
-  const std::vector<Given> given = given_parameters(options);
+  GivenParameters given;
+  given.add_partition(options.subdomains);
   if (!options.subdomains.empty()) set_partition(spec, options.subdomains);
-  apply_settings(spec, options.settings);
+  for (const ParameterOption& parameter : options.parameters)
+    if (parameter.value) given.add(parameter.key, parameter.option);
+  apply_settings(spec, options.settings, given);
   for (const ParameterOption& parameter : options.parameters)
     if (parameter.value) set(spec, parameter);
-  for (const Given& parameter : given) require_effect(parameter, spec);
+  for (const GivenParameters::One& parameter : given.all()) require_effect(parameter, spec);
   try {
     check_dynamics(spec);
   } catch (const Error& error) {

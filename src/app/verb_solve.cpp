@@ -272,6 +272,7 @@ Action declare_solve(Command& command) {
   for (Option* one : alone) one->excludes = csv;
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);
+  command.named("--resume").needs = csv;
   command.footer =
       R"(Exit code 0: converged, 1: not (the status says why). With --csv 0: all problems were read, 1: some were not.
 Examples:

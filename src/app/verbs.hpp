@@ -29,6 +29,10 @@ struct Outcome {
   std::string error;  ///< message for the user; empty without an error, or if another rank reports it
 };
 
+/// Opens the standard streams that are closed, so that no output gets their numbers and messages with them. What is
+/// written to them is lost, with an error as before.
+void open_standard_streams();
+
 /// Runs a command line.
 Outcome run_program(int argc, char** argv, const Machine& machine);
 

@@ -74,6 +74,7 @@ int run(int argc, char** argv) {
 }  // namespace nscdd::mpi
 
 int main(int argc, char** argv) {
+  nscdd::app::open_standard_streams();
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   const int code = nscdd::mpi::run(argc, argv);

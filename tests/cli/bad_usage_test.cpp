@@ -96,7 +96,7 @@ TEST_CASE("usage: relaxation zero or below or infinite") {
   for (const std::string& value : Texts{"0", "-1", "inf"}) check_option("--relaxation", value, {"relaxation", "> 0"});
   check_option("--relaxation", "best", {"relaxation", "best"});
   check_usage(words("sweep disks4 --epsilon 1 --csv - --relaxation optimal --gauss-seidel-sweeps 2"),
-              {"relaxation", "gauss_seidel_sweeps"});
+              {"relaxation", "--gauss-seidel-sweeps"});
 }
 
 TEST_CASE("usage: Gauss-Seidel sweeps below one or broken") {
@@ -175,6 +175,13 @@ TEST_CASE("usage: what is refused of the command line itself says what was met a
   check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "--certify"}, {"--csv: expected a value, met none", help});
   check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "-", "-o"}, {"expected a known option, met '-o'", help});
   check_usage({"export", "run.h5", "--vtk", "a", "--lmgc90", "b"}, {"--lmgc90: expected no --vtk with it, met --vtk"});
+  check_option("--subdomains", "", {"--subdomains: expected a value, met an empty text", help});
+  check_usage({"solve", "a.hdf5", "--resume"}, {"--resume: expected --csv with it, met none"});
+  check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "-", "--tolerance", "1", "--set", "contacts.tolerance=1"},
+              {"--set contacts.tolerance: expected contacts.tolerance once, met --tolerance too"});
+  check_usage({"inspect", "disks4", "--subdomains", "2x1", "--set", "partition.grid=3,1"},
+              {"--set partition.grid: expected partition.grid once, met --subdomains too"});
+  check_usage({"network", "disks4", "--csv", "-", "--grains", "-"}, {"another name for each output"});
 }
 
 TEST_CASE_FIXTURE(Session, "usage: names and values in one word, arguments behind --, numbers of Fortran") {
