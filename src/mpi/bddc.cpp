@@ -200,6 +200,8 @@ Bddc bddc(MPI_Comm communicator) {
   const auto session = std::make_shared<std::shared_ptr<void>>();  // begins at the first call
   return [session, all](const Decomposition& parts, SparseMatrix matrix, const BddcParameters& parameters) {
     const Subdomain& own = parts.subdomains[at(own_subdomain(parts))];
+    if (parts.interface.processes().any(own.grains.empty()))
+      fail("bddc: expected contacts in every subdomain, met a subdomain without");
     if (!*session) *session = slepc_session();
     const OneBlasThread serial_blas;
     const QuietPetsc quiet;
