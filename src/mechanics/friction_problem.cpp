@@ -73,9 +73,10 @@ void require_symmetric(const std::string& what, const SparseMatrix& matrix, doub
 
 void require_friction(const std::string& name, const Vector& friction) {
   require_finite(name + ": mu", friction);
+  constexpr double most = 1e4;  // the natural map divides errors of u_n by it
   for (Index c = 0; c < friction.size(); ++c)
-    if (friction[c] < 0)
-      fail("{}: mu: expected coefficients of friction >= 0, met {} for contact {}", name, friction[c], c);
+    if (!(friction[c] >= 0 && friction[c] <= most))
+      fail("{}: mu: expected coefficients of friction from 0 to {}, met {} for contact {}", name, most, friction[c], c);
 }
 
 constexpr Index dense_up_to = 32;        // unknowns of a piece

@@ -86,7 +86,8 @@ TEST_CASE("problems that cannot be meant are refused, saying what was met") {
   CHECK(refused([](auto& p) { p.w.conservativeResize(3); }) == "file: w: expected 2 x contacts = 4 numbers, met 3");
   CHECK(refused([](auto& p) { p.h = SparseMatrix(5, 4); }) == "file: H: expected a 6 x 4 matrix, met 5 x 4");
   CHECK(refused([](auto& p) { p.friction[1] = -0.5; }) ==
-        "file: mu: expected coefficients of friction >= 0, met -0.5 for contact 1");
+        "file: mu: expected coefficients of friction from 0 to 10000, met -0.5 for contact 1");
+  CHECK(refused([](auto& p) { p.friction[0] = 1e9; }).find("met 1000000000") != std::string::npos);
   CHECK(refused([](auto& p) { p.f[2] = infinity; }) == "file: f: expected finite numbers, met inf at position 2");
   CHECK(refused([](auto& p) { p.mass.coeffRef(1, 1) = not_a_number; }).find("row 1, column 1") != std::string::npos);
   CHECK(refused([](auto& p) {
