@@ -46,7 +46,7 @@ Json packed(const Values& values, Get get = {}) {
 /// A number with the seven digits that a picture needs.
 inline Json drawn(double value) {
   if (!std::isfinite(value)) return nullptr;
-  return std::stod(fmt::format("{:.7g}", value));
+  return std::strtod(fmt::format("{:.7g}", value).c_str(), nullptr);  // std::stod throws for numbers below 2e-308
 }
 
 /// What `get` makes of each item.
