@@ -52,6 +52,43 @@ TEST_CASE_FIXTURE(Session, "sweep: the columns of the table have their names") {
 
 // Every row is a chain of disks of unit mass that is cut in its middle grain, see
 // tests/laws/degenerate_spectra_test.cpp.
+TEST_CASE_FIXTURE(Session, "sweep: a search for several eigenvalues next to the rigid limit comes to an end") {
+  run("sweep hexagonal --subdomains 4x4 --epsilon 1e-12W --eigenvalues 2 --solver shift-invert --csv o.csv");
+  CHECK(csv("o.csv").rows.size() == 1);
+}
+
+TEST_CASE_FIXTURE(Session,
+                  "optimum: a radius within its residual is none, and a failure is one of the relaxed search too") {
+  const std::string line = "optimum hexagonal --subdomains 4x4 --contacts all --solver shift-invert --csv - --epsilon ";
+  for (const std::string soft : {"1e9", "1e10"}) {
+    const CsvTable table = read_table(answer(line + soft));
+    CHECK(table.text(0, "status") == "already_exact");
+    CHECK(table.text(0, "relaxed_status") == "already_exact");
+  }
+  const CsvTable failed = read_table(run(line + "1e-13W").standard_output);
+  CHECK(failed.text(0, "status") == "not_converged");
+  CHECK(failed.text(0, "relaxed_status") == "not_converged");
+}
+
+TEST_CASE_FIXTURE(Session, "coarse: a piece of a periodic cell has no rotations") {
+  file("c.toml",
+       "[packing]\ngenerator = \"hexagonal\"\ncolumns = 6\nrows = 4\n[contacts]\nperiod_x = 6\n"
+       "[partition]\nmetis = 3\n");
+  check_refused("coarse c.toml --coarse-space none,rigid --epsilon 1e-6W", {"rigid", "periodic"});
+}
+
+TEST_CASE_FIXTURE(Session, "sweep: an error keeps the rows before it, and --resume goes on") {
+  file("c.toml", "[packing]\ngenerator = \"hexagonal\"\n[partition]\ngrid = [2, 1]\n");
+  file("study/study.toml",
+       "[[table]]\nname = \"a\"\ncases = [\"c.toml\"]\nvary = { \"packing.columns\" = [4, 5, 100000] }\n");
+  file("study/c.toml", read("c.toml"));
+  const std::string partial = "results/study/a.csv.partial";
+  ended(2, "run study --memory-limit 0.2", {"memory-limit"});
+  REQUIRE(has(partial));
+  CHECK(read_table(read(partial)).rows.size() == 2);
+  check_refused("run study", {"a.csv.partial", "--resume continues it"});
+}
+
 TEST_CASE_FIXTURE(Session, "many equal eigenvalues: every verb has the radius and the mode of a square lattice") {
   for (const int rows : {1, 8, 20, 31}) {
     CAPTURE(rows);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "contact_solvers/contact_matrix.hpp"
 #include "contact_solvers/sweep_rows.hpp"
 #include "mechanics/contact_law.hpp"
 
@@ -24,6 +25,17 @@ Vector literal_sweeps(const LocalFrictionProblem& problem, const std::vector<Ind
     before = swept;
   }
   return r;
+}
+
+/// P + Q W of the linear systems of the contacts.
+template <int D>
+Matrix literal_system(const Matrix& w, const std::vector<ContactRelation<D>>& relations) {
+  Matrix p = Matrix::Zero(w.rows(), w.cols()), q = p;
+  for (Index c = 0; c < count(relations); ++c) {
+    p.block<D, D>(D * c, D * c) = relations[at(c)].p;
+    q.block<D, D>(D * c, D * c) = relations[at(c)].q;
+  }
+  return p + q * w;
 }
 
 }  // namespace nscdd::testing

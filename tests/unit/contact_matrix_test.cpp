@@ -3,6 +3,7 @@
 
 #include "../support/dense.hpp"
 #include "../support/fclib_files.hpp"
+#include "../support/literal_sweeps.hpp"
 #include "linalg/random.hpp"
 
 #include <doctest/doctest.h>
@@ -32,15 +33,6 @@ std::vector<ContactRelation<2>> random_relations(RandomStream& random, Index con
   return relations;
 }
 
-Matrix literal(const Matrix& w, const std::vector<ContactRelation<2>>& relations) {
-  Matrix p = Matrix::Zero(w.rows(), w.cols()), q = p;
-  for (Index c = 0; c < count(relations); ++c) {
-    p.block<2, 2>(2 * c, 2 * c) = relations[at(c)].p;
-    q.block<2, 2>(2 * c, 2 * c) = relations[at(c)].q;
-  }
-  return p + q * w;
-}
-
 }  // namespace
 
 // 10 bodies with 40 contacts: fewer entries with the bodies as unknowns. 30 with 31: fewer with the contacts.
@@ -59,7 +51,7 @@ TEST_CASE("linear systems of contacts are solved alike with contacts and with bo
       for (const double smallest : {1e-2, 1e-7}) {
         const auto relations = random_relations(random, contacts, smallest);
         const Vector r = random.normal_vector(2 * contacts);
-        const Matrix dense = literal(Matrix(problem.w), relations);
+        const Matrix dense = literal_system(Matrix(problem.w), relations);
         const Vector b = dense * r, expected = solve(Dense(dense), b);
         REQUIRE(matrix.factorise(relations));
         REQUIRE(of_contacts.factorise(relations));

@@ -2,6 +2,7 @@
 // Contact problems in space by every solver, their linear systems, whole and cut.
 #include "../support/dense.hpp"
 #include "../support/fclib_files.hpp"
+#include "../support/literal_sweeps.hpp"
 #include "../support/other_maker.hpp"
 #include "../support/sanitized.hpp"
 #include "contact_solvers/newton.hpp"
@@ -71,15 +72,6 @@ std::vector<ContactRelation<3>> relations(RandomStream& random, Index contacts, 
     result.push_back(ContactRelation<3>::of(frozen, alpha, 0.8));
   }
   return result;
-}
-
-Matrix literal(const Matrix& w, const std::vector<ContactRelation<3>>& all) {
-  Matrix p = Matrix::Zero(w.rows(), w.cols()), q = p;
-  for (Index c = 0; c < count(all); ++c) {
-    p.block<3, 3>(3 * c, 3 * c) = all[at(c)].p;
-    q.block<3, 3>(3 * c, 3 * c) = all[at(c)].q;
-  }
-  return p + q * w;
 }
 
 }  // namespace
@@ -162,7 +154,7 @@ TEST_CASE("linear systems of contacts in space: whole, with bodies as unknowns, 
     LocalFrictionProblem without = problem;
     without.mass = without.h = SparseMatrix();
     const std::vector<ContactRelation<3>> all = relations(random, contacts, 1e-3);
-    const Matrix dense = literal(Matrix(problem.w), all);
+    const Matrix dense = literal_system(Matrix(problem.w), all);
     const Vector b = random.normal_vector(3 * contacts), expected = solve(Dense(dense), b);
     ContactMatrix<3> of_bodies(problem, problem.w), of_contacts(without, without.w);
     Partition partition{.subdomains = 3, .subdomain_of_contact = {}};
