@@ -2,6 +2,7 @@
 #include "friction.hpp"
 
 #include "arrays.hpp"
+#include "contact_solvers/moderate_problem.hpp"
 #include "core/fail.hpp"
 #include "long_work.hpp"
 #include "module.hpp"
@@ -15,6 +16,7 @@ using Shared = std::shared_ptr<FrictionSolution>;
 
 Shared solved(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const py::object& guess,
               const py::object& callback, Index threads) {
+  require_moderate(problem, "solve");
   const Vector start = guess.is_none() ? Vector() : vector(guess, "guess");
   if (!start.allFinite()) fail("guess: expected finite numbers, met others");
   LongWork work;
@@ -106,6 +108,7 @@ void bind_friction(py::module_& module) {
       [](const ContactProblem& problem, Index threads) {
         LongWork work;
         const auto reduced = problem.reduced();
+        require_moderate(*reduced, "verdict");
         return work.run(threads, [&] {
           return std::make_shared<Verdict>(verdict_of(*reduced, [&](Index, Index) { return work.goes_on(); }));
         });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/solve_trials.hpp"
 
+#include "contact_solvers/moderate_problem.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/lmgc90/datbox.hpp"
 #include "formats/lmgc90/record.hpp"
@@ -144,19 +145,6 @@ void run_trials(const std::vector<fs::path>& files, const TrialOptions& options,
 LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name) {
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, name);
   return std::get<LocalFrictionProblem>(file.problem);
-}
-
-void require_moderate(const LocalFrictionProblem& problem, const std::string& name) {
-  if (problem.contacts() == 0 || problem.q.isZero(0)) return;
-  constexpr double most = 1e140;
-  const auto require = [&](double size, std::string_view what) {
-    if (!(size <= most && size >= 1 / most))
-      fail("{}: {}: expected a number from {} to {}, met {}", name, what, 1 / most, most, size);
-  };
-  const double largest = problem.q.cwiseAbs().maxCoeff();
-  require(largest, "largest |q|");
-  require(largest / problem.w.diagonal().minCoeff(), "largest |q| over the least of W_nn and W_tt");
-  require(largest / problem.w.diagonal().maxCoeff(), "largest |q| over the largest of W_nn and W_tt");
 }
 
 int solve_trials(const TrialOptions& options, const Machine& machine) {

@@ -20,9 +20,6 @@ struct TrialOptions {
   Reopening how;
 };
 
-/// Throws Error unless squares of velocities and impulses neither overflow nor vanish.
-void require_moderate(const LocalFrictionProblem& problem, const std::string& name);
-
 /// Writes the table, a row per problem and solver (solvers vary fastest), and prints how many problems each solver
 /// brought to each compared residual. A file without a contact problem is noted, and its rows have the status
 /// "refused". Returns 1 if there are any, else 0. Throws Error for a folder without files.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/solve_trials.hpp"
+#include "contact_solvers/moderate_problem.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
 #include "formats/lmgc90/record.hpp"

@@ -77,6 +77,12 @@ def test_one_contact_by_hand():
     assert nscdd.solve(np.eye(2), [1, 0.1], 0.2).open == 1
 
 
+def test_squares_that_vanish_or_overflow_are_refused():
+    for size in (1e-200, 1e160):
+        with pytest.raises(nscdd.Error, match="solve: largest |q|: expected a number from 1e-140".replace("|", "[|]")):
+            nscdd.solve(np.eye(2), [-size, 0], 0.3)
+
+
 def test_any_matrix_of_scipy_and_a_guess():
     w, q = local(random_problem(8, 3))
     expected = nscdd.solve(w, q, 0.3).impulses
