@@ -243,7 +243,8 @@ ResumableTable::~ResumableTable() {
   if (written_ > 0 && !stream_ && work_.rows) {  // an error ends the run: what was computed stays
     try {
       leave();
-    } catch (const Error&) {
+    } catch (const Error&) {  // nothing more can be written: the partial file goes, too
+      if (record_is_ours_) remove_record(path_);
     }
   } else if (record_is_ours_) {
     remove_record(path_);

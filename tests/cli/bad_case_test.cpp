@@ -150,7 +150,7 @@ TEST_CASE_FIXTURE(Session, "case file: its packing file is missing or malformed"
 TEST_CASE_FIXTURE(Session, "case: none of that name") {
   check_refused("inspect disks5", {"disks5", "disks4", "disks12"});
   check_refused("inspect missing.toml", {"missing.toml"});
-  check_refused(std::vector<std::string>{"inspect", ""}, {"case"});
+  check_refused(std::vector<std::string>{"inspect", ""}, {"CASE", "empty text"});
   check_refused("inspect .", {".toml", ".csv"});
   file("packing.txt", row_of_three());
   check_refused("inspect packing.txt", {"packing.txt", ".toml", ".csv"});

@@ -169,7 +169,7 @@ TEST_CASE_FIXTURE(Session, "output: an unwritable place is refused") {
     check_refused("network disks4 --csv out.csv --grains " + name, {name});
     check_refused("optimum disks4 --csv " + name, {name});
   }
-  check_refused(std::vector<std::string>{"sweep", "disks4", "--epsilon", "1", "--csv", ""}, {"output"});
+  check_refused(std::vector<std::string>{"sweep", "disks4", "--epsilon", "1", "--csv", ""}, {"--csv", "empty text"});
   check_refused("run figures-2-3-4 --output /proc/out", {"/proc/out"});
   file("file", "no folder");
   check_refused("run figures-2-3-4 --output file", {"file"});

@@ -263,7 +263,7 @@ TEST_CASE("sweep table: the same bits with inexact rows in between, and with res
                                    .eta = {0.5, 0.7, infinity},
                                    .gauss_seidel_sweeps = {2, std::nullopt},
                                    .contacts = ContactSet::active,
-                                   .spectral = shift_invert};
+                                   .spectral = {.solver = SpectralSolver::shift_invert}};
   const std::vector<std::string> all = rows_of(model, parameters);
   for (const Index first : {1, 2, 7, 15, 16, 17, 18, 29})
     CHECK(rows_of(model, parameters, first) == std::vector<std::string>(all.begin() + first, all.end()));

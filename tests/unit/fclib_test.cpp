@@ -185,7 +185,7 @@ TEST_CASE("wrong lengths and indices out of range are refused, saying where") {
   refused(numbers("vectors/mu", [](auto& mu) { mu.push_back(0); }), {"fclib_global/vectors/mu:", "4 numbers", "met 5"});
   refused(numbers("H/x", [](auto& x) { x.pop_back(); }), {"fclib_global/H/x: expected"});
   refused(numbers("H/x", [](auto& x) { x[2] = not_a_number; }), {"fclib_global: H:", "met nan"});
-  refused(numbers("vectors/mu", [](auto& mu) { mu[1] = -1; }), {">= 0", "met -1 for contact 1"});
+  refused(numbers("vectors/mu", [](auto& mu) { mu[1] = -1; }), {"from 0 to 10000", "met -1 for contact 1"});
   refused(integers("H/i", [](auto& i) { i[3] = 15; }), {"fclib_global/H/i:", "0..14", "met 15 at position 3"});
   refused(integers("H/i", [](auto& i) { i[0] = -1; }), {"fclib_global/H/i:", "0..14", "met -1 at position 0"});
   refused(integers("H/p", [](auto& p) { p[1] = 1000; }), {"fclib_global/H/p:", "ascend"});
