@@ -39,7 +39,6 @@ TEST_CASE_FIXTURE(SmallSession, "simulate: a light plate that is driven across m
          "[[boundary]]\nname = \"plate\"\nshape = \"plank\"\nfrom = [0, -1]\nto = [0, 1]\nradius = 0.01\n"
          "centre = [0, 0]\nfree = [\"y\"]\nmass = 0.001\nvelocity = [1, 0]\n");
   answer(simulate);
-  CHECK(read_summary(path("o.h5"), "kinetic").back() > 0.4);
 }
 
 TEST_CASE_FIXTURE(SmallSession, "simulate: a disk that hovers does not hide that another has no room") {

@@ -132,6 +132,12 @@ GranularStep<2> swept_by_hand(const GranularStep<2>& step, const Dynamics& dynam
   return by_hand;
 }
 
+Close cut_and_closely(Simulation whole, std::array<Index, 2> grid, const Variant& variant) {
+  whole.partitioner = GridPartitioner{grid};
+  set(whole.dynamics.solver, variant);
+  return closely(whole);
+}
+
 }  // namespace
 
 TEST_CASE("one subdomain, generic, enriched or schwarz, is plain Gauss-Seidel and a loop over sweeps, bit for bit") {
@@ -170,10 +176,7 @@ TEST_CASE("frictionless: any subdomains, variant and order come to the velocitie
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {3, 3}})
     for (const Variant& variant : variants()) {
       INFO("grid ", grid[0], " x ", grid[1], ", name = ", variant.name);
-      Simulation divided = whole;
-      divided.partitioner = GridPartitioner{grid};
-      set(divided.dynamics.solver, variant);
-      const Close step = closely(divided);
+      const Close step = cut_and_closely(whole, grid, variant);
       CHECK(step.interface_size > 0);
       CHECK(step.map < 1e-9);
       check_close(step, reference);
@@ -203,10 +206,8 @@ TEST_CASE("frictionless: Stage 2 links no rims, so that a flexibility of 1 / mas
   for (const std::string network : {"all", "active"})
     for (const std::string eta : {"1", "3"}) {
       INFO("network = ", network, ", eta = ", eta);
-      Simulation divided = whole;
-      divided.partitioner = GridPartitioner{{2, 1}};
-      set(divided.dynamics.solver, {.name = "", .algorithm = "enriched", .eta = eta, .sweeps = 10, .network = network});
-      check_close(closely(divided), reference);
+      const Variant variant{.name = "", .algorithm = "enriched", .eta = eta, .sweeps = 10, .network = network};
+      check_close(cut_and_closely(whole, {2, 1}, variant), reference);
     }
 }
 
@@ -218,10 +219,7 @@ TEST_CASE("friction: whatever the variant, glued copies obey Coulomb's law as cl
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {3, 3}})
     for (const Variant& variant : variants()) {
       INFO("grid ", grid[0], " x ", grid[1], ", name = ", variant.name);
-      Simulation divided = whole;
-      divided.partitioner = GridPartitioner{grid};
-      set(divided.dynamics.solver, variant);
-      const Close step = closely(divided);
+      const Close step = cut_and_closely(whole, grid, variant);
       CHECK(step.gluing < 1e-9);
       // At the velocities that V_free + M^-1 H r gives, nothing of the copies.
       const std::vector<GrainVelocity<2>> v = velocities_of(step.problem, step.contacts);

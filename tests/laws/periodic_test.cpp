@@ -104,8 +104,7 @@ TEST_CASE("a closed row and a closed lattice of touching disks have contacts acr
   row.x = {0, 1}, row.y = {0, 0}, row.radius = {0.5, 0.5};
   CHECK_THROWS_WITH_AS(detect_contacts(row, {.period_x = 2}), doctest::Contains("two diameters"), Error);
   CHECK_THROWS_WITH_AS(detect_contacts(row, {.tolerance = 0.5, .period_x = 2.4}), doctest::Contains("met 2.4"), Error);
-  // Velocities of a deformation jump at the end of the cell.
-  row.mass = {1, 1};
+  row.mass = {1, 1};  // velocities of a deformation jump at the end of the cell
   for (const Loads& loads : {Loads{.compression = {1, 0}}, Loads{.compression = {0, 0}, .shear = 1}})
     CHECK_THROWS_WITH_AS(assemble(row, detect_contacts(row, {.period_x = 3}), {}, loads),
                          doctest::Contains("contacts.period_x"), Error);

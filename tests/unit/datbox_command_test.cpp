@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // COMMAND.DAT of LMGC90: keys before a colon, each with its value on the next line.
-#include "formats/lmgc90/datbox.hpp"
+#include "../support/datbox_texts.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,18 +14,6 @@ DatboxCommand command_of(const std::string& text, const std::string& bodies = {}
   texts.bodies = bodies;
   return parse_datbox(texts, "box").command;
 }
-
-constexpr const char* sphere = R"($bdyty
- RBDY3      1
-$blmty
- PLAIN      1  behav  STONE  avrd= 0.0000000D+00
-$nodty
- NO6xx      1                coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00
-                             coo4= 0.0000000D+00  coo5= 0.0000000D+00  coo6= 0.0000000D+00
-$tacty
- SPHER      1  color  BLEUx  byrd= 0.5000000D-02
-$$$$$$
-)";
 
 }  // namespace
 
@@ -44,6 +32,7 @@ TEST_CASE("COMMAND.DAT: time step, theta and periods, the first of each; comment
 }
 
 TEST_CASE("COMMAND.DAT: periods of spheres are along x and y") {
+  const std::string sphere = testing::small_datbox_in_space().bodies;
   const DatboxCommand command = command_of("XPERIODIC CONDITION :\n0.2  :\nYPERIODIC CONDITION :\n0.3\n", sphere);
   CHECK(command.period_x == 0.2);
   CHECK(command.period_y == 0.3);

@@ -137,7 +137,7 @@ TEST_CASE("statistics: spheres fill boxes, rest on three, and weigh by volume") 
   const SolidFraction cube = solid_fraction(generate(CubicLattice{{.columns = 2, .rows = 2, .layers = 2}}));
   CHECK(cube.box == doctest::Approx(pi / 6));
   CHECK(cube.middle == doctest::Approx(pi / 6));
-  // Sides of the middle box and spheres meet up to rounding: what is left to integrate is a few roundings wide.
+  // What is left to integrate is a few roundings wide.
   const SolidFraction small =
       solid_fraction(generate(CubicLattice{{.columns = 3, .rows = 5, .layers = 2, .radius = 0.001}}));
   CHECK(small.box == doctest::Approx(pi / 6));
