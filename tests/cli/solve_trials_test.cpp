@@ -95,7 +95,7 @@ TEST_CASE_FIXTURE(Session, "solve --csv: velocities whose squares vanish are ref
   CHECK(csv("t.csv").text(0, "status") == "refused");
 }
 
-TEST_CASE_FIXTURE(Session, "solve --csv: a problem of LMGC90 is not resumed with other bodies beside its contacts") {
+TEST_CASE_FIXTURE(Session, "solve --csv: --resume refuses contacts of LMGC90 beside other bodies") {
   std::filesystem::copy(source_folder() / "tests/data/lmgc90/square_on_plank", folder / "net");
   const std::string work = "solve net --solver nlgs --solver auto --csv t.csv";
   REQUIRE(run(work, {.signal_at = SignalAt{"t.csv.partial", 300, SIGKILL}}).exit_code == 128 + SIGKILL);

@@ -77,7 +77,7 @@ TEST_CASE_FIXTURE(Session, "coarse: a piece of a periodic cell has no rotations"
   check_refused("coarse c.toml --coarse-space none,rigid --epsilon 1e-6W", {"rigid", "periodic"});
 }
 
-TEST_CASE_FIXTURE(Session, "sweep: an error keeps the rows before it, and --resume goes on") {
+TEST_CASE_FIXTURE(Session, "sweep: an error keeps the rows before it for --resume") {
   file("study/c.toml", "[packing]\ngenerator = \"hexagonal\"\n[partition]\ngrid = [2, 1]\n");
   file("study/study.toml",
        "[[table]]\nname = \"a\"\ncases = [\"c.toml\"]\nvary = { \"packing.columns\" = [4, 5, 100000] }\n");
