@@ -25,7 +25,7 @@ Lever<D> lever_on(const StepStart& start, const Configuration& where, const Step
   const Pose& pose = where.poses[at(k)];
   const Place arm = difference(contact_point(system, where, c, body), {pose.x, pose.y, pose.z});
   const std::array<double, 3> rims = own.rims(system.dimension);
-  const Eigen::Matrix3d axes = principal_axes(own, turn_at_contacts(system, state, scheme, k));
+  const Eigen::Matrix3d axes = principal_axes(own, pose);
   for (std::size_t d = 0; d < D; ++d) {
     const auto on_b = impulse_on_grain(normal, 1, directions[d]);  // its first D numbers are the direction
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();

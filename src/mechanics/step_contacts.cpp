@@ -37,11 +37,11 @@ void check_move(const StepStart& start, Index grain, const GrainMotion& v) {
 class ContactSearch {
  public:
   ContactSearch(const StepStart& start, const std::function<void(const StepContact&)>& visit)
-      : start_(start), visit_(visit), motions_(step_motions(system_, start.state, start.scheme)) {
+      : start_(start), visit_(visit) {
     const std::vector<double>& radius = system_.radius;
     double fastest = 0;
     for (Index i = 0; i < system_.grains(); ++i) {
-      const GrainMotion v = free_motion(start, motions_, i);
+      const GrainMotion v = motion_of(i);
       check_move(start, i, v);
       const double speed = system_.length(velocity_of(v));
       fastest = std::max(fastest, speed);
@@ -63,8 +63,10 @@ class ContactSearch {
   }
 
  private:
+  GrainMotion motion_of(Index grain) const { return free_motion(start_, where_.poses, where_.motions, grain); }
+
   Place velocity_of_second(const StepContact& c) const {
-    if (c.b < system_.grains()) return velocity_of(free_motion(start_, motions_, c.b));
+    if (c.b < system_.grains()) return velocity_of(motion_of(c.b));
     return where_.velocity(where_.walls[at(c.b - system_.grains())], contact_point(system_, where_, c, c.b));
   }
 
@@ -128,7 +130,7 @@ class ContactSearch {
     if (overlap) considered_.deep.push_back(*overlap);
     if (met) return visit({c.a, c.b, *met, c.point, std::min(gap, 0.0)});
     if (gap > alert_) {
-      const Place move = difference(velocity_of_second(c), velocity_of(free_motion(start_, motions_, c.a)));
+      const Place move = difference(velocity_of_second(c), velocity_of(motion_of(c.a)));
       if (gap + step * dot(c.normal, move) > alert_) return;
       if (!start_.interaction.on_velocity() && c.b < system_.grains() &&
           step * system_.length(move) > far_in_a_step * system_.smaller_radius(c.a, c.b)) {
@@ -182,7 +184,6 @@ class ContactSearch {
   const StepStart& start_;
   const GranularSystem& system_ = start_.system;
   const std::function<void(const StepContact&)>& visit_;
-  const std::vector<RigidVelocity> motions_;
   const Path path_ = Path::to_contacts(start_);
   const Configuration& where_ = path_.places.back();
   bool pulls_ = false;               // of the law

@@ -65,9 +65,10 @@ void sort_by_bodies(std::vector<DeepOverlap>& deep) {
 bool all_finite(const StepStart& start) {
   const auto finite = [](double one) { return std::isfinite(one); };
   const auto motions = step_motions(start.system, start.state, start.scheme);
+  const auto poses = poses_at_contacts(start.system, start.state, start.scheme);
   for (Index i = 0; i < start.system.grains(); ++i)
     if (!std::ranges::all_of(centre_of(start.state, at(i)), finite) ||
-        !std::ranges::all_of(free_motion(start, motions, i), finite))
+        !std::ranges::all_of(free_motion(start, poses, motions, i), finite))
       return false;
   return true;
 }
@@ -85,8 +86,9 @@ double safe_step(const StepStart& start) {
   for (int k = 0; k < most_tries; ++k) {
     double least = shorter.step;
     const auto motions = step_motions(system, state, shorter);
+    const auto poses = poses_at_contacts(system, state, shorter);
     for (Index i = 0; i < system.grains(); ++i) {
-      const double speed = system.length(velocity_of(free_motion(tried, motions, i)));
+      const double speed = system.length(velocity_of(free_motion(tried, poses, motions, i)));
       if (shorter.step * speed > largest_move * system.radius[at(i)])
         least = std::min(least, safe_part * (state.step == 0 ? largest_move : met) * system.radius[at(i)] / speed);
     }

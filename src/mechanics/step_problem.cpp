@@ -106,7 +106,7 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
                                 std::vector<std::int32_t> numbers, const std::vector<RememberedImpulse>& last,
                                 bool warm_start) {
   const auto& [system, state, interaction, scheme] = start;
-  const auto first = first_motions(system, state, scheme), motions = step_motions(system, state, scheme);
+  const auto first = first_motions(system, state, scheme);
   StepProblem<D> problem;
   problem.h = scheme.step;
   set_scale(problem, interaction, 1);
@@ -124,13 +124,13 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   }
   problem.geometry = std::move(geometry);
   problem.numbers = std::move(numbers);
+  const Configuration where = where_contacts_are(start);
   problem.start.reserve(problem.numbers.size());
   problem.free.reserve(problem.numbers.size());
   for (const std::int32_t i : problem.numbers) {
-    problem.start.push_back(with_motion<D>(start_motion(start, first, i), system.inverse_mass(i)));
-    problem.free.push_back(with_motion<D>(free_motion(start, motions, i), system.inverse_mass(i)));
+    problem.start.push_back(with_motion<D>(start_motion(start, where.poses, first, i), system.inverse_mass(i)));
+    problem.free.push_back(with_motion<D>(free_motion(start, where.poses, where.motions, i), system.inverse_mass(i)));
   }
-  const Configuration where = where_contacts_are(start);
   const auto bodies = add_wall_bodies<D>(problem, system, where, first);
   const bool levers = !system.free_bodies.empty();
   const auto known = remembered(last, problem.geometry);

@@ -47,8 +47,13 @@ RigidVelocity pushed(const FreeBody& body, const RigidVelocity& v, const RigidVe
 
 }  // namespace
 
-Pose turn_at_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, Index k) {
-  return advanced(state.poses[at(k)], state.body_velocities[at(k)], (1 - scheme.theta) * scheme.step, system.dimension);
+std::vector<Pose> poses_at_contacts(const GranularSystem& system, const GranularState& state,
+                                    const TimeStepping& scheme) {
+  const std::vector<RigidVelocity> first = first_motions(system, state, scheme);
+  std::vector<Pose> poses = state.poses;
+  for (std::size_t k = 0; k < poses.size(); ++k)
+    poses[k] = advanced(poses[k], first[k], (1 - scheme.theta) * scheme.step, system.dimension);
+  return poses;
 }
 
 std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
@@ -56,12 +61,13 @@ std::vector<RigidVelocity> step_motions(const GranularSystem& system, const Gran
   const bool at_end = scheme.boundary_instant == BoundaryInstant::end;
   const double instant = state.time + (at_end ? scheme.step : scheme.step / 2);
   std::vector<RigidVelocity> motions = boundary_velocities(system, state, instant);
+  if (system.free_bodies.empty()) return motions;
+  const std::vector<Pose> poses = poses_at_contacts(system, state, scheme);
   for (const Index k : system.free_bodies) {
     const FreeBody& body = *system.boundaries[at(k)].body;
-    const Pose &now = state.poses[at(k)], then = turn_at_contacts(system, state, scheme, k);
     take_free(body,
-              pushed(body, motions[at(k)], mean_load(body, state.time, scheme, system.dimension), scheme.step, now,
-                     then, system.dimension),
+              pushed(body, motions[at(k)], mean_load(body, state.time, scheme, system.dimension), scheme.step,
+                     state.poses[at(k)], poses[at(k)], system.dimension),
               motions[at(k)]);
   }
   return motions;
@@ -83,34 +89,35 @@ std::vector<RigidVelocity> first_motions(const GranularSystem& system, const Gra
 std::vector<RigidVelocity> with_free_bodies(const GranularSystem& system, const GranularState& state,
                                             const TimeStepping& scheme, std::vector<RigidVelocity> motions,
                                             const std::vector<GrainMotion>& velocities) {
+  if (system.free_bodies.empty()) return motions;
+  const std::vector<Pose> poses = poses_at_contacts(system, state, scheme);
   for (Index number = system.grains(); number < system.bodies(); ++number) {
     const Index k = system.free_bodies[at(number - system.grains())];
     const FreeBody& body = *system.boundaries[at(k)].body;
-    take_free(
-        body,
-        rigid_velocity(body, turn_at_contacts(system, state, scheme, k), velocities[at(number)], system.dimension),
-        motions[at(k)]);
+    take_free(body, rigid_velocity(body, poses[at(k)], velocities[at(number)], system.dimension), motions[at(k)]);
   }
   return motions;
 }
 
-GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain) {
+GrainMotion start_motion(const StepStart& start, const std::vector<Pose>& poses,
+                         const std::vector<RigidVelocity>& motions, Index grain) {
   const auto& [system, state, interaction, scheme] = start;
   if (grain >= system.grains()) {
     const Index k = system.free_bodies[at(grain - system.grains())];
-    return motion_of(*system.boundaries[at(k)].body, turn_at_contacts(system, state, scheme, k), motions[at(k)],
-                     system.dimension);
+    return motion_of(*system.boundaries[at(k)].body, poses[at(k)], motions[at(k)], system.dimension);
   }
   const double radius = system.radius[at(grain)];
   if (system.free(grain)) return motion_of(state, at(grain), radius);
   const auto k = at(system.driven_by[at(grain)]);
-  const auto [x, y, z] = velocity_of_point(motions[k], state.poses[k], centre_of(state, at(grain)));
+  const Place centre = carried(centre_of(state, at(grain)), state.poses[k], poses[k]);
+  const auto [x, y, z] = velocity_of_point(motions[k], poses[k], centre);
   if (system.boundaries[k].orientation != Orientation::turning) return {x, y, z};
   return {x, y, z, radius * motions[k].spin_x, radius * motions[k].spin_y, radius * motions[k].spin};
 }
 
-GrainMotion free_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index grain) {
-  GrainMotion v = start_motion(start, motions, grain);
+GrainMotion free_motion(const StepStart& start, const std::vector<Pose>& poses,
+                        const std::vector<RigidVelocity>& motions, Index grain) {
+  GrainMotion v = start_motion(start, poses, motions, grain);
   if (grain >= start.system.grains() || !start.system.free(grain)) return v;
   const Place gravity = gravity_of(start.scheme, start.system.dimension);
   for (std::size_t k = 0; k < 3; ++k) v[k] += start.scheme.step * gravity[k];

@@ -78,14 +78,17 @@ std::vector<RigidVelocity> step_motions(const GranularSystem& system, const Gran
 std::vector<RigidVelocity> first_motions(const GranularSystem& system, const GranularState& state,
                                          const TimeStepping& scheme);
 
-/// V^-, the velocity of a body of a step as it begins (if driven: by `motions`); and V^- + h M^-1 F. Velocities of
-/// bodies with free directions, which come after the grains, are those of `motions`.
-GrainMotion start_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index number);
-GrainMotion free_motion(const StepStart& start, const std::vector<RigidVelocity>& motions, Index number);
+/// Poses of boundaries at q_m, where contacts are found: their arms and principal axes are those of the step.
+std::vector<Pose> poses_at_contacts(const GranularSystem& system, const GranularState& state,
+                                    const TimeStepping& scheme);
 
-/// A pose of a boundary whose turn gives the principal axes of a free body where contacts are found.
-Pose turn_at_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
-                      Index boundary);
+/// V^-, the velocity of a body of a step as it begins (if driven: by `motions`, with its arm at q_m); and
+/// V^- + h M^-1 F. Velocities of bodies with free directions, which come after the grains, are those of `motions`.
+/// `poses`: see poses_at_contacts.
+GrainMotion start_motion(const StepStart& start, const std::vector<Pose>& poses,
+                         const std::vector<RigidVelocity>& motions, Index number);
+GrainMotion free_motion(const StepStart& start, const std::vector<Pose>& poses,
+                        const std::vector<RigidVelocity>& motions, Index number);
 
 /// `motions` with the free directions of bodies as in `velocities`, of grains and then of bodies.
 std::vector<RigidVelocity> with_free_bodies(const GranularSystem& system, const GranularState& state,

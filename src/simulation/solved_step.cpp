@@ -31,11 +31,12 @@ StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double p
   const TimeStepping& scheme = before.dynamics.time;
   const auto motions = step_motions(before.system, before.state, scheme),
              first = first_motions(before.system, before.state, scheme);
+  const auto poses = poses_at_contacts(before.system, before.state, scheme);
   double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;
   double speed_squared = 0;  // of the fastest driven body or push
   for (Index i = 0; i < before.system.bodies(); ++i) {
     if (i < before.system.grains() && before.system.node_of(i) != i) continue;  // a grain of a free body
-    const GrainMotion motion = free_motion(start_of(before), motions, i);
+    const GrainMotion motion = free_motion(start_of(before), poses, motions, i);
     const GrainVelocity<D> free = with_motion<D>(motion, before.system.inverse_mass(i));
     if (free.inverse_mass == 0) {
       speed_squared = std::max(speed_squared, squared_velocity(free) + squared_rim(free));
@@ -43,7 +44,7 @@ StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double p
     }
     const auto kinetic = [&](const GrainMotion& v) { return kinetic_energy(with_motion<D>(v, free.inverse_mass)); };
     mass += 1 / free.inverse_mass;
-    at_first += kinetic(start_motion(start_of(before), first, i));
+    at_first += kinetic(start_motion(start_of(before), poses, first, i));
     free_flight += kinetic(motion);
     in_the_end += kinetic(step.all_grains[at(i)]);
   }
@@ -111,9 +112,10 @@ template <int D>
 std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const GranularStep<D>& step) {
   const GranularSystem& system = before.system;
   const auto motions = step_motions(system, before.state, before.dynamics.time);
+  const auto poses = poses_at_contacts(system, before.state, before.dynamics.time);
   std::vector<GrainMotion> result;
   result.reserve(at(system.bodies()));
-  for (Index i = 0; i < system.bodies(); ++i) result.push_back(free_motion(start_of(before), motions, i));
+  for (Index i = 0; i < system.bodies(); ++i) result.push_back(free_motion(start_of(before), poses, motions, i));
   struct Moved {
     Index grain;
     GrainMotion velocity;
@@ -128,7 +130,7 @@ std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const Gr
   if (system.free_bodies.empty()) return result;
   const auto solved = with_free_bodies(system, before.state, before.dynamics.time, motions, result);
   for (Index i = 0; i < system.grains(); ++i)
-    if (!system.free(i)) result[at(i)] = start_motion(start_of(before), solved, i);
+    if (!system.free(i)) result[at(i)] = start_motion(start_of(before), poses, solved, i);
   return result;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Disks that a boundary drives round its foot: as parts of one rigid body they spin with it, with a fixed
-// orientation they do not, and a grain rolling on them feels the difference.
+// orientation they do not, and a grain rolling on them feels the difference. Their centres move at right angles to
+// their arms where contacts are found.
 #include "../support/granular.hpp"
 
 #include <doctest/doctest.h>
@@ -58,5 +59,38 @@ TEST_CASE("a grain on a driven disk rolls as its surface moves: with its spin or
       CHECK(simulation.state.spin[1] == (orientation == Orientation::fixed ? 0 : spin));
       // Its centre goes round the foot all the same.
       CHECK(simulation.state.x[1] == doctest::Approx(-arm * std::sin(20 * duration * spin)).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("a driven disk that turns about its foot does not push a frictionless disk that touches it along its arm") {
+  for (const double theta : {0.5, 0.75, 1.0})
+    for (const BoundaryInstant instant : {BoundaryInstant::middle, BoundaryInstant::end}) {
+      CAPTURE(theta);
+      CAPTURE(to_string(instant));
+      Dynamics dynamics = tight();
+      dynamics.time.step = 0.1;
+      dynamics.time.theta = theta;
+      dynamics.time.gravity = {0, 0};
+      dynamics.interaction.friction = 0;
+      dynamics.time.boundary_instant = instant;
+      BoundarySpec spec;
+      spec.name = "driven";
+      spec.shape = BoundaryShape::grains;
+      spec.first = spec.last = 2;
+      const double fast = 0.2, turn = (1 - theta) * dynamics.time.step * fast;  // rad/s, and rad up to q_m
+      spec.motion = moving({0, 0, fast}, {0, -arm});
+      dynamics.boundaries = {spec};
+      // One disk touches at q_m along the arm; one is met by the driven disk at its full speed.
+      const double along = arm + wall_radius + 0.5, aside = wall_radius + 0.5;
+      const double c = std::cos(turn), s = std::sin(turn);
+      Simulation simulation =
+          simulation_of({{.x = -along * s, .y = along * c - arm, .radius = 0.5, .mass = 2},
+                         {.x = -arm * s - aside * c, .y = arm * c - arm - aside * s, .radius = 0.5, .mass = 2},
+                         {.radius = wall_radius}},
+                        dynamics);
+      advance(simulation);
+      CHECK(std::hypot(simulation.state.velocity_x[0], simulation.state.velocity_y[0]) < 1e-13);
+      CHECK(simulation.state.velocity_x[1] == doctest::Approx(-arm * fast * c).epsilon(1e-12));
+      CHECK(simulation.state.velocity_y[1] == doctest::Approx(-arm * fast * s).epsilon(1e-12));
     }
 }
