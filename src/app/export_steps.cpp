@@ -5,6 +5,7 @@
 #include "formats/lmgc90/datbox_writer.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "formats/vtk/vtkhdf.hpp"
+#include "mechanics/grain_source.hpp"
 #include "study/linear/values.hpp"
 
 namespace nscdd::app {
@@ -22,14 +23,17 @@ struct Chosen {
 };
 
 // Passes the steps to `take` one by one until the user interrupts. Returns their number.
-Index hand_over(const Chosen& chosen, const std::function<void(Index, const TrajectoryStep&)>& take) {
+Index hand_over(const Chosen& chosen,
+                const std::function<void(Index, const GranularSystem&, const TrajectoryStep&)>& take) {
+  GranularSystem system = chosen.header.system;
   Interruption interruption;
   const Monitor monitor = interruption.watch("export " + fs::path(chosen.trajectory).filename().string(), 0, "step");
   Index done = 0;
   for (const Index step : chosen.steps) {
     TrajectoryStep shown = read_trajectory_step(chosen.trajectory, step);
+    free_released_grains(system, shown.state);
     if (chosen.draws) add_chain(chosen.trajectory, shown);
-    take(step, shown);
+    take(step, system, shown);
     if (!report(monitor, ++done, count(chosen.steps))) break;
   }
   return done;
@@ -45,9 +49,9 @@ int finished(const Chosen& chosen, const std::string& name) {
 int export_vtk(const Chosen& chosen, const fs::path& folder) {
   make_folder(folder.string(), chosen.force);
   std::vector<VtkFile> files;
-  const Index done = hand_over(chosen, [&](Index step, const TrajectoryStep& shown) {
+  const Index done = hand_over(chosen, [&](Index step, const GranularSystem& system, const TrajectoryStep& shown) {
     files.push_back({shown.state.time, fmt::format("step-{:06}.vtp", step)});
-    write_file((folder / files.back().path).string(), vtp_text(chosen.header.system, shown), chosen.force);
+    write_file((folder / files.back().path).string(), vtp_text(system, shown), chosen.force);
   });
   const std::string collection = (folder / (fs::path(chosen.trajectory).stem().string() + ".pvd")).string();
   write_file(collection, pvd_text(files), chosen.force);
@@ -60,8 +64,9 @@ int export_vtk(const Chosen& chosen, const fs::path& folder) {
 // All steps in one file, which takes its name once it is complete.
 int export_vtkhdf(const Chosen& chosen, const std::string& path) {
   VtkhdfFile file(path, chosen.force);
-  const Index done = hand_over(
-      chosen, [&](Index, const TrajectoryStep& shown) { file.append(picture_of(chosen.header.system, shown)); });
+  const Index done = hand_over(chosen, [&](Index, const GranularSystem& system, const TrajectoryStep& shown) {
+    file.append(picture_of(system, shown));
+  });
   if (done < count(chosen.steps)) return interrupted("{}: interrupted; nothing was written", path);
   file.finish();
   return finished(chosen, path);
@@ -93,7 +98,7 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
   const auto write = into("OUTBOX");
   write("BODIES.OUT", writer.bodies());
   write("BULK_BEHAV.OUT", writer.bulk());
-  const Index done = hand_over(chosen, [&](Index step, const TrajectoryStep& shown) {
+  const Index done = hand_over(chosen, [&](Index step, const GranularSystem&, const TrajectoryStep& shown) {
     write(fmt::format("DOF.OUT.{}", step), writer.dof(shown));
     write(fmt::format("Vloc_Rloc.OUT.{}", step), writer.vloc_rloc(shown));
   });

@@ -2,6 +2,7 @@
 #include "app/simulate_output.hpp"
 
 #include "core/fail.hpp"
+#include "mechanics/grain_source.hpp"
 
 #include <sstream>
 
@@ -150,6 +151,7 @@ void take_up(Simulation& simulation, const std::string& path) {
   require_same_grains(path, read_trajectory_header(path).system, simulation.system);
   require_same_start(path, simulation.state);
   simulation.state = read_last_step(path).state;
+  free_released_grains(simulation.system, simulation.state);
   require_fit(path, simulation);
 }
 

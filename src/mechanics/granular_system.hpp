@@ -69,9 +69,14 @@ struct GranularSystem {
   /// colours that touch.
   bool may_touch(Index a, Index b) const {
     const Index k = boundary_of(a);
-    if (!(moves(a) || moves(b)) || (k >= 0 && k == boundary_of(b))) return false;
+    if (!(moves(a) || moves(b)) || (k >= 0 && k == boundary_of(b)) || waits(a) || waits(b)) return false;
     const PairRule* const rule = pairs.of(a, b);
     return rule == nullptr || rule->touch;
+  }
+  /// Whether a grain waits in a source.
+  bool waits(Index body) const {
+    const Index k = boundary_of(body);
+    return k >= 0 && boundaries[at(k)].source.has_value();
   }
   Index free_grains() const { return std::count(driven_by.begin(), driven_by.end(), Index{-1}); }
   bool free(Index grain) const { return driven_by[at(grain)] < 0; }
@@ -132,6 +137,11 @@ struct RememberedSubdomain {
   Index a = 0, b = 0, subdomain = 0;
 };
 
+/// A grain that a source has released.
+struct ReleasedGrain {
+  Index grain = 0;
+};
+
 /// Model of a subdomain in the last step of a run that switches models.
 struct RememberedModel {
   Index switched = 0;             ///< 1 if it ended the step with the simpler model, 0 if with the law itself
@@ -157,6 +167,7 @@ struct GranularState {
   std::vector<double> turn_w, turn_x, turn_y, turn_z;
   std::vector<Pose> poses;                      ///< of every boundary
   std::vector<RigidVelocity> body_velocities;   ///< of every boundary, along its free directions; 0 along the others
+  std::vector<ReleasedGrain> released;          ///< by all sources so far, in this order
   std::vector<RememberedImpulse> impulses;      ///< of the last step, ascending by (a, b)
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
   std::vector<RememberedSubdomain> subdomains;  ///< of the contacts of the last step, ascending by (a, b)

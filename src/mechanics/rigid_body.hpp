@@ -97,6 +97,12 @@ struct FreeBody {
   std::array<double, 3> rims(Index dimension) const;
 };
 
+/// Where a boundary releases its grains one by one, see release_grains.
+struct GrainSource {
+  Place point{0, 0, 0};  ///< m
+  double distance = 0;   ///< m, from the point to the centres of all free grains before the next one comes
+};
+
 /// A rigid body of grains (GranularSystem::driven_by) or a wall: driven by a motion but along the free directions, if
 /// it has any. Its reference point, Motion::centre, is then its centre of mass.
 struct Boundary {
@@ -105,6 +111,7 @@ struct Boundary {
   Orientation orientation = Orientation::turning;  ///< of its grains
   std::optional<FreeBody> body = {};
   Index node = -1;  ///< number among the bodies of a step, see number_bodies; -1: nothing is free
+  std::optional<GrainSource> source = {};  ///< its grains wait at rest, and touch nothing
 };
 
 /// Place of the reference point of a boundary, and its turn: in the plane an angle, in space a rotation.

@@ -180,7 +180,7 @@ void add_boundary(GranularSystem& system, std::vector<double>& x, std::vector<do
   check(spec);
   require_dimension(spec, system.dimension);
   const Index boundary = count(system.boundaries);
-  system.boundaries.push_back({spec.name, spec.motion, spec.orientation, spec.body});
+  system.boundaries.push_back({spec.name, spec.motion, spec.orientation, spec.body, -1, spec.source});
   if (spec.shape == BoundaryShape::disks)
     add_disks(system, x, y, spec, boundary);
   else if (spec.shape == BoundaryShape::grains)
@@ -194,6 +194,9 @@ std::string to_toml(const BoundarySpec& spec) {
   if (spec.shape == BoundaryShape::grains) {
     text += spec.grains.empty() ? fmt::format("first = {}\nlast = {}\n", spec.first, spec.last)
                                 : fmt::format("grains = [{}]\n", fmt::join(spec.grains, ", "));
+    if (spec.source)
+      text += fmt::format("release = {}\nrelease_distance = {}\n",
+                          components_text(spec.source->point, spec.dimension == 3), field_text(spec.source->distance));
   } else if (is_plane_in_space(spec) || is_plank_in_space(spec)) {
     text += fmt::format("point = {}\n", components_text(spec.point, true));
     text += fmt::format("normal = {}\n", components_text(spec.normal, true));
@@ -227,6 +230,10 @@ std::string to_toml(const BoundarySpec& spec) {
 }
 
 void check(const BoundarySpec& spec) {
+  if (spec.source &&
+      (spec.body || !spec.motion.velocity.empty() || !spec.motion.oscillations.empty() || spec.motion.initial))
+    fail("boundary '{}': release: expected a boundary without velocity, motion and free directions, met one with them",
+         spec.name);
   if (spec.shape == BoundaryShape::grains) return;
   if (is_plane_in_space(spec) || is_plank_in_space(spec)) {
     const double length = length_of(spec.normal);

@@ -42,6 +42,7 @@ struct BoundarySpec {
   Choice<Orientation> orientation = Orientation::turning;  ///< disks and grains
   std::string colour = {};                                 ///< see ContactPairs
   std::optional<FreeBody> body = {};                       ///< if it moves freely along some directions
+  std::optional<GrainSource> source = {};                  ///< if it releases its grains
 
   /// Largest distance of neighbouring centres, m.
   double distance() const { return spacing > 0 ? spacing : 2 * radius; }

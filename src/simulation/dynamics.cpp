@@ -2,6 +2,7 @@
 #include "simulation/dynamics.hpp"
 
 #include "core/fail.hpp"
+#include "mechanics/grain_source.hpp"
 
 #include <fmt/ranges.h>
 
@@ -135,6 +136,7 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics, const Peri
     const Boundary& boundary = system.boundaries[at(k)];
     take_free(*boundary.body, boundary.motion.initial.value_or(RigidVelocity{}), result.state.body_velocities[at(k)]);
   }
+  release_grains(system, result.state);
   check(system, result.state);
   return result;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/solved_step.hpp"
 
+#include "mechanics/grain_source.hpp"
 #include "mechanics/levers.hpp"
 
 #include <fmt/ranges.h>
@@ -222,6 +223,7 @@ StepReport take_step(Simulation& simulation, const GranularStep<D>& step) {
   GranularState& state = simulation.state;
   check_end_of_step(start_of(simulation), step.all_grains);
   report.energy = finish_step(simulation.system, state, simulation.dynamics.time, step.all_grains, step.work);
+  release_grains(simulation.system, state);
   state.impulses = impulses_to_remember(step.problem, step.contacts);
   if (decomposes_afresh(simulation, report.step - 1)) {
     state.decomposed_at = report.step - 1;

@@ -181,6 +181,15 @@ void read_grains(StrictTable& section, std::vector<Index>& grains) {
     section.fail("grains", "an array of integers, in place of first and last", StrictTable::describe(*found));
 }
 
+void read_source(StrictTable& section, BoundaryNumbers& numbers, BoundarySpec& spec) {
+  section.require_keys({"release", "release_distance"});
+  GrainSource& source = spec.source.emplace();
+  numbers.read("release", source.point);
+  section.read("release_distance", source.distance, Field{.unit = "m", .above = 0});
+  if (section.has("colour"))
+    section.fail("colour", "none with release: [[colour]] gives the grains theirs", "a colour");
+}
+
 // A trajectory holds one name per line.
 void read_name(StrictTable& section, std::string& name) {
   section.read("name", name);
@@ -219,6 +228,7 @@ BoundarySpec read_boundary(StrictTable section) {
       section.read("first", spec.first);
       section.read("last", spec.last);
     }
+    if (section.has("release") || section.has("release_distance")) read_source(section, numbers, spec);
   } else if ((spec.shape == BoundaryShape::wall || spec.shape == BoundaryShape::plank) &&
              (section.has("point") || section.has("normal"))) {
     section.require_keys({"point", "normal"});

@@ -105,10 +105,18 @@ struct DatboxSight {
   DatboxPlace place;
 };
 
+/// Bodies that come one by one: the first of them by its number from 1, and where.
+struct DatboxSource {
+  Index first = 1;
+  GrainSource at;
+  DatboxPlace place;
+};
+
 /// What COMMAND.DAT says, the command file of older versions; empty where it says nothing.
 struct DatboxCommand {
   std::optional<double> step{}, theta{};         ///< s
   std::optional<double> period_x{}, period_y{};  ///< m
+  std::optional<DatboxSource> source{};
 };
 
 struct Datbox {

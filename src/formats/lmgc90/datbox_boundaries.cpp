@@ -77,6 +77,30 @@ FreeBody free_body(const Datbox& datbox, const DatboxBody& body) {
   return result;
 }
 
+// The boundary from which free grains come one by one, that of body `first` on.
+void add_source(const Datbox& datbox, std::vector<BoundarySpec>& boundaries) {
+  const DatboxSource& source = *datbox.command.source;
+  Index grains = 0, first = -1;
+  for (Index k = 0; k < count(datbox.bodies); ++k) {
+    const DatboxBody& body = datbox.bodies[at(k)];
+    if (k + 1 >= source.first && !is_free_grain(body, datbox.space()))
+      refuse(body.place, "expected a free {} as the source point of {}:{} releases, met another body",
+             shape_of_grains(datbox.dimension), source.place.file, source.place.line);
+    if (k + 1 == source.first) first = grains;
+    if (body.wall().empty()) grains += count(body.contactors);
+  }
+  if (first < 0)
+    refuse(source.place, "expected a source point of one of the {} bodies, met body {}", datbox.bodies.size(),
+           source.first);
+  BoundarySpec& boundary = boundaries.emplace_back();
+  boundary.name = "source";
+  boundary.dimension = datbox.dimension;
+  boundary.shape = BoundaryShape::grains;
+  boundary.first = first;
+  boundary.last = grains - 1;
+  boundary.source = source.at;
+}
+
 }  // namespace
 
 std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool coloured) {
@@ -101,6 +125,7 @@ std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool colour
       boundary.last = grains - 1;
     }
   }
+  if (datbox.command.source) add_source(datbox, boundaries);
   return boundaries;
 }
 

@@ -43,6 +43,10 @@ std::string datbox_head(const char* title, Index step, double time) {
 DatboxWriter::DatboxWriter(const Simulation& first)
     : first_(first), space_(first.system.dimension == 3), planks_(first.system.walls.size()) {
   const GranularSystem& system = first_.system;
+  for (const Boundary& boundary : system.boundaries)
+    if (boundary.source)
+      fail("LMGC90: boundary '{}': expected bodies that are there from the beginning, met a source of grains",
+           boundary.name);
   number_bodies();
   for (const Wall& wall : system.walls)
     if (!space_ && wall.round() && wall.radius < 0)

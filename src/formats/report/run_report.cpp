@@ -3,6 +3,7 @@
 
 #include "core/fail.hpp"
 #include "files/csv.hpp"
+#include "mechanics/grain_source.hpp"
 
 #include <iterator>
 #include <map>
@@ -123,6 +124,7 @@ std::optional<RunReport> report_run(const std::string& path, const std::vector<I
       run = rebuilt_simulation(path, report.header, step.state);
       report.header.system.boundaries = run->system.boundaries;  // a header has their names only
     }
+    free_released_grains(report.header.system, step.state);
     report.solver = run->dynamics.solver;
     if (decomposes(report.solver.algorithm)) report.subdomains = subdomains(run->partitioner);
     report.steps.push_back(drawn(*run, step));

@@ -115,6 +115,10 @@ inline auto gluing_columns(Index dimension) {
   };
 }
 
+inline constexpr auto released_columns = [](auto&& visit) {
+  visit("grain", "1", [](auto& released) { return &released.grain; });
+};
+
 inline constexpr auto model_columns = [](auto&& visit) {
   visit("switched", "1", [](auto& model) { return &model.switched; });
   visit("standing", "1", [](auto& model) { return &model.standing; });

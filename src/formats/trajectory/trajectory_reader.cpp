@@ -2,6 +2,7 @@
 #include "core/fail.hpp"
 #include "formats/case/case_file.hpp"
 #include "formats/trajectory/trajectory_layout.hpp"
+#include "mechanics/grain_source.hpp"
 
 #include <filesystem>
 
@@ -61,6 +62,7 @@ void check_numbers(const TrajectoryStep& step, Index walls, const Group& group) 
     require_within(c.geometry.b, 0, bodies, "contacts/b", group);
     require_within(c.subdomain, 0, models > 0 ? models : most_subdomains, "contacts/subdomain", group);
   }
+  for (const ReleasedGrain& one : step.state.released) require_within(one.grain, 0, disks, "released/grain", group);
   for (const RememberedModel& model : step.state.models) require_within(model.switched, 0, 2, "models/switched", group);
   for (const RememberedGluing& gluing : step.state.gluing) {
     require_within(gluing.grain, 0, disks + count(step.state.body_velocities), "interface/grain", group);
@@ -87,6 +89,8 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
         get_structs<RigidVelocity>(group.group("bodies"), layout::velocity_columns(dimension), here);
   step.contacts = get_list<TrajectoryContact>(group.group("contacts"), layout::contact_columns(dimension), here);
   state.gluing = get_list<RememberedGluing>(group.group("interface"), layout::gluing_columns(dimension), here);
+  if (group.has("released"))
+    state.released = get_list<ReleasedGrain>(group.group("released"), layout::released_columns, here);
   if (group.has("models")) state.models = get_list<RememberedModel>(group.group("models"), layout::model_columns, here);
   check_numbers(step, root.group("system").group("walls").rows("point_x"), group);
   for (const TrajectoryContact& c : step.contacts) {
@@ -250,12 +254,14 @@ Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& h
     system.boundaries[k].motion = specs[k].motion;
     system.boundaries[k].orientation = specs[k].orientation;
     system.boundaries[k].body = specs[k].body;
+    system.boundaries[k].source = specs[k].source;
   }
   if (state.poses.size() != specs.size())
     fail("{}: expected the poses of its {} boundaries, met {}", path, specs.size(), state.poses.size());
   system.period = spec.contacts.period();
   const auto of_packing = [&](Index k) { return k < 0 || specs[at(k)].shape != BoundaryShape::disks; };
   complete(system, state, *spec.dynamics, std::ranges::count_if(system.driven_by, of_packing));
+  free_released_grains(system, state);
   Simulation simulation{std::move(system), std::move(state), *spec.dynamics, spec.partition};
   require_fit(path, simulation);
   return simulation;

@@ -51,11 +51,14 @@ void put_steps(const Group& group, Steps steps, bool append) {
   const auto poses = [](const TrajectoryStep& step) -> auto& { return step.state.poses; };
   const auto contacts = [](const TrajectoryStep& step) -> auto& { return step.contacts; };
   const auto gluing = [](const TrajectoryStep& step) -> auto& { return step.state.gluing; };
+  const auto released = [](const TrajectoryStep& step) -> auto& { return step.state.released; };
   const auto models = [](const TrajectoryStep& step) -> auto& { return step.state.models; };
   const Index dimension = steps[0].state.z.empty() ? 2 : 3;
   put_structs(group, steps, state, layout::state_columns, form);
   put_lists(group.make_group("contacts"), steps, contacts, layout::contact_columns(dimension), form);
   put_lists(group.make_group("interface"), steps, gluing, layout::gluing_columns(dimension), form);
+  if (!steps.back().state.released.empty())  // from the beginning if there is a source
+    put_lists(group.make_group("released"), steps, released, layout::released_columns, form);
   if (!steps[0].state.models.empty())  // one per subdomain in every step of a run that switches models
     put_lists(group.make_group("models"), steps, models, layout::model_columns, form);
   form.rows = steps.size();
