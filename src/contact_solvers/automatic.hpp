@@ -2,11 +2,13 @@
 // Rounds of sweeps, then Newton's steps, then the curve of a smoothed law, each from the impulses of the sweeps.
 // Later rounds sweep without momentum, and the last one from the first impulses: whether a curve leads to a solution
 // depends on where it begins. Problems of very many contacts start with accelerated sweeps as long as these make
-// progress: they come nearer to a solution than any point of the curve.
+// progress: they come nearer to a solution than any point of the curve. Without friction an interior point method takes
+// the place of the first Newton's steps.
 #pragma once
 
 #include "contact_solvers/accelerated.hpp"
 #include "contact_solvers/continuation.hpp"
+#include "contact_solvers/interior_point.hpp"
 
 namespace nscdd {
 
@@ -52,6 +54,11 @@ void automatic(P& problem, SolverRun<P::dimension>& run) {
     }
     if (run.spent()) continue;
     const FrictionSolution swept = run.now;
+    const bool rubs = run.data.sums.any(!run.data.friction.isZero(0));
+    if (turn == 0 && !rubs) {
+      if (InteriorPointSteps<P>(problem, run).finish()) return;
+      run.go_back(swept);
+    }
     if (NewtonSteps<P>(problem, run).finish()) return;
     run.go_back(swept);
     if (follow_curve(problem, run, smoothings[turn] * swept.state.residual)) return;
