@@ -52,6 +52,8 @@ struct Interaction {
   double cohesion = 0;         ///< N
   double cohesion_range = -1;  ///< m; -1: contacts that touch, see touching_gap
   Flexibility epsilon;
+  /// No parameter of a case: largest pull of a bond, times W_nn^-1 and the largest speed of a step; see solve_step.
+  double bond_strength = 10;
 
   /// Whether contacts act once bodies touch.
   bool on_velocity() const { return signorini == Signorini::velocity || restitution > 0; }

@@ -11,6 +11,7 @@ namespace nscdd {
 /// What holds for contacts of two colours in place of the parameters of an Interaction.
 struct PairRule {
   bool touch = true;  ///< false: their bodies go through each other
+  bool bond = false;  ///< they hold each other as if glued, see bonded
   std::optional<double> friction = {}, static_friction = {}, restitution = {}, tangential_restitution = {};
 };
 
@@ -25,6 +26,9 @@ struct ContactPairs {
     const auto [low, high] = std::minmax(colour[at(a)], colour[at(b)]);
     const auto found = rules.find({low, high});
     return found == rules.end() ? nullptr : &found->second;
+  }
+  bool bonds() const {
+    return std::ranges::any_of(rules, [](const auto& one) { return one.second.bond; });
   }
 };
 

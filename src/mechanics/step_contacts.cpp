@@ -52,7 +52,7 @@ class ContactSearch {
     // Bodies that hold each other are found even if the alert distance is shorter.
     const double range = start.interaction.cohesion_range;
     const double held = !pulls_ ? 0 : range >= 0 ? range : touching_gap * std::ranges::max(radius);
-    alert_ = std::max(start.scheme.alert * std::ranges::min(radius), held);
+    alert_ = std::max(alert_distance(system_, start.scheme), held);
     foreseen_ = std::max(alert_, 2 * fastest * start.scheme.step);  // largest approach of two grains
   }
 
@@ -174,7 +174,9 @@ class ContactSearch {
   void visit(const StepContact& c) {
     if (!moves_apart(c)) return;
     // Under a condition on the velocity a contact acts once it touches: the predicted gap would swallow the impact.
-    if (start_.interaction.on_velocity() && c.gap > 0 && !(pulls_ && hold(system_, start_.interaction, c))) return;
+    if (start_.interaction.on_velocity() && c.gap > 0 && !(pulls_ && hold(system_, start_.interaction, c)) &&
+        !bonded(system_, c, alert_))
+      return;
     ++considered_.number;
     if (c.b >= system_.grains() && system_.is_boundary(c.b))
       considered_.boundary_speed = std::max(considered_.boundary_speed, system_.length(velocity_of_second(c)));
@@ -213,6 +215,15 @@ double friction_of(const StepStart& start, const StepContact& c, bool slid) {
 bool hold(const GranularSystem& system, const Interaction& interaction, const StepContact& contact) {
   if (interaction.cohesion_range >= 0) return contact.gap <= interaction.cohesion_range;
   return contact.gap <= touching_gap * system.smaller_radius(contact.a, contact.b);
+}
+
+bool bonded(const GranularSystem& system, const StepContact& contact, double alert_distance) {
+  const PairRule* const rule = system.pairs.of(contact.a, contact.b);
+  return rule != nullptr && rule->bond && contact.gap <= alert_distance;
+}
+
+double alert_distance(const GranularSystem& system, const TimeStepping& scheme) {
+  return scheme.alert * std::ranges::min(system.radius);
 }
 
 Interpenetration interpenetration(const GranularSystem& system, const std::vector<StepContact>& contacts) {

@@ -39,6 +39,11 @@ double friction_of(const StepStart& start, const StepContact& contact, bool slid
 /// Interaction::cohesion_range.
 bool hold(const GranularSystem& system, const Interaction& interaction, const StepContact& contact);
 
+/// Whether a contact is a bond (PairRule::bond): it closes neither gaps nor overlaps, and u = 0 in all directions. It
+/// is one as long as its gap is at most `alert_distance`.
+bool bonded(const GranularSystem& system, const StepContact& contact, double alert_distance);
+double alert_distance(const GranularSystem& system, const TimeStepping& scheme);  ///< m
+
 /// Overlaps of the contacts of a step at q_m, before it is solved.
 struct Interpenetration {
   double maximum = 0, mean = 0;  ///< m, over the contacts that overlap; 0 if none does

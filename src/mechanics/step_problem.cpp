@@ -78,6 +78,26 @@ GrainContact<D> solver_contact(const StepStart& start, const StepContact& c, con
   return k;
 }
 
+// A bond obeys Coulomb's law at an impulse so large that it neither opens nor slides; `speed`, m/s: the largest of the
+// step. `last`, N s: its impulse in the step before.
+template <int D>
+void make_bond(GrainContact<D>& contact, double strength, double speed, double last) {
+  constexpr double room = 10;
+  contact.friction = 1;
+  contact.bias = {};
+  contact.pull = std::max(strength * speed * inverse_normal_delassus(contact), room * last);
+}
+
+// The largest speed of a body in a step, and what gravity adds to it, m/s.
+double largest_speed(const StepStart& start, const std::vector<Pose>& poses,
+                     const std::vector<RigidVelocity>& motions) {
+  double largest = 0;
+  for (Index i = 0; i < start.system.bodies(); ++i)
+    largest = std::max(largest, start.system.length(velocity_of(free_motion(start, poses, motions, i))));
+  const Place gravity = gravity_of(start.scheme, start.system.dimension);
+  return largest + start.scheme.step * std::sqrt(dot(gravity, gravity));
+}
+
 // Solvers need a regular W of every contact. Tangential impulses that move no body, which are 0 without friction, move
 // an unknown of their own, of mass 1/W_nn.
 template <int D>
@@ -120,6 +140,7 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   problem.own_frictions = rubs && interaction.static_friction >= 0;
   for (const auto& [colours, rule] : system.pairs.rules) {
     problem.own_frictions = problem.own_frictions || (rubs && (rule.friction || rule.static_friction));
+    problem.own_frictions = problem.own_frictions || rule.bond;
     problem.tangential_bias = problem.tangential_bias || rule.tangential_restitution.value_or(0) > 0;
   }
   problem.geometry = std::move(geometry);
@@ -134,6 +155,9 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   const auto bodies = add_wall_bodies<D>(problem, system, where, first);
   const bool levers = !system.free_bodies.empty();
   const auto known = remembered(last, problem.geometry);
+  const bool bonds = system.pairs.bonds();
+  const double speed = bonds ? largest_speed(start, where.poses, where.motions) : 0;
+  const double alert = bonds ? alert_distance(system, scheme) : 0;
   double scale = 0;
   problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
@@ -142,6 +166,11 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
         start, c, bodies[k], problem, push_speed(scheme, system.smaller_radius(c.a, c.b), boundary_speed),
         levers ? levers_of<D>(start, where, c) : nullptr, known[k] != nullptr && known[k]->slid));
     if (problem.pulls && hold(system, interaction, c)) problem.contacts.back().pull = pull;
+    if (bonds && bonded(system, c, alert)) {
+      const double impulse =
+          known[k] != nullptr ? std::hypot(known[k]->impulse[0], known[k]->impulse[1], known[k]->impulse[2]) : 0;
+      make_bond(problem.contacts.back(), interaction.bond_strength, speed, impulse);
+    }
     if (warm_start && known[k] != nullptr)
       problem.contacts.back().impulse = recalled<D>(known[k]->impulse, problem.contacts.back().normal);
     scale += 1 / inverse_normal_delassus(problem.contacts.back());

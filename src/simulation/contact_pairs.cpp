@@ -53,6 +53,7 @@ std::string to_toml(const ColourSpec& spec) {
 std::string to_toml(const PairSpec& spec) {
   std::string text = fmt::format("colours = [{}, {}]\n", field_text(spec.colours[0]), field_text(spec.colours[1]));
   if (!spec.rule.touch) text += "touch = false\n";
+  if (spec.rule.bond) text += "bond = true\n";
   const auto add = [&](const char* key, const std::optional<double>& value) {
     if (value) text += fmt::format("{} = {}\n", key, field_text(*value));
   };

@@ -204,6 +204,11 @@ void complete(GranularSystem& system, const GranularState& first, const Dynamics
     if (dynamics.pairs[k].rule.restitution && !dynamics.interaction.on_velocity())
       throw Error(fmt::format("pair[{}].restitution", k),
                   "expected interaction.signorini = \"velocity\" with it, met \"gap\"");
+  for (std::size_t k = 0; k < dynamics.pairs.size(); ++k)
+    if (dynamics.pairs[k].rule.bond && to_string(dynamics.interaction.law) != Cohesive::name)
+      throw Error(fmt::format("pair[{}].bond", k),
+                  fmt::format("expected interaction.law = \"{}\" with it, whose cohesion may be 0, met \"{}\"",
+                              Cohesive::name, to_string(dynamics.interaction.law)));
   std::vector<std::string> colours;
   for (const BoundarySpec& spec : dynamics.boundaries) colours.push_back(spec.colour);
   set_pairs(system, dynamics.colours, dynamics.pairs, colours, grains);

@@ -150,8 +150,10 @@ PreparedStep<D> prepare_solution(const Simulation& simulation) {
   return {std::move(step), std::move(enriched), std::move(iteration)};
 }
 
+namespace {
+
 template <int D>
-GranularStep<D> solve_step(const Simulation& simulation, const IterationSink& sink) {
+GranularStep<D> solve_once(const Simulation& simulation, const IterationSink& sink) {
   const auto begin = Clock::now();
   GranularStep<D> step;
   const auto take = [&](GranularStep<D>&& prepared) {
@@ -172,6 +174,35 @@ GranularStep<D> solve_step(const Simulation& simulation, const IterationSink& si
     solve_whole_contacts(step, simulation, sink);
   }
   if (step.report.status != SolverStatus::given_up) finish_solution(step, simulation);
+  return step;
+}
+
+// Whether a bond opens or slides in a solved step, on any rank.
+template <int D>
+bool bonds_part(const GranularStep<D>& step, const Simulation& simulation) {
+  if (!simulation.system.pairs.bonds() || step.report.status != SolverStatus::converged) return false;
+  const double alert = alert_distance(simulation.system, simulation.dynamics.time);
+  bool parts = false;
+  for (std::size_t k = 0; k < step.contacts.size() && !parts; ++k)
+    parts = bonded(simulation.system, step.problem.geometry[k], alert) &&
+            status_of(step.problem.law, step.contacts[k]) != ContactStatus::stick;
+  return simulation.processes.any(parts);
+}
+
+}  // namespace
+
+template <int D>
+GranularStep<D> solve_step(const Simulation& simulation, const IterationSink& sink) {
+  constexpr double stronger_by = 10, strongest = 1e7;
+  GranularStep<D> step = solve_once<D>(simulation, sink);
+  if (!bonds_part(step, simulation)) return step;
+  Simulation stronger = simulation;
+  double& strength = stronger.dynamics.interaction.bond_strength;
+  while (bonds_part(step, stronger) && strength < strongest) {
+    strength *= stronger_by;
+    step = solve_once<D>(stronger, sink);
+  }
+  if (bonds_part(step, stronger)) step.report.status = SolverStatus::diverged;
   return step;
 }
 

@@ -19,7 +19,8 @@ struct PreparedStep {
 template <int D = 2>
 PreparedStep<D> prepare_solution(const Simulation& simulation);
 
-/// Prepares and solves the next step without taking it. Throws Error as share_step.
+/// Prepares and solves the next step without taking it, again with stronger bonds (Interaction::bond_strength) if one
+/// opens or slides. Throws Error as share_step.
 template <int D = 2>
 GranularStep<D> solve_step(const Simulation& simulation, const IterationSink& sink = {});
 

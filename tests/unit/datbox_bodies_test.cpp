@@ -316,6 +316,18 @@ TEST_CASE("DATBOX: colours that see each other by another restitution are pairs"
   CHECK_FALSE(dynamics.pairs[0].rule.friction.has_value());
 }
 
+TEST_CASE("DATBOX: COUPLED_DOF is a bond of its pair of colours") {
+  DatboxTexts texts = with_law("COUPLED_DOF");
+  texts.tact = replaced(texts.tact, "ROUGE  iqsc1", "ROUGE  iqsc0");
+  const Dynamics dynamics = dynamics_of(texts);
+  CHECK(dynamics.interaction.law == "cohesive");
+  CHECK(dynamics.interaction.cohesion == 0);
+  CHECK(dynamics.interaction.friction == 0.3);
+  REQUIRE(dynamics.pairs.size() == 1);
+  CHECK(dynamics.pairs[0].colours == std::array<std::string, 2>{"DISKx BLEUx", "JONCx WALLx"});
+  CHECK(dynamics.pairs[0].rule.bond);
+}
+
 TEST_CASE("DATBOX: one Signorini condition and one cohesion for all contacts") {
   DatboxTexts texts = small_datbox();
   texts.tact = replaced(texts.tact, "ROUGE  iqsc1", "ROUGE  iqsc0");
@@ -359,7 +371,7 @@ TEST_CASE("DATBOX: laws with a static and a dynamic friction, IQS_WET_DS_CLB as 
 }
 
 TEST_CASE("DATBOX: laws that are no impulses of one contact are refused by name where contacts use them") {
-  for (const std::string law : {"COUPLED_DOF", "MD_JKRs", "ELASTIC_REPELL_CLB", "PERIO_DOF"})
+  for (const std::string law : {"MD_JKRs", "ELASTIC_REPELL_CLB", "PERIO_DOF"})
     check_error([&] { dynamics_of(with_law(law_head(law) + "fric= 0.5000000D+00")); },
                 {"TACT_BEHAV.DAT:8:", "IQS_CLB", "met " + law});
 }

@@ -119,6 +119,7 @@ PairSpec read_pair(StrictTable section, const Interaction& interaction) {
     spec.colours[k] = *name;
   }
   section.read("touch", spec.rule.touch);
+  section.read("bond", spec.rule.bond);
   const auto read = [&](const char* key, std::optional<double>& value, double most) {
     if (section.has(key)) section.read(key, value.emplace(), Field{.minimum = 0, .maximum = most});
   };
@@ -128,6 +129,9 @@ PairSpec read_pair(StrictTable section, const Interaction& interaction) {
   read("tangential_restitution", spec.rule.tangential_restitution, 1);
   if (spec.rule.restitution && !interaction.on_velocity())
     section.fail("restitution", "interaction.signorini = \"velocity\" with it", "\"gap\"");
+  for (const char* key : {"friction", "static_friction", "restitution", "tangential_restitution"})
+    if (spec.rule.bond && section.has(key)) section.fail(key, "none with bond = true", "one");
+  if (spec.rule.bond && !spec.rule.touch) section.fail("bond", "touch = true with it", "false");
   section.finish();
   return spec;
 }

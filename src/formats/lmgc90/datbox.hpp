@@ -83,7 +83,7 @@ struct DatboxBody {
 };
 
 /// A contact law: IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, or one of them with a static friction (_DS_CLB, here
-/// without _DS), IQS_WET_DS_CLB, or another one, which contacts must not use.
+/// without _DS), IQS_WET_DS_CLB, COUPLED_DOF, or another one, which contacts must not use.
 struct DatboxLaw {
   std::string kind;
   double friction = 0, static_friction = 0;  ///< of contacts that slid in the last step, and of the others
@@ -93,6 +93,7 @@ struct DatboxLaw {
   DatboxPlace place;
 
   bool wet() const { return kind == "IQS_WET_DS_CLB"; }
+  bool bond() const { return kind == "COUPLED_DOF"; }
   bool on_velocity() const { return kind == "RST_CLB" || kind == "VEL_SGR_CLB"; }
 };
 

@@ -44,10 +44,10 @@ const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const 
   const auto found = datbox.laws.find(name);
   if (found == datbox.laws.end()) refuse(place, "expected a law that is described, met '{}'", name);
   const DatboxLaw& law = found->second;
-  if (law.kind != "IQS_CLB" && law.kind != "GAP_SGR_CLB" && !law.on_velocity() && !law.wet())
+  if (law.kind != "IQS_CLB" && law.kind != "GAP_SGR_CLB" && !law.on_velocity() && !law.wet() && !law.bond())
     refuse(law.place,
-           "expected law IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, with _DS or without, or IQS_WET_DS_CLB, met {}: "
-           "others are not modelled",
+           "expected law IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, with _DS or without, IQS_WET_DS_CLB or "
+           "COUPLED_DOF, met {}: others are not modelled",
            law.kind);
   if (law.tangential_cohesion != 0)
     refuse(law.place, "coht: expected 0, met {}: a cohesion along the surface is not modelled",
@@ -107,6 +107,8 @@ DatboxContacts contact_law_of(const Datbox& datbox) {
   for (const Meeting& one : meetings) {
     if (one.sight == nullptr) continue;
     const DatboxLaw& law = law_of(datbox, *one.sight);
+    result.alert = std::max(result.alert, one.sight->alert);
+    if (law.bond()) continue;
     const DatboxLaw*& first = one.plain ? of_grains : of_boundaries;
     if (first == nullptr) first = &law;
     const DatboxLaw& any = of_grains != nullptr ? *of_grains : *of_boundaries;
@@ -117,18 +119,23 @@ DatboxContacts contact_law_of(const Datbox& datbox) {
       refuse(one.sight->place,
              "expected one cohesion and range for all contacts, {} N and {} m as before, met {} and {}", any.cohesion,
              any.range, law.cohesion, law.range);
-    result.alert = std::max(result.alert, one.sight->alert);
   }
   const DatboxLaw& law = of_grains != nullptr ? *of_grains : of_boundaries != nullptr ? *of_boundaries : none;
   const DatboxLaw& at_boundaries = of_boundaries != nullptr ? *of_boundaries : law;
   const bool same = at_boundaries.friction == law.friction && at_boundaries.static_friction == law.static_friction;
   const double static_at_boundaries = same ? law.static_friction : at_boundaries.friction;  // without a rule
+  bool bonds = false;
   for (const Meeting& one : meetings) {
     PairRule rule;
     if (one.sight == nullptr) {
       rule.touch = false;
     } else {
       const DatboxLaw& own = law_of(datbox, *one.sight);
+      if (own.bond()) {
+        bonds = true;
+        result.pairs.push_back({{one.a, one.b}, {.bond = true}});
+        continue;
+      }
       const auto set = [](std::optional<double>& value, double now, double otherwise) {
         if (now != otherwise) value = now;
       };
@@ -150,7 +157,7 @@ DatboxContacts contact_law_of(const Datbox& datbox) {
   if (!same) interaction.boundary_friction = at_boundaries.friction;
   if (law.static_friction != law.friction) interaction.static_friction = law.static_friction;
   if (law.on_velocity()) interaction.signorini = Signorini::velocity;
-  if (law.wet()) {
+  if (law.wet() || bonds) {
     interaction.law = std::string(Cohesive::name);
     interaction.cohesion = law.cohesion;
     interaction.cohesion_range = law.range;
