@@ -8,12 +8,15 @@ void release_grains(GranularSystem& system, GranularState& state) {
     const auto& source = system.boundaries[k].source;
     const auto next = source ? std::ranges::find(system.driven_by, static_cast<Index>(k)) : system.driven_by.end();
     if (next == system.driven_by.end()) continue;
-    bool occupied = false;
-    for (Index i = 0; i < system.grains() && state.step > 0 && !occupied; ++i)
-      occupied =
-          system.free(i) && system.length(system.apart(source->point, centre_of(state, at(i)))) <= source->distance;
-    if (occupied) continue;
     const auto grain = next - system.driven_by.begin();
+    bool occupied = false;
+    for (Index i = 0; i < system.grains() && state.step > 0 && !occupied; ++i) {
+      if (system.waits(i)) continue;
+      const double touch = system.radius[at(i)] + system.radius[at(grain)];
+      const double near = system.moves(i) ? std::max(source->distance, touch) : touch;
+      occupied = system.length(system.apart(source->point, centre_of(state, at(i)))) <= near;
+    }
+    if (occupied) continue;
     *next = -1;
     state.released.push_back({grain});
     state.x[at(grain)] = source->point[0];

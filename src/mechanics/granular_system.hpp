@@ -11,7 +11,7 @@ namespace nscdd {
 /// What holds for contacts of two colours in place of the parameters of an Interaction.
 struct PairRule {
   bool touch = true;  ///< false: their bodies go through each other
-  bool bond = false;  ///< they hold each other as if glued, see bonded
+  bool bond = false;  ///< they hold each other as if glued, see bond_of
   std::optional<double> friction = {}, static_friction = {}, restitution = {}, tangential_restitution = {};
 };
 
@@ -141,6 +141,12 @@ struct RememberedSubdomain {
   Index a = 0, b = 0, subdomain = 0;
 };
 
+/// A bond (PairRule::bond), which keeps its gap.
+struct RememberedBond {
+  Index a = 0, b = 0;
+  double gap = 0;  ///< m, when it was made
+};
+
 /// A grain that a source has released.
 struct ReleasedGrain {
   Index grain = 0;
@@ -172,6 +178,7 @@ struct GranularState {
   std::vector<Pose> poses;                      ///< of every boundary
   std::vector<RigidVelocity> body_velocities;   ///< of every boundary, along its free directions; 0 along the others
   std::vector<ReleasedGrain> released;          ///< by all sources so far, in this order
+  std::vector<RememberedBond> bonds;            ///< on all ranks, ascending by (a, b)
   std::vector<RememberedImpulse> impulses;      ///< of the last step, ascending by (a, b)
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
   std::vector<RememberedSubdomain> subdomains;  ///< of the contacts of the last step, ascending by (a, b)

@@ -53,7 +53,9 @@ class ContactSearch {
     const double range = start.interaction.cohesion_range;
     const double held = !pulls_ ? 0 : range >= 0 ? range : touching_gap * std::ranges::max(radius);
     alert_ = std::max(alert_distance(system_, start.scheme), held);
+    bonds_ = system_.pairs.bonds();
     foreseen_ = std::max(alert_, 2 * fastest * start.scheme.step);  // largest approach of two grains
+    for (const RememberedBond& one : start.state.bonds) foreseen_ = std::max(foreseen_, 2 * one.gap);
   }
 
   ConsideredContacts run() {
@@ -129,7 +131,8 @@ class ContactSearch {
     const auto [overlap, met] = Passage::of(path_, c.a, c.b, gap);
     if (overlap) considered_.deep.push_back(*overlap);
     if (met) return visit({c.a, c.b, *met, c.point, std::min(gap, 0.0)});
-    if (gap > alert_) {
+    const bool bond = bonds_ && bond_of(start_, c, alert_);
+    if (gap > alert_ && !bond) {
       const Place move = difference(velocity_of_second(c), velocity_of(motion_of(c.a)));
       if (gap + step * dot(c.normal, move) > alert_) return;
       if (!start_.interaction.on_velocity() && c.b < system_.grains() &&
@@ -175,7 +178,7 @@ class ContactSearch {
     if (!moves_apart(c)) return;
     // Under a condition on the velocity a contact acts once it touches: the predicted gap would swallow the impact.
     if (start_.interaction.on_velocity() && c.gap > 0 && !(pulls_ && hold(system_, start_.interaction, c)) &&
-        !bonded(system_, c, alert_))
+        !(bonds_ && bond_of(start_, c, alert_)))
       return;
     ++considered_.number;
     if (c.b >= system_.grains() && system_.is_boundary(c.b))
@@ -189,6 +192,7 @@ class ContactSearch {
   const Path path_ = Path::to_contacts(start_);
   const Configuration& where_ = path_.places.back();
   bool pulls_ = false;               // of the law
+  bool bonds_ = false;               // of pairs of colours
   double alert_ = 0, foreseen_ = 0;  // largest gaps of contacts, m: at any velocity, and at the velocities of the step
   ConsideredContacts considered_;
 };
@@ -217,9 +221,15 @@ bool hold(const GranularSystem& system, const Interaction& interaction, const St
   return contact.gap <= touching_gap * system.smaller_radius(contact.a, contact.b);
 }
 
-bool bonded(const GranularSystem& system, const StepContact& contact, double alert_distance) {
-  const PairRule* const rule = system.pairs.of(contact.a, contact.b);
-  return rule != nullptr && rule->bond && contact.gap <= alert_distance;
+std::optional<RememberedBond> bond_of(const StepStart& start, const StepContact& contact, double alert_distance) {
+  const PairRule* const rule = start.system.pairs.of(contact.a, contact.b);
+  if (rule == nullptr || !rule->bond) return std::nullopt;
+  const auto ends = [](const auto& one) { return std::pair(one.a, one.b); };
+  const auto known = std::ranges::lower_bound(start.state.bonds, ends(contact), {}, ends);
+  if (known != start.state.bonds.end() && ends(*known) == ends(contact)) return *known;
+  const double near = std::max(alert_distance, touching_gap * start.system.smaller_radius(contact.a, contact.b));
+  if (contact.gap > near) return std::nullopt;
+  return RememberedBond{contact.a, contact.b, contact.gap};
 }
 
 double alert_distance(const GranularSystem& system, const TimeStepping& scheme) {

@@ -39,9 +39,9 @@ double friction_of(const StepStart& start, const StepContact& contact, bool slid
 /// Interaction::cohesion_range.
 bool hold(const GranularSystem& system, const Interaction& interaction, const StepContact& contact);
 
-/// Whether a contact is a bond (PairRule::bond): it closes neither gaps nor overlaps, and u = 0 in all directions. It
-/// is one as long as its gap is at most `alert_distance`.
-bool bonded(const GranularSystem& system, const StepContact& contact, double alert_distance);
+/// The bond that a contact is (PairRule::bond), if it is one: a known bond, or a new one where the gap is at most the
+/// alert distance, or bodies touch (touching_gap).
+std::optional<RememberedBond> bond_of(const StepStart& start, const StepContact& contact, double alert_distance);
 double alert_distance(const GranularSystem& system, const TimeStepping& scheme);  ///< m
 
 /// Overlaps of the contacts of a step at q_m, before it is solved.

@@ -79,21 +79,23 @@ GrainContact<D> solver_contact(const StepStart& start, const StepContact& c, con
 }
 
 // A bond obeys Coulomb's law at an impulse so large that it neither opens nor slides; `speed`, m/s: the largest of the
-// step. `last`, N s: its impulse in the step before.
+// step. `last`, N s: its impulse in the step before. `drift`, m: of its gap since it was made.
 template <int D>
-void make_bond(GrainContact<D>& contact, double strength, double speed, double last) {
+void make_bond(GrainContact<D>& contact, double strength, double speed, double last, double drift, double h) {
   constexpr double room = 10;
   contact.friction = 1;
-  contact.bias = {};
+  contact.bias = {drift / h, {}};
   contact.pull = std::max(strength * speed * inverse_normal_delassus(contact), room * last);
 }
 
-// The largest speed of a body in a step, and what gravity adds to it, m/s.
-double largest_speed(const StepStart& start, const std::vector<Pose>& poses,
-                     const std::vector<RigidVelocity>& motions) {
-  double largest = 0;
-  for (Index i = 0; i < start.system.bodies(); ++i)
-    largest = std::max(largest, start.system.length(velocity_of(free_motion(start, poses, motions, i))));
+// The largest speed of a body in a step, rims included, and what gravity adds to it, m/s.
+double largest_speed(const StepStart& start, const std::vector<Pose>& poses, const std::vector<RigidVelocity>& motions,
+                     double boundary_speed) {
+  double largest = boundary_speed;
+  for (Index i = 0; i < start.system.bodies(); ++i) {
+    const GrainVelocity<3> v = with_motion<3>(free_motion(start, poses, motions, i), 0);
+    largest = std::max(largest, std::sqrt(squared_velocity(v) + squared_rim(v)));
+  }
   const Place gravity = gravity_of(start.scheme, start.system.dimension);
   return largest + start.scheme.step * std::sqrt(dot(gravity, gravity));
 }
@@ -156,7 +158,7 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   const bool levers = !system.free_bodies.empty();
   const auto known = remembered(last, problem.geometry);
   const bool bonds = system.pairs.bonds();
-  const double speed = bonds ? largest_speed(start, where.poses, where.motions) : 0;
+  const double speed = bonds ? largest_speed(start, where.poses, where.motions, boundary_speed) : 0;
   const double alert = bonds ? alert_distance(system, scheme) : 0;
   double scale = 0;
   problem.contacts.reserve(problem.geometry.size());
@@ -166,10 +168,10 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
         start, c, bodies[k], problem, push_speed(scheme, system.smaller_radius(c.a, c.b), boundary_speed),
         levers ? levers_of<D>(start, where, c) : nullptr, known[k] != nullptr && known[k]->slid));
     if (problem.pulls && hold(system, interaction, c)) problem.contacts.back().pull = pull;
-    if (bonds && bonded(system, c, alert)) {
-      const double impulse =
-          known[k] != nullptr ? std::hypot(known[k]->impulse[0], known[k]->impulse[1], known[k]->impulse[2]) : 0;
-      make_bond(problem.contacts.back(), interaction.bond_strength, speed, impulse);
+    if (const auto bond = bonds ? bond_of(start, c, alert) : std::nullopt) {
+      const auto& [x, y, z] = known[k] != nullptr ? known[k]->impulse : std::array<double, 3>{};
+      make_bond(problem.contacts.back(), interaction.bond_strength, speed, std::hypot(x, y, z), c.gap - bond->gap,
+                problem.h);
     }
     if (warm_start && known[k] != nullptr)
       problem.contacts.back().impulse = recalled<D>(known[k]->impulse, problem.contacts.back().normal);

@@ -83,7 +83,12 @@ void add_clumps(std::vector<BoundarySpec>& boundaries, const Packing& packing, c
     if (owners.size() > 1)
       fail("{}: expected all of its {} grains in one boundary of the case or none, met {} in {}", body.name, own.size(),
            std::ranges::count_if(own, [&](Index i) { return taken[at(i)] >= 0; }), owners.size() - owners.count(-1));
-    if (!owners.contains(-1)) continue;
+    if (!owners.contains(-1)) {
+      if (const BoundarySpec& owner = boundaries[at(*owners.begin())]; owner.source)
+        fail("boundary '{}': release: expected grains that are no parts of clumps, met those of {}", owner.name,
+             body.name);
+      continue;
+    }
     if (names.contains(body.name)) fail("boundary '{}': expected another name, met that of a clump", body.name);
     boundaries.push_back(std::move(body));
   }

@@ -90,8 +90,9 @@ std::optional<RunOutcome> advance(Simulation& simulation, const RunSinks& sinks,
                         std::move(step.report.chain)};
     if (step.report.broke_down())
       return broke_down(fmt::format("{} after {} iterations, {}{}{}",
-                                    step.energy_exploded ? "more energy than loads, boundaries and pushes can bring"
-                                                         : to_string(step.report.status),
+                                    step.bond_parts        ? "a bond parts"
+                                    : step.energy_exploded ? "more energy than loads, boundaries and pushes can bring"
+                                                           : to_string(step.report.status),
                                     step.report.last.iteration, describe_breakdown(simulation, step),
                                     no_solution.empty() ? "" : "; ", no_solution));
     if (step.report.status == SolverStatus::given_up) return RunOutcome{RunEnd::stopped};
@@ -180,13 +181,19 @@ GranularStep<D> solve_once(const Simulation& simulation, const IterationSink& si
 // Whether a bond opens or slides in a solved step, on any rank.
 template <int D>
 bool bonds_part(const GranularStep<D>& step, const Simulation& simulation) {
-  if (!simulation.system.pairs.bonds() || step.report.status != SolverStatus::converged) return false;
+  if (!simulation.system.pairs.bonds() || step.report.status == SolverStatus::given_up) return false;
   const double alert = alert_distance(simulation.system, simulation.dynamics.time);
   bool parts = false;
   for (std::size_t k = 0; k < step.contacts.size() && !parts; ++k)
-    parts = bonded(simulation.system, step.problem.geometry[k], alert) &&
+    parts = bond_of(start_of(simulation), step.problem.geometry[k], alert) &&
             status_of(step.problem.law, step.contacts[k]) != ContactStatus::stick;
   return simulation.processes.any(parts);
+}
+
+// Adds the iterations of an earlier try at a step.
+void count_also(const IterationRecord& earlier, IterationRecord& record) {
+  record.iteration += earlier.iteration;
+  record.sweeps += earlier.sweeps;
 }
 
 }  // namespace
@@ -198,11 +205,25 @@ GranularStep<D> solve_step(const Simulation& simulation, const IterationSink& si
   if (!bonds_part(step, simulation)) return step;
   Simulation stronger = simulation;
   double& strength = stronger.dynamics.interaction.bond_strength;
-  while (bonds_part(step, stronger) && strength < strongest) {
+  while (step.report.status == SolverStatus::converged && strength < strongest && bonds_part(step, stronger)) {
     strength *= stronger_by;
-    step = solve_once<D>(stronger, sink);
+    const StepReport before = step.report;
+    IterationSink further = sink;
+    if (sink.row)
+      further.row = [&](IterationRow row) {
+        count_also(before.last, row.record);
+        row.factorisations += before.factorisations;
+        row.seconds += before.solve_seconds;
+        sink.row(row);
+      };
+    step = solve_once<D>(stronger, further);
+    count_also(before.last, step.report.last);
+    step.report.factorisations += before.factorisations;
+    step.report.setup_seconds += before.setup_seconds;
+    step.report.solve_seconds += before.solve_seconds;
   }
-  if (bonds_part(step, stronger)) step.report.status = SolverStatus::diverged;
+  step.bond_parts = bonds_part(step, stronger);
+  if (step.bond_parts) step.report.status = SolverStatus::diverged;
   return step;
 }
 

@@ -108,6 +108,19 @@ std::vector<RememberedSubdomain> subdomains_to_remember(const GranularStep<D>& s
   return known;
 }
 
+// The bonds of a step, on all ranks.
+template <int D>
+std::vector<RememberedBond> bonds_to_remember(const GranularStep<D>& step, const Simulation& simulation) {
+  std::vector<RememberedBond> bonds;
+  if (!simulation.system.pairs.bonds()) return bonds;
+  const double alert = alert_distance(simulation.system, simulation.dynamics.time);
+  for (const StepContact& c : step.problem.geometry)
+    if (const auto bond = bond_of(start_of(simulation), c, alert)) bonds.push_back(*bond);
+  if (!simulation.processes.alone()) bonds = simulation.processes.gather(bonds);
+  std::ranges::sort(bonds, {}, [](const RememberedBond& one) { return std::pair(one.a, one.b); });
+  return bonds;
+}
+
 // The velocities of all grains and free bodies at the end of a step; each rank computes those of its own contacts.
 template <int D>
 std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const GranularStep<D>& step) {
@@ -224,6 +237,7 @@ StepReport take_step(Simulation& simulation, const GranularStep<D>& step) {
   check_end_of_step(start_of(simulation), step.all_grains);
   report.energy = finish_step(simulation.system, state, simulation.dynamics.time, step.all_grains, step.work);
   release_grains(simulation.system, state);
+  state.bonds = bonds_to_remember(step, simulation);
   state.impulses = impulses_to_remember(step.problem, step.contacts);
   if (decomposes_afresh(simulation, report.step - 1)) {
     state.decomposed_at = report.step - 1;

@@ -25,6 +25,7 @@ struct GranularStep {
   std::vector<RememberedGluing> gluing;
   std::vector<RememberedModel> models;
   Vector interface_impulses;
+  bool bond_parts = false;       ///< a bond opens or slides, however large its shift
   bool energy_exploded = false;  ///< it ends with far more energy than loads, boundaries and pushes can bring
 };
 

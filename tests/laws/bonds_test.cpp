@@ -57,7 +57,7 @@ TEST_CASE("a chain of bonded disks hangs from a ceiling: the first bond carries 
   }
 }
 
-TEST_CASE("a bond at a distance keeps it, and ends beyond the alert distance") {
+TEST_CASE("a bond at a distance keeps it; bodies beyond the alert distance are not bonded") {
   const double gap = 0.02;  // the alert distance is 0.05 x 0.5
   Simulation near = bonded_disks({{.x = 0, .y = -0.5 - gap}}, {1, 0}, {0, 0}, "auto");
   advance(near, 10);
@@ -67,13 +67,44 @@ TEST_CASE("a bond at a distance keeps it, and ends beyond the alert distance") {
   CHECK(far.state.velocity_y[0] == doctest::Approx(-0.1 * g).epsilon(1e-12));
 }
 
-TEST_CASE("bonded disks follow a wall that moves away and sideways") {
-  Simulation simulation =
-      bonded_disks({{.x = 0, .y = 0.5}, {.x = 0, .y = 1.5}}, {0, 0}, {1, 0}, "auto", moving({0.3, -2, 0}));
-  advance(simulation);
-  CHECK(simulation.state.velocity_y[0] == doctest::Approx(-2).epsilon(1e-9));
-  CHECK(simulation.state.velocity_y[1] == doctest::Approx(-2).epsilon(1e-9));
-  // The surface drags the rim: a free chain of two gears on a rack, whose velocities along x obey momentum.
-  const double surface = simulation.state.velocity_x[0] + 0.5 * simulation.state.spin[0];
-  CHECK(surface == doctest::Approx(0.3).epsilon(1e-9));
+TEST_CASE("bonded disks that go round each other keep their distance") {
+  for (const double gap : {0.0, 0.02}) {
+    CAPTURE(gap);
+    const Grain left{.x = -0.5, .y = 50, .velocity_y = -1, .spin = 2},
+        right{.x = 0.5 + gap, .y = 50, .velocity_y = 1, .spin = 2};
+    Simulation simulation = bonded_disks({left, right}, {0, 0}, {1, 0}, "auto");
+    simulation.dynamics.time.gravity = {0, 0};
+    for (Index k = 0; k < 300; ++k) {
+      advance(simulation);
+      const double x = simulation.state.x[1] - simulation.state.x[0], y = simulation.state.y[1] - simulation.state.y[0];
+      CHECK(std::abs(std::hypot(x, y) - (1 + gap)) < 4e-4);  // (h v)^2/d within a step
+    }
+    REQUIRE(simulation.state.bonds.size() == 1);
+    CHECK(std::abs(simulation.state.bonds[0].gap - gap) < 1e-3);
+  }
+}
+
+TEST_CASE("a disk at rest follows a wall that it is bonded to, and a rim that turns carries another") {
+  Simulation pulled = bonded_disks({{.x = 0, .y = 0.5}}, {0, 0}, {1, 0}, "auto", moving({0.3, -1, 0}));
+  pulled.dynamics.time.gravity = {0, 0};
+  advance(pulled);
+  CHECK(pulled.state.velocity_y[0] == doctest::Approx(-1).epsilon(1e-10));
+  CHECK(pulled.state.velocity_x[0] + 0.5 * pulled.state.spin[0] == doctest::Approx(0.3).epsilon(1e-10));
+  Simulation gears = bonded_disks({{.x = -0.5, .y = 9, .spin = 1}, {.x = 0.5, .y = 9}}, {0, 0}, {1, 0}, "auto");
+  gears.dynamics.time.gravity = {0, 0};
+  advance(gears);
+  // u_t = 0.5 before, W_tt = 2 + 2 x 2 = 6 (1/kg): the impulse 1/12 N s.
+  CHECK(std::abs(gears.state.velocity_y[1]) == doctest::Approx(1.0 / 12));
+  CHECK(gears.state.velocity_y[0] == doctest::Approx(-gears.state.velocity_y[1]));
+}
+
+TEST_CASE("bonds that no impulse holds end the run") {
+  Dynamics dynamics = bonded_disks({{.x = 0, .y = 0.5}}, {0, 0}, {1, 0}, "auto").dynamics;
+  BoundarySpec other = wall("away", {1, 1}, {0, 1}, moving({0, 1, 0}));
+  other.colour = "glue";
+  dynamics.boundaries.push_back(other);
+  dynamics.time.steps = 5;
+  Simulation simulation = simulation_of({Grain{.x = 0, .y = 0.5}}, dynamics);
+  CHECK(refusal_of(simulation).find("step 1: a bond parts") != std::string::npos);
+  CHECK(simulation.state.step == 0);
 }

@@ -65,8 +65,7 @@ TEST_CASE("a grain on a driven disk rolls as its surface moves: with its spin or
 TEST_CASE("a driven disk that turns about its foot does not push a frictionless disk that touches it along its arm") {
   for (const double theta : {0.5, 0.75, 1.0})
     for (const BoundaryInstant instant : {BoundaryInstant::middle, BoundaryInstant::end}) {
-      CAPTURE(theta);
-      CAPTURE(to_string(instant));
+      INFO("theta = ", theta, ", instant = ", to_string(instant));
       Dynamics dynamics = tight();
       dynamics.time.step = 0.1;
       dynamics.time.theta = theta;

@@ -274,8 +274,8 @@ TEST_CASE("a driven group goes round an axis as one body, and what stands on it 
     const StepReport last = advance_in_space(simulation, steps);
     const GranularState& state = simulation.state;
     CHECK(state.impulses.size() == 3);
-    CHECK(std::abs(last.energy.numerical) < 1e-12);  // the table's work, that of its turning grains included
-    CHECK(std::abs(last.energy.boundary_work) > 1e-8);
+    CHECK(std::abs(last.energy.numerical) < 1e-12);      // the table's work, that of its turning grains included
+    CHECK(std::abs(last.energy.boundary_work) < 1e-10);  // nothing is sped up; of third order in the step
     const Eigen::AngleAxisd turn(omega * state.time, up);
     const auto carried = [&](std::size_t k) { return Vector3(axis_point + turn * (balls[k].centre - axis_point)); };
     for (std::size_t k = 0; k < 3; ++k) {

@@ -43,6 +43,12 @@ std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxGrains
   std::vector<PrescribedVelocity> moving;
   for_each_grain(datbox, which, [&](const DatboxBody& body, const DatboxContactor&, Index number) {
     const bool space = datbox.space();
+    const auto& source = datbox.command.source;
+    if (source && which == DatboxGrains::all && &body - datbox.bodies.data() + 1 >= source->first) {
+      if (!body.velocity.isZero(0) || !body.spin.isZero(0))
+        refuse(body.place, "expected bodies at rest that a source point releases, met one that moves");
+      return;
+    }
     if (which == DatboxGrains::all && !is_free_grain(body, space)) return;
     const Vector3& v = body.velocity;
     Vector3 spin = Vector3::Zero();

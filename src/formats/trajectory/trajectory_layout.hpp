@@ -115,6 +115,12 @@ inline auto gluing_columns(Index dimension) {
   };
 }
 
+inline constexpr auto bond_columns = [](auto&& visit) {
+  visit("a", "1", [](auto& bond) { return &bond.a; });
+  visit("b", "1", [](auto& bond) { return &bond.b; });
+  visit("gap", "m", [](auto& bond) { return &bond.gap; });
+};
+
 inline constexpr auto released_columns = [](auto&& visit) {
   visit("grain", "1", [](auto& released) { return &released.grain; });
 };

@@ -43,8 +43,17 @@ void put_lists(const Group& group, Steps steps, List list, Columns&& columns, Ar
   group.put<std::int64_t>("rows", rows, form);
 }
 
+// Lists that few cases have: in all steps of a file or in none.
+struct Lists {
+  bool released = false, bonds = false;
+};
+Lists lists_of(const GranularSystem& system) {
+  return {std::ranges::any_of(system.boundaries, [](const Boundary& one) { return one.source.has_value(); }),
+          system.pairs.bonds()};
+}
+
 // One array per quantity holds all steps, which saves calls of HDF5. A chunk holds the contacts of a dense packing.
-void put_steps(const Group& group, Steps steps, bool append) {
+void put_steps(const Group& group, Steps steps, bool append, const Lists& new_lists = {}) {
   if (steps.empty()) return;
   ArrayForm form{.chunk = std::clamp<std::size_t>(2 * steps[0].state.x.size(), 256, 65536), .append = append};
   const auto state = [](const TrajectoryStep& step) { return std::span(&step.state, 1); };
@@ -52,12 +61,15 @@ void put_steps(const Group& group, Steps steps, bool append) {
   const auto contacts = [](const TrajectoryStep& step) -> auto& { return step.contacts; };
   const auto gluing = [](const TrajectoryStep& step) -> auto& { return step.state.gluing; };
   const auto released = [](const TrajectoryStep& step) -> auto& { return step.state.released; };
+  const auto bonds = [](const TrajectoryStep& step) -> auto& { return step.state.bonds; };
   const auto models = [](const TrajectoryStep& step) -> auto& { return step.state.models; };
   const Index dimension = steps[0].state.z.empty() ? 2 : 3;
   put_structs(group, steps, state, layout::state_columns, form);
   put_lists(group.make_group("contacts"), steps, contacts, layout::contact_columns(dimension), form);
   put_lists(group.make_group("interface"), steps, gluing, layout::gluing_columns(dimension), form);
-  if (!steps.back().state.released.empty())  // from the beginning if there is a source
+  if (new_lists.bonds || group.has("bonds"))
+    put_lists(group.make_group("bonds"), steps, bonds, layout::bond_columns, form);
+  if (new_lists.released || group.has("released"))
     put_lists(group.make_group("released"), steps, released, layout::released_columns, form);
   if (!steps[0].state.models.empty())  // one per subdomain in every step of a run that switches models
     put_lists(group.make_group("models"), steps, models, layout::model_columns, form);
@@ -124,7 +136,8 @@ TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHead
     root.put_text("case", header.case_text);
     root.put_attribute("ended", "running");
     put_system(root, header.system);
-    for (const char* group : {"steps", "last"}) put_steps(root.make_group(group), {&first, 1}, false);
+    for (const char* group : {"steps", "last"})
+      put_steps(root.make_group(group), {&first, 1}, false, lists_of(header.system));
     root.make_group("summary");
     file.flush();
   });

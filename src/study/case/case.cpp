@@ -89,9 +89,13 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   const ContactNetwork none{
       .contacts = {}, .grains = packing.size(), .dimension = packing.dimension(), .period = one.spec.contacts.period()};
   const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing);
+  const auto released = [&](Index grain) {  // by a source, at rest
+    return std::ranges::any_of(start.state.released, [&](const ReleasedGrain& out) { return out.grain == grain; });
+  };
   for (std::size_t k = 0; k < prescribed.size(); ++k)
-    if (const Index grain = prescribed[k].grain; !start.system.free(grain))
-      throw Error(grain_key(k), fmt::format("expected a free grain, met {}", body_name(start.system, grain)));
+    if (const Index grain = prescribed[k].grain; !start.system.free(grain) || released(grain))
+      throw Error(grain_key(k),
+                  fmt::format("expected a free grain that no source releases, met {}", body_name(start.system, grain)));
   const Vector v = assemble(packing, none, prescribed, one.spec.loads).arriving_velocity;
   std::vector<GrainMotion> motions(at(packing.size()));  // with spins, since the radius is 1 for them
   for (Index i = 0; i < packing.size(); ++i)
@@ -99,7 +103,7 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   for (const PrescribedVelocity& spinning : prescribed)
     std::ranges::copy(spinning.spin, motions[at(spinning.grain)].begin() + 3);
   for (Index i = 0; i < packing.size(); ++i)
-    if (start.system.free(i)) set_motion(start.state, at(i), motions[at(i)], 1);
+    if (start.system.free(i) && !released(i)) set_motion(start.state, at(i), motions[at(i)], 1);
 }
 
 // `contacts = {}` would keep their memory.
