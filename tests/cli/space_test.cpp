@@ -193,11 +193,9 @@ TEST_CASE_FIXTURE(Session, "space: a deposit is made, looked at and studied like
   REQUIRE(bed.rows.size() == 60);
   for (std::size_t row = 0; row < 60; ++row) {
     const double radius = bed.number(row, "radius");
-    CHECK(bed.number(row, "x") >= radius);
+    for (const char* axis : {"x", "y", "z"}) CHECK(bed.number(row, axis) >= radius);
     CHECK(bed.number(row, "x") <= 1.2 - radius);
-    CHECK(bed.number(row, "y") >= radius);
     CHECK(bed.number(row, "y") <= 0.9 - radius);
-    CHECK(bed.number(row, "z") >= radius);
   }
   answer("generate bed.toml -o again.csv");
   CHECK(grains_of("again.csv") == grains_of("bed.csv"));

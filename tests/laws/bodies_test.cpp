@@ -25,6 +25,13 @@ FreeBody free_body(double mass, double inertia, std::array<bool, 6> directions =
   return body;
 }
 
+// The boundary as a body that is free along y alone.
+BoundarySpec free_along_y(BoundarySpec spec, double mass, const Motion& load = {}) {
+  spec.body = free_body(mass, 0, {false, true});
+  spec.body->load = load;
+  return spec;
+}
+
 // Grains first ... last as one rigid body about a centre.
 BoundarySpec clump(const std::string& name, Index first, Index last, std::array<double, 2> centre, double mass,
                    double inertia, RigidVelocity velocity = {}) {
@@ -47,6 +54,14 @@ Dynamics without_gravity(const std::vector<BoundarySpec>& boundaries) {
   Dynamics dynamics = tight(boundaries);
   dynamics.time.gravity = {0, 0};
   dynamics.time.step = 1e-3;
+  return dynamics;
+}
+
+// Solved to rounding by sweeps, else to 1e-10.
+Dynamics tight_by(Choice<StepAlgorithm> algorithm, const std::vector<BoundarySpec>& boundaries) {
+  Dynamics dynamics = tight(boundaries);
+  dynamics.solver.algorithm = algorithm;
+  if (!has_part(algorithm, StepPart::sweeps)) dynamics.solver.tolerance = 1e-10;
   return dynamics;
 }
 
@@ -147,13 +162,8 @@ TEST_CASE("a disk with any inertia rolls down a slope at g sin(alpha) / (1 + I/(
 TEST_CASE("a wall that is free along y and pushed down compresses a column: reactions are forces and weights") {
   constexpr double force = 30, mass = 4;
   for (const StepAlgorithm algorithm : {StepAlgorithm::nlgs, StepAlgorithm::automatic}) {
-    BoundarySpec top = wall("top", {1, 3}, {0, 3});
-    top.body = free_body(mass, 0, {false, true});
-    top.body->load.velocity = {{.y = -force}};
-    top.body->load.time = {0};
-    Dynamics dynamics = tight({floor_wall(), top});
-    dynamics.solver.algorithm = algorithm;
-    if (algorithm == StepAlgorithm::automatic) dynamics.solver.tolerance = 1e-10;
+    const BoundarySpec top = free_along_y(wall("top", {1, 3}, {0, 3}), mass, moving({.y = -force}));
+    const Dynamics dynamics = tight_by(algorithm, {floor_wall(), top});
     Simulation simulation = simulation_of({{.y = 0.5}, {.y = 1.5}, {.y = 2.5}}, dynamics);
     const StepReport report = advance(simulation, 5);
     const double h = dynamics.time.step, weight = mass * g;
@@ -166,8 +176,7 @@ TEST_CASE("a wall that is free along y and pushed down compresses a column: reac
 }
 
 TEST_CASE("a wall without contacts falls by its load, which may depend on time, and does its work") {
-  BoundarySpec top = wall("top", {1, 3}, {0, 3});
-  top.body = free_body(2, 0, {false, true});
+  BoundarySpec top = free_along_y(wall("top", {1, 3}, {0, 3}), 2);
   top.body->load.oscillations = {{{.y = -6}, 0, 0, 0, 5}};  // 0 ... -6 N in 0.2 s
   Dynamics dynamics = without_gravity({top});
   dynamics.time.step = 0.01;
@@ -239,16 +248,11 @@ TEST_CASE("a rough plate that is free along y alone goes down between fixed wall
     // Disks 0 to 2 of the bed; 3 to 5 of the plate, whose ends touch the side walls.
     const std::vector<Grain> grains{{.x = 0.5, .y = 0.5}, {.x = 1.5, .y = 0.5}, {.x = 2.5, .y = 0.5},
                                     {.x = 0.5, .y = 1.5}, {.x = 1.5, .y = 1.5}, {.x = 2.5, .y = 1.5}};
-    BoundarySpec plate = driven_grains("plate", 3, 5);
+    BoundarySpec plate = free_along_y(driven_grains("plate", 3, 5), mass, moving({.y = -force}));
     plate.motion.centre = {1.5, 1.5, 0};
-    plate.body = free_body(mass, 0, {false, true});
-    plate.body->load.time = {0};
-    plate.body->load.velocity = {{.y = -force}};
     std::vector<BoundarySpec> boundaries{floor_wall(), plate};
     if (walls) boundaries.insert(boundaries.end(), {wall("left", {0, 1}, {0, 0}), wall("right", {3, 0}, {3, 1})});
-    Dynamics dynamics = tight(boundaries);
-    dynamics.solver.algorithm = algorithm;
-    if (!has_part(algorithm, StepPart::sweeps)) dynamics.solver.tolerance = 1e-10;
+    const Dynamics dynamics = tight_by(algorithm, boundaries);
     Simulation simulation = simulation_of(grains, dynamics);
     const StepReport report = advance(simulation, 5);
     CHECK(report.residual.relative_natural_map() < 1e-9);
@@ -265,11 +269,8 @@ TEST_CASE("a rough plate that is free along y alone goes down between fixed wall
 
 TEST_CASE("a wall that is free along y presses driven grains, along which nothing can rub") {
   for (const StepAlgorithm algorithm : {StepAlgorithm::nlgs, StepAlgorithm::automatic}) {
-    BoundarySpec top = wall("top", {1, 1}, {0, 1});
-    top.body = free_body(2, 0, {false, true});
-    Dynamics dynamics = tight({top, driven_grains("stones", 0, 1, moving({.x = 0.3}))});
-    dynamics.solver.algorithm = algorithm;
-    if (algorithm == StepAlgorithm::automatic) dynamics.solver.tolerance = 1e-10;
+    const BoundarySpec top = free_along_y(wall("top", {1, 1}, {0, 1}), 2);
+    const Dynamics dynamics = tight_by(algorithm, {top, driven_grains("stones", 0, 1, moving({.x = 0.3}))});
     Simulation simulation = simulation_of({{.x = 0, .y = 0.5}, {.x = 2, .y = 0.5}, {.x = 9, .y = 0.5}}, dynamics);
     advance(simulation, 3);
     const double sum = impulse_between(simulation.state, 0, 3).n + impulse_between(simulation.state, 1, 3).n;
@@ -280,9 +281,7 @@ TEST_CASE("a wall that is free along y presses driven grains, along which nothin
 
 TEST_CASE("a plate that is free along y alone rubs on no slope: without friction it is held, with it refused") {
   // The slope rises at 45 degrees; the plate is one disk.
-  BoundarySpec plate = driven_grains("plate", 0, 0);
-  plate.body = free_body(2, 0, {false, true});
-  Dynamics dynamics = tight({wall("slope", {0, 0}, {1, 1}), plate});
+  Dynamics dynamics = tight({wall("slope", {0, 0}, {1, 1}), free_along_y(driven_grains("plate", 0, 0), 2)});
   const double touch = 0.5 * std::sqrt(2.0);
   dynamics.interaction.friction = 0;
   Simulation simulation = simulation_of(std::vector<Grain>{{.x = 0, .y = touch}}, dynamics);

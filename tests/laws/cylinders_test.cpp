@@ -236,8 +236,7 @@ TEST_CASE("cylinder: moved across its axis, or turned about a point of it, it pu
   const Vector3 normal(std::cos(a), std::sin(a), 0), centre = (radius + 0.5) * normal + Vector3(0, 0, 3);
   for (const bool ends : {false, true})
     for (const bool turns : {false, true}) {
-      CAPTURE(ends);
-      CAPTURE(turns);
+      INFO("ends = ", ends, ", turns = ", turns);
       BoundarySpec spec =
           rod(radius, 5, turns ? moving_in_space({0, 0, 0}, {0, v, 0}) : moving_in_space({v, 0, 0}, {0, 0, 0}));
       spec.ends = ends;

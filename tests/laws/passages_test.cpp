@@ -12,8 +12,10 @@ using namespace nscdd::testing;
 
 namespace {
 
-Dynamics free_flight(double step, double restitution = 0) {
+// Without a step where try_steps chooses it.
+Dynamics free_flight(double restitution = 0, double step = 0, const std::vector<BoundarySpec>& boundaries = {}) {
   Dynamics dynamics;
+  dynamics.boundaries = boundaries;
   dynamics.solver.tolerance = 1e-12;
   dynamics.interaction.law = "frictionless";
   dynamics.interaction.restitution = restitution;
@@ -34,8 +36,9 @@ struct Ended {
   }
 };
 
-Ended run_for(Simulation simulation, double time) {
-  simulation.dynamics.time.steps = static_cast<Index>(std::ceil(time / simulation.dynamics.time.step));
+Ended run_for(Simulation simulation, double step, double time) {
+  simulation.dynamics.time.step = step;
+  simulation.dynamics.time.steps = static_cast<Index>(std::ceil(time / step));
   const std::string refusal = refusal_of(simulation);
   return {std::move(simulation), refusal};
 }
@@ -51,14 +54,14 @@ double named_step(const std::string& refusal) {
   return std::stod(refusal.substr(found + before.size()));
 }
 
-// Runs scenes with steps of ever other lengths. Where one is refused, the step named is not, nor 0.99 of it. All that
+// Runs a scene with steps of ever other lengths. Where one is refused, the step named is not, nor 0.99 of it. All that
 // are not refused end well. Returns how many were refused.
-template <class Scene, class Check>
-int try_steps(double shortest, double longest, double time, const Scene& scene, const Check& check) {
+template <class Check>
+int try_steps(double shortest, double longest, double time, const Simulation& scene, const Check& check) {
   int refusals = 0;
   for (double h = shortest; h <= longest; h *= 1.4) {
     CAPTURE(h);
-    const Ended ended = run_for(scene(h), time);
+    const Ended ended = run_for(scene, h, time);
     if (!ended.refused()) {
       check(ended);
       continue;
@@ -68,7 +71,7 @@ int try_steps(double shortest, double longest, double time, const Scene& scene, 
     CHECK(safe < h);
     for (const double shorter : {safe, 0.99 * safe}) {
       CAPTURE(shorter);
-      const Ended again = run_for(scene(shorter), time);
+      const Ended again = run_for(scene, shorter, time);
       CHECK(again.refusal == "");
       if (!again.refused()) check(again);
     }
@@ -93,13 +96,11 @@ TEST_CASE("passages: grains that meet head-on end with the speed of their moment
     INFO("p.r0 = ", p.r0, ", p.r1 = ", p.r1, ", p.m0 = ", p.m0, ", p.gap = ", p.gap);
     for (const double theta : {0.5, 0.75, 1.0}) {
       CAPTURE(theta);
-      const auto scene = [&](double h) {
-        Dynamics dynamics = free_flight(h);
-        dynamics.time.theta = theta;
-        return simulation_of({{.radius = p.r0, .mass = p.m0, .velocity_x = p.speed},
-                              {.x = p.r0 + p.gap + p.r1, .radius = p.r1, .mass = p.m1}},
-                             dynamics);
-      };
+      Dynamics dynamics = free_flight();
+      dynamics.time.theta = theta;
+      const Simulation scene = simulation_of({{.radius = p.r0, .mass = p.m0, .velocity_x = p.speed},
+                                              {.x = p.r0 + p.gap + p.r1, .radius = p.r1, .mass = p.m1}},
+                                             dynamics);
       const double least = std::min(p.r0, p.r1), right = p.m0 * p.speed / (p.m0 + p.m1);
       const int refused = try_steps(0.05 * least / p.speed, 9.9 * least / p.speed, (p.gap + 20 * p.r0) / p.speed, scene,
                                     [&](const Ended& ended) {
@@ -120,11 +121,9 @@ TEST_CASE("passages: oblique impacts, with restitution from anywhere, without fr
       const double offset = part * touch, along = std::sqrt(touch * touch - offset * offset);
       // Along the path: far away, or in touch to begin with (by rounding 1e-16 before or after).
       const double gap = restitution == 0.5 ? 1.7 : 0;
-      const auto scene = [&](double h) {
-        return simulation_of({{.x = -along - gap, .radius = r0, .mass = m0, .velocity_x = speed},
-                              {.y = offset, .radius = r1, .mass = m1}},
-                             free_flight(h, restitution));
-      };
+      const Simulation scene = simulation_of(
+          {{.x = -along - gap, .radius = r0, .mass = m0, .velocity_x = speed}, {.y = offset, .radius = r1, .mass = m1}},
+          free_flight(restitution));
       const double cosine = along / touch, sine = part,
                    impulse = (1 + restitution) * speed * cosine / (1 / m0 + 1 / m1);
       const std::array<double, 2> v0{speed - impulse * cosine / m0, -impulse * sine / m0};
@@ -147,7 +146,7 @@ TEST_CASE("passages: a pair that met and parted has the normal of its meeting, e
   for (const double offset : {0.8, 0.9}) {
     CAPTURE(offset);
     const double along = std::sqrt(1 - offset * offset), way = 2 * along + 0.2;
-    Simulation s = simulation_of({{.x = -along - 0.1, .velocity_x = 10}, {.y = offset}}, free_flight(way / 5));
+    Simulation s = simulation_of({{.x = -along - 0.1, .velocity_x = 10}, {.y = offset}}, free_flight(0, way / 5));
     const GranularStep<2> step = solve_step(s);
     REQUIRE(step.problem.geometry.size() == 1);
     CHECK(step.problem.geometry[0].normal[0] == doctest::Approx(along).epsilon(1e-12));
@@ -166,11 +165,9 @@ TEST_CASE("passages: two grains that cross at right angles") {
     CAPTURE(delay);
     const double speed = 40, touch = 0.2;
     // Seen from disk 0, disk 1 flies along (-1, 1) / sqrt 2 and misses its centre by delay / sqrt 2 times the touch.
-    const auto scene = [&](double h) {
-      return simulation_of({{.x = -0.5, .radius = 0.1, .velocity_x = speed},
-                            {.y = -0.5 - delay * touch, .radius = 0.1, .velocity_y = speed}},
-                           free_flight(h, 1));
-    };
+    const Simulation scene = simulation_of({{.x = -0.5, .radius = 0.1, .velocity_x = speed},
+                                            {.y = -0.5 - delay * touch, .radius = 0.1, .velocity_y = speed}},
+                                           free_flight(1));
     const double sine = delay / std::sqrt(2), normal_speed = std::sqrt(1 - sine * sine) * speed * std::sqrt(2);
     try_steps(1e-4, 9e-1 / speed, 0.06, scene, [&](const Ended& ended) {
       const auto a = ended.velocity(0), b = ended.velocity(1);
@@ -192,13 +189,11 @@ TEST_CASE("passages: spheres, and a row of driven ones") {
       INFO("driven = ", driven, ", part = ", part);
       const Vector3 aside = direction.cross(Vector3(0, 0, 1)).normalized() * part * touch;
       const Vector3 start = -direction * (std::sqrt(1 - part * part) * touch + 0.01) - aside;
-      const auto scene = [&](double h) {
-        Dynamics dynamics = free_flight(h, 0.5);
-        if (driven) dynamics.boundaries = {driven_grains("target", 1, 1)};
-        return simulation_of({Ball{.centre = start, .radius = 0.2, .mass = 2, .velocity = 5 * direction},
-                              Ball{.radius = 0.3, .mass = 3}},
-                             dynamics);
-      };
+      Dynamics dynamics = free_flight(0.5);
+      if (driven) dynamics.boundaries = {driven_grains("target", 1, 1)};
+      const Simulation scene = simulation_of(
+          {Ball{.centre = start, .radius = 0.2, .mass = 2, .velocity = 5 * direction}, Ball{.radius = 0.3, .mass = 3}},
+          dynamics);
       const Vector3 normal = (std::sqrt(1 - part * part) * direction + aside / touch).normalized();
       const double impulse = 1.5 * 5 * direction.dot(normal) / (1 / 2.0 + (driven ? 0 : 1 / 3.0));
       const Vector3 right = 5 * direction - impulse / 2 * normal;
@@ -213,12 +208,9 @@ TEST_CASE("passages: a wall that comes fast, or a grain that flies at it, are me
   for (const double restitution : {0.0, 0.5})
     for (const bool wall_moves : {false, true}) {
       INFO("restitution = ", restitution, ", wall_moves = ", wall_moves);
-      const auto scene = [&](double h) {
-        Dynamics dynamics = free_flight(h, restitution);
-        dynamics.boundaries = {wall("wall", {-1, 0}, {1, 0}, moving({0, wall_moves ? 8.0 : 0.0, 0}))};
-        return simulation_of({{.y = 0.4, .radius = 0.1, .velocity_x = 1, .velocity_y = wall_moves ? 0 : -8.0}},
-                             dynamics);
-      };
+      const Simulation scene = simulation_of(
+          {{.y = 0.4, .radius = 0.1, .velocity_x = 1, .velocity_y = wall_moves ? 0 : -8.0}},
+          free_flight(restitution, 0, {wall("wall", {-1, 0}, {1, 0}, moving({0, wall_moves ? 8.0 : 0.0, 0}))}));
       // The wall keeps its speed. The grain leaves it at `restitution` times the speed that they met with.
       const double right = (wall_moves ? 8 : 0) + restitution * 8;
       const int refused = try_steps(1e-3, 0.9 / 8, 0.3, scene, [&](const Ended& ended) {
@@ -233,14 +225,10 @@ TEST_CASE("passages: a disk between rows that move, and turn") {
   // The plate of one driven disk flies through a grain at rest; a paddle of driven disks turns through another.
   for (const bool turns : {false, true}) {
     CAPTURE(turns);
-    const auto scene = [&](double h) {
-      Dynamics dynamics = free_flight(h, 1);
-      dynamics.boundaries = {driven_grains("plate", 1, 1, turns ? moving({0, 0, 4}) : moving({12, 0, 0}))};
-      // At an arm of 3 m: 12 m/s too, which meet the grain head-on after a quarter of a turn.
-      return simulation_of(
-          {{.x = turns ? 0.0 : 2.0, .y = turns ? 3.0 : 0.0, .radius = 0.2}, {.x = turns ? 3.0 : 0.0, .radius = 0.2}},
-          dynamics);
-    };
+    // At an arm of 3 m: 12 m/s too, which meet the grain head-on after a quarter of a turn.
+    const Simulation scene = simulation_of(
+        {{.x = turns ? 0.0 : 2.0, .y = turns ? 3.0 : 0.0, .radius = 0.2}, {.x = turns ? 3.0 : 0.0, .radius = 0.2}},
+        free_flight(1, 0, {driven_grains("plate", 1, 1, turns ? moving({0, 0, 4}) : moving({12, 0, 0}))}));
     const int refused = try_steps(1e-3, 0.16, 0.45, scene, [&](const Ended& ended) {
       // Perfect restitution: the grain leaves at twice the speed of the plate.
       const auto v = ended.velocity(0);
@@ -253,8 +241,7 @@ TEST_CASE("passages: a disk between rows that move, and turn") {
 
 TEST_CASE("passages: what rides on a turning boundary does not turn") {
   // Inside of a disk that goes round at an arm of 1 m, by 0.15 rad until contacts are found.
-  Dynamics dynamics = free_flight(0.1);
-  dynamics.boundaries = {driven_grains("drum", 1, 1, moving({0, 0, 3}))};
+  const Dynamics dynamics = free_flight(0, 0.1, {driven_grains("drum", 1, 1, moving({0, 0, 3}))});
   const StepProblem<2> problem =
       solve_step(simulation_of({{.x = 0.5, .radius = 0.2, .velocity_y = 1.5}, {.x = 1, .radius = 0.3}}, dynamics))
           .problem;
@@ -268,12 +255,10 @@ TEST_CASE("passages: what rides on a turning boundary does not turn") {
 TEST_CASE("passages: a cylinder that grains are outside of, and one that they are inside of") {
   for (const bool inside : {false, true}) {
     CAPTURE(inside);
-    const auto scene = [&](double h) {
-      Dynamics dynamics = free_flight(h, 1);
-      dynamics.boundaries = {cylinder("cylinder", Vector3::Zero(), Vector3::UnitY(), inside ? 1.4 : 0.1,
-                                      inside ? CylinderSide::inside : CylinderSide::outside)};
-      return simulation_of({Ball{.centre = {-1, 3, 0}, .radius = 0.2, .velocity = {7, 2, 0}}}, dynamics);
-    };
+    const BoundarySpec post = cylinder("cylinder", Vector3::Zero(), Vector3::UnitY(), inside ? 1.4 : 0.1,
+                                       inside ? CylinderSide::inside : CylinderSide::outside);
+    const Simulation scene =
+        simulation_of({Ball{.centre = {-1, 3, 0}, .radius = 0.2, .velocity = {7, 2, 0}}}, free_flight(1, 0, {post}));
     const int refused = try_steps(1e-3, 0.25, inside ? 0.45 : 0.3, scene, [&](const Ended& ended) {
       const Vector3 v = velocity_of_ball(ended.simulation.state, 0);
       CHECK((v - Vector3(-7, 2, 0)).norm() < 1e-9);
@@ -286,20 +271,16 @@ TEST_CASE("passages: a piston that turns back before contacts are found has hit 
   for (const bool disk : {false, true}) {
     CAPTURE(disk);
     // 10 m/s until 0.1 s, then back as fast: it reaches 1 m, by 0.1 m into where the grain rests.
-    const auto scene = [&](double h) {
-      Dynamics dynamics = free_flight(h, 1);
-      BoundarySpec piston = disk ? driven_grains("piston", 1, 1) : wall("piston", {0, 1}, {0, 0});
-      piston.motion = moving({10, 0, 0});
-      piston.motion.time = {0, 0.0999, 0.1001};
-      piston.motion.velocity = {{10, 0, 0}, {10, 0, 0}, {-10, 0, 0}};
-      dynamics.boundaries = {piston};
-      std::vector<Grain> grains{{.x = 1.4}};
-      if (disk) grains[0].x += 0.5, grains.push_back({});
-      return simulation_of(grains, dynamics);
-    };
+    BoundarySpec piston = disk ? driven_grains("piston", 1, 1) : wall("piston", {0, 1}, {0, 0});
+    piston.motion = moving({10, 0, 0});
+    piston.motion.time = {0, 0.0999, 0.1001};
+    piston.motion.velocity = {{10, 0, 0}, {10, 0, 0}, {-10, 0, 0}};
+    std::vector<Grain> grains{{.x = 1.4}};
+    if (disk) grains[0].x += 0.5, grains.push_back({});
+    const Simulation scene = simulation_of(grains, free_flight(1, 0, {piston}));
     for (int steps = 1; steps <= 64; ++steps) {
       CAPTURE(steps);
-      const Ended ended = run_for(scene(0.1 / steps), 0.4);
+      const Ended ended = run_for(scene, 0.1 / steps, 0.4);
       if (!ended.refused()) CHECK(ended.velocity(0)[0] == doctest::Approx(20).epsilon(1e-9));
       if (ended.refused()) named_step(ended.refusal);
       if (steps > 30) CHECK(!ended.refused());
@@ -312,22 +293,14 @@ TEST_CASE("passages: a grain that falls ever faster is met by a plate or a heavy
     for (const bool grain : {false, true}) {
       INFO("theta = ", theta, ", grain = ", grain);
       const double height = 2, radius = 0.02, gravity = 9.81, restitution = 0.8;
-      const auto scene = [&](double h) {
-        Dynamics dynamics = tight();
-        dynamics.interaction.law = "frictionless";
-        dynamics.interaction.restitution = restitution;
-        dynamics.time.gravity = {0, -gravity};
-        dynamics.time.step = h;
-        dynamics.time.theta = theta;
-        std::vector<Grain> grains{{.y = height + radius, .radius = radius}};
-        if (grain) {
-          dynamics.boundaries = {driven_grains("plate", 1, 1)};
-          grains.push_back({.y = -0.01, .radius = 0.01});
-        } else {
-          dynamics.boundaries = {floor_wall()};
-        }
-        return simulation_of(grains, dynamics);
-      };
+      Dynamics dynamics = tight({grain ? driven_grains("plate", 1, 1) : floor_wall()});
+      dynamics.interaction.law = "frictionless";
+      dynamics.interaction.restitution = restitution;
+      dynamics.time.gravity = {0, -gravity};
+      dynamics.time.theta = theta;
+      std::vector<Grain> grains{{.y = height + radius, .radius = radius}};
+      if (grain) grains.push_back({.y = -0.01, .radius = 0.01});
+      const Simulation scene = simulation_of(grains, dynamics);
       const double speed = std::sqrt(2 * gravity * height), meets = speed / gravity, after = 0.1;
       const int refused = try_steps(1e-4, 0.03, meets + after, scene, [&](const Ended& ended) {
         const double h = ended.simulation.dynamics.time.step, time = ended.simulation.state.time;
@@ -345,12 +318,10 @@ TEST_CASE("passages: a light grain that a heavy one throws does not fly through 
     for (const double gap : {0.3, 1.1, 2.7}) {
       INFO("restitution = ", restitution, ", gap = ", gap);
       const double m0 = 20, m1 = 0.5, m2 = 0.5, speed = 6;
-      const auto scene = [&](double h) {
-        return simulation_of({{.radius = 0.3, .mass = m0, .velocity_x = speed},
-                              {.x = 0.5 + 0.02, .radius = 0.2, .mass = m1},
-                              {.x = 0.5 + 0.02 + 0.4 + gap, .radius = 0.2, .mass = m2}},
-                             free_flight(h, restitution));
-      };
+      const Simulation scene = simulation_of({{.radius = 0.3, .mass = m0, .velocity_x = speed},
+                                              {.x = 0.5 + 0.02, .radius = 0.2, .mass = m1},
+                                              {.x = 0.5 + 0.02 + 0.4 + gap, .radius = 0.2, .mass = m2}},
+                                             free_flight(restitution));
       // Equal light masses: with e = 1 the third takes all of the second, which the first meets again and throws after
       // it, slower than it. With e = 0 all three stay together.
       const double heavy = speed * (m0 - m1) / (m0 + m1),
@@ -369,16 +340,15 @@ TEST_CASE("passages: a light grain that a heavy one throws does not fly through 
 TEST_CASE("passages: the path to the end of the last step is followed, and the step is not taken") {
   // Perfect restitution: contacts act once they touch. At q_m of the second step disk 0 is 0.1 m before disk 1.
   const double h = 0.1, speed = 30;
-  Simulation s = simulation_of({{.velocity_x = speed}, {.x = 1 + 1.5 * speed * h + 0.1}}, free_flight(h, 1));
+  Simulation s = simulation_of({{.velocity_x = speed}, {.x = 1 + 1.5 * speed * h + 0.1}}, free_flight(1, h));
+  Simulation short_one = s;
   s.dynamics.time.steps = 2;
   const RunOutcome outcome = run_simulation(s, {});
   CHECK(outcome.end == RunEnd::broke_down);
   CHECK(outcome.reason.find("step 2: dynamics.step: expected at most ") == 0);
   CHECK(s.state.step == 1);
   CHECK(s.state.x[0] == doctest::Approx(speed * h).epsilon(1e-14));
-  s.dynamics.time.steps = 1;  // ends before they meet
-  Simulation short_one = simulation_of({{.velocity_x = speed}, {.x = 1 + 1.5 * speed * h + 0.1}}, free_flight(h, 1));
-  short_one.dynamics.time.steps = 1;
+  short_one.dynamics.time.steps = 1;  // ends before they meet
   CHECK(run_simulation(short_one, {}).end == RunEnd::completed);
 }
 
@@ -386,7 +356,7 @@ TEST_CASE("passages: a run that goes on from a state ends as in one piece") {
   const double speed = 30;
   for (const double h : {0.02, 0.035, 0.1}) {
     CAPTURE(h);
-    const Simulation start = simulation_of({{.velocity_x = speed}, {.x = 8, .y = 0.7}}, free_flight(h, 0.5));
+    const Simulation start = simulation_of({{.velocity_x = speed}, {.x = 8, .y = 0.7}}, free_flight(0.5, h));
     Simulation whole = start;
     whole.dynamics.time.steps = 8;
     const RunOutcome outcome = run_simulation(whole, {});
@@ -405,10 +375,9 @@ TEST_CASE("passages: a run that goes on from a state ends as in one piece") {
 
 TEST_CASE("passages: what nothing meets is accepted as ever, and relative motion counts") {
   const auto unchanged = [](const std::vector<Grain>& grains, double step, double restitution) {
-    Simulation s = simulation_of(grains, free_flight(step, restitution));
+    Simulation s = simulation_of(grains, free_flight(restitution, step));
     s.dynamics.time.steps = 5;
-    const RunOutcome outcome = run_simulation(s, {});
-    CHECK(outcome.reason == "");
+    CHECK(refusal_of(s) == "");
     for (std::size_t i = 0; i < grains.size(); ++i) {
       CHECK(s.state.velocity_x[i] == doctest::Approx(grains[i].velocity_x).epsilon(1e-12));
       CHECK(std::abs(s.state.velocity_y[i] - grains[i].velocity_y) < 1e-12);
@@ -430,7 +399,7 @@ TEST_CASE("passages: what nothing meets is accepted as ever, and relative motion
 
 TEST_CASE("passages: overlaps of the packing itself are told from those that a step makes") {
   const auto refusal = [](const std::vector<Grain>& grains, double step) {
-    return run_for(simulation_of(grains, free_flight(step)), 5 * step).refusal;
+    return run_for(simulation_of(grains, free_flight()), step, 5 * step).refusal;
   };
   const std::string packing = "disk 0 and disk 1: expected an overlap of at most 0.5";
   CHECK(refusal({{}, {.x = 0.6}}, 0.01).find(packing) == 0);
@@ -447,7 +416,7 @@ TEST_CASE("passages: without restitution grains that miss each other are no cont
       INFO("speed = ", speed, ", clearance = ", clearance);
       Simulation s = simulation_of({{.x = -6.3, .radius = 0.5, .velocity_x = speed},
                                     {.x = 6.3, .y = 1 + clearance, .radius = 0.5, .velocity_x = -speed}},
-                                   free_flight(0.01, 0));
+                                   free_flight(0, 0.01));
       s.dynamics.time.steps = 8;
       CHECK(run_simulation(s, {}).reason == "");
       CHECK(s.state.velocity_x[0] == speed);
@@ -463,7 +432,7 @@ TEST_CASE("passages: an oblique impact within a long step has the direction of t
     const double speed = 20 + 5 * (k % 7), offset = -0.9 + 0.03 * k, start = -3.1 - 0.11 * (k % 5);
     CAPTURE(k);
     Simulation s = simulation_of({{.x = start, .radius = 0.5, .velocity_x = speed}, {.y = offset, .radius = 0.5}},
-                                 free_flight(0.02, 0));
+                                 free_flight(0, 0.02));
     s.dynamics.time.steps = 15;
     try {
       if (run_simulation(s, {}).end == RunEnd::broke_down) continue;

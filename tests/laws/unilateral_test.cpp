@@ -69,12 +69,18 @@ UnilateralImpulses solve(const ReferenceProblem& problem, Method method, std::op
 // Seven disks, one in the middle: 12 contacts, of rank 11.
 Case hexagon() {
   Packing packing = generate(HexagonalLattice{.columns = 3, .rows = 3});
-  for (const Index corner : {6, 0}) {
+  for (const Index corner : {6, 0})
     for (auto* values : {&packing.x, &packing.y, &packing.radius}) values->erase(values->begin() + corner);
-  }
   Case one;
   one.spec.packing = PackingFile{"hexagon"};
   one.packing = packing;
+  return one;
+}
+
+// The case that moves by a deformation only.
+Case deformed(Case one, const Loads& loads) {
+  one.spec.prescribed.clear();
+  one.spec.loads = loads;
   return one;
 }
 
@@ -82,20 +88,15 @@ Case hexagon() {
 std::vector<ReferenceProblem> loaded_problems() {
   std::vector<ReferenceProblem> all;
   for (const std::uint64_t seed : {1, 2, 3}) {
-    Case one = random_lattice(seed, 14, 12, {1, 1});
+    const Case one = random_lattice(seed, 14, 12, {1, 1});
     all.push_back(build(one).problem);  // one grain hits the others
-    one.spec.prescribed.clear();
-    one.spec.loads = {{1.0, 1.0}, 0.0};
-    all.push_back(build(one).problem);
-    one.spec.loads = {{1.0, -0.5}, 0.7};
-    all.push_back(build(one).problem);
+    all.push_back(build(deformed(one, {{1.0, 1.0}, 0.0})).problem);
+    all.push_back(build(deformed(one, {{1.0, -0.5}, 0.7})).problem);
     load_at_random(all.emplace_back(all.back()), seed);
   }
-  Case spheres = random_fcc(1, 7, 6, 6, GridPartitioner{{1, 1, 1}});
+  const Case spheres = random_fcc(1, 7, 6, 6, GridPartitioner{{1, 1, 1}});
   all.push_back(build(spheres).problem);
-  spheres.spec.prescribed.clear();
-  spheres.spec.loads = {{1.0, -0.5, 0.5}, 0.7};
-  all.push_back(build(spheres).problem);
+  all.push_back(build(deformed(spheres, {{1.0, -0.5, 0.5}, 0.7})).problem);
   load_at_random(all.emplace_back(all.back()), 4);
   return all;
 }
@@ -163,10 +164,7 @@ TEST_CASE("unilateral: where no bilateral impulse pulls, it is the answer; least
   CHECK(inner.count(UnilateralStatus::carrying) == problem.contacts());
   CHECK(inner.velocities.cwiseAbs().maxCoeff() < 1e-7);
   // An isostatic packing has one answer for all.
-  Case pair = strip(3);
-  pair.spec.prescribed.clear();
-  pair.spec.loads = one.spec.loads;
-  const ReferenceProblem triangle = build(pair).problem;
+  const ReferenceProblem triangle = build(deformed(strip(3), one.spec.loads)).problem;
   REQUIRE(rigid_impulses(triangle).unique);
   REQUIRE(rigid_impulses(triangle).impulses.minCoeff() > 0);
   CHECK((unilateral_impulses(triangle).impulses - rigid_impulses(triangle).impulses).norm() < 1e-8);
@@ -215,7 +213,8 @@ TEST_CASE("unilateral: momentum is kept, energy only lost, and V is the nearest 
   }
 }
 
-TEST_CASE("unilateral: velocities are the same from any start, by any method and order; sets too") {
+TEST_CASE("unilateral: velocities are the same from any start, method and order; the interior point carries all") {
+  Index more = 0;
   for (const ReferenceProblem& problem : loaded_problems()) {
     const UnilateralImpulses interior = unilateral_impulses(problem);
     const double speed = problem.arriving_velocity.cwiseAbs().maxCoeff();
@@ -236,13 +235,7 @@ TEST_CASE("unilateral: velocities are the same from any start, by any method and
     CHECK(off() < 1e-5 * speed);
     // twice the same, bit for bit
     CHECK(unilateral_impulses(problem).impulses == interior.impulses);
-  }
-}
-
-TEST_CASE("unilateral: the interior point carries wherever another solution does") {
-  Index more = 0;
-  for (const ReferenceProblem& problem : loaded_problems()) {
-    const UnilateralImpulses interior = unilateral_impulses(problem);
+    // carrying wherever another solution does
     const UnilateralImpulses gradients = by_projected_gradients(problem, {.tolerance = 1e-10});
     const double largest = gradients.impulses.maxCoeff();
     for (Index c = 0; c < problem.contacts(); ++c) {
@@ -253,7 +246,7 @@ TEST_CASE("unilateral: the interior point carries wherever another solution does
   CHECK(more > 0);
 }
 
-TEST_CASE("unilateral: masses and velocities in other units change impulses by their product only") {
+TEST_CASE("unilateral: other units of mass and velocity change impulses by their product only; eight decades of mass") {
   const ReferenceProblem problem = build(random_lattice(2, 12, 12, {1, 1})).problem;
   const UnilateralImpulses plain = unilateral_impulses(problem);
   ReferenceProblem scaled = problem;
@@ -265,31 +258,34 @@ TEST_CASE("unilateral: masses and velocities in other units change impulses by t
   CHECK(other.iterations == plain.iterations);
   CHECK((other.velocities * 1e6 - plain.velocities).norm() < 1e-9 * plain.velocities.norm());
   CHECK((other.impulses * 1e3 - plain.impulses).norm() < 1e-6 * plain.impulses.norm());
-}
 
-TEST_CASE("unilateral: masses over eight decades") {
-  ReferenceProblem problem = build(random_lattice(1, 14, 12, {1, 1})).problem;
+  ReferenceProblem decades = build(random_lattice(1, 14, 12, {1, 1})).problem;
   RandomStream random(3);
-  for (Index i = 0; i < problem.grains(); ++i)
-    problem.inertia.segment(2 * i, 2).setConstant(std::pow(10.0, 8 * random.uniform() - 4));
-  const UnilateralImpulses found = unilateral_impulses(problem);
+  for (Index i = 0; i < decades.grains(); ++i)
+    decades.inertia.segment(2 * i, 2).setConstant(std::pow(10.0, 8 * random.uniform() - 4));
+  const UnilateralImpulses found = unilateral_impulses(decades);
   CHECK(found.converged);
   CHECK(found.count(UnilateralStatus::carrying) > 0);
 }
 
-TEST_CASE("unilateral: contacts that nothing moves are idle, a load that pulls opens all") {
+TEST_CASE("unilateral: contacts that nothing moves are idle, a load that pulls opens all; no contacts, no load") {
   const Packing packing{{0.0, 1.0, 5.0, 6.0}, {0, 0, 0, 0}, {0.5, 0.5, 0.5, 0.5}, {1, 1, 1, 1}};
   const ReferenceProblem problem = assemble(packing, detect_contacts(packing), {{1, {-1.0, 0.0}}});
   const UnilateralImpulses found = unilateral_impulses(problem);
   CHECK(found.status == std::vector<UnilateralStatus>{UnilateralStatus::carrying, UnilateralStatus::idle});
-  Case one = random_lattice(1, 8, 8, {1, 1});
-  one.spec.prescribed.clear();
-  one.spec.loads = {{-1.0, -1.0}, 0.0};
-  const ReferenceProblem pulled = build(one).problem;
+  const ReferenceProblem pulled = build(deformed(random_lattice(1, 8, 8, {1, 1}), {{-1.0, -1.0}, 0.0})).problem;
   const UnilateralImpulses apart = unilateral_impulses(pulled);
   CHECK(apart.count(UnilateralStatus::open) == pulled.contacts());
   CHECK(apart.impulses.isZero(0));
   CHECK(apart.velocities == pulled.arriving_velocity);
+  const Packing two{{0.0, 5.0}, {0.0, 0.0}, {0.5, 0.5}, {1, 1}};
+  const UnilateralImpulses none = unilateral_impulses(assemble(two, detect_contacts(two), {{1, {-1.0, 0.0}}}));
+  CHECK(none.converged);
+  CHECK(none.impulses.size() == 0);
+  const Model still = build(deformed(strip(4), {}));
+  CHECK(unilateral_impulses(still.problem).count(UnilateralStatus::idle) == 5);
+  CHECK_THROWS_WITH_AS(choose_contacts(still, ContactSet::unilateral),
+                       doctest::Contains("expected a prescribed velocity"), Error);
 }
 
 TEST_CASE("unilateral: want of convergence is data, and a monitor stops the work") {
@@ -304,18 +300,6 @@ TEST_CASE("unilateral: want of convergence is data, and a monitor stops the work
     CHECK(calls == 3);
     CHECK_FALSE(stopped.converged);
   }
-}
-
-TEST_CASE("unilateral: a packing without contacts, and one without a load") {
-  const Packing apart{{0.0, 5.0}, {0.0, 0.0}, {0.5, 0.5}, {1, 1}};
-  const UnilateralImpulses none = unilateral_impulses(assemble(apart, detect_contacts(apart), {{1, {-1.0, 0.0}}}));
-  CHECK(none.converged);
-  CHECK(none.impulses.size() == 0);
-  Case still = strip(4);
-  still.spec.prescribed.clear();
-  CHECK(unilateral_impulses(build(still).problem).count(UnilateralStatus::idle) == 5);
-  CHECK_THROWS_WITH_AS(choose_contacts(build(still), ContactSet::unilateral),
-                       doctest::Contains("expected a prescribed velocity"), Error);
 }
 
 TEST_CASE("loads: a homogeneous deformation without momentum, overruled grain by grain") {
@@ -352,14 +336,9 @@ TEST_CASE("choice of contacts: rule and solution say whether impulses are unique
     CHECK(isostatic.rule == "complementarity (unique)");
     CHECK(isostatic.certain);
   }
-  Case squeezed = random_fcc(2, 5, 5, 4, GridPartitioner{{1, 1, 1}});
-  squeezed.spec.prescribed.clear();
-  squeezed.spec.loads = {{1.0, 1.0, 1.0}, 0.0};
+  const Case squeezed = deformed(random_fcc(2, 5, 5, 4, GridPartitioner{{1, 1, 1}}), {{1.0, 1.0, 1.0}, 0.0});
   CHECK(choose_contacts(build(squeezed), ContactSet::unilateral).rule == "complementarity (maximal)");
-  Case one = random_lattice(2, 10, 9, {2, 1});
-  one.spec.prescribed.clear();
-  one.spec.loads = {{1.0, 1.0}, 0.0};
-  const Model compressed = build(one);
+  const Model compressed = build(deformed(random_lattice(2, 10, 9, {2, 1}), {{1.0, 1.0}, 0.0}));
   const ContactChoice hyperstatic = choose_contacts(compressed, ContactSet::unilateral);
   CHECK(hyperstatic.rule == "complementarity (maximal)");
   CHECK(hyperstatic.solution == "unilateral_maximal");

@@ -18,6 +18,10 @@ void refused(const std::string& text, const Names& names) {
   check_error([&] { parse(text); }, names);
 }
 
+void refused_when_built(const std::string& text, const Names& names) {
+  check_error([&] { simulation_of(resolve(parse(text))); }, names);
+}
+
 const Spoilt spoilt{moving_case(), parse};
 
 }  // namespace
@@ -107,6 +111,25 @@ TEST_CASE("moving case: every error names file, line and key") {
          {"c.toml:13: interaction.epsilon:", "30 W", "met \"2 V\""});
   spoilt("[dynamics]\nstep = 0.005\nsteps = 20\n", "", {"c.toml:11: interaction:", "[dynamics]", "met none"});
   spoilt("[dynamics]", "[dynamic]", {"unknown key 'dynamic'"});
+  spoilt("name = \"floor\"", "name = \"left\"", {"boundary[1].name:", "met \"left\" again"});
+  spoilt("name = \"floor\"\n", "", {"boundary[0].name:", "met none"});
+  for (const std::string name : {"", "a\\nb", "tab\\t", "\\u007f"})
+    spoilt("name = \"floor\"", "name = \"" + name + "\"", {"boundary[0].name:", "text of one line"});
+  spoilt("shape = \"wall\"", "shape = \"spheres\"",
+         {"boundary[2].shape:", "wall", "disks", "grains", "cylinder", "met \"spheres\""});
+  spoilt("shape = \"disks\"", "shape = \"wall\"", {"unknown key 'boundary[0].radius'"});
+  spoilt("shape = \"wall\"", "shape = \"grains\"", {"boundary[2].first:", "met none"});
+  spoilt("spin = -0.075\n", "orientation = \"free\"\n",
+         {"boundary[1].orientation:", "turning", "fixed", "met \"free\""});
+  spoilt("centre = [3, 0]", "orientation = \"fixed\"", {"unknown key 'boundary[2].orientation'"});
+  spoilt("to = [3, 1]", "to = [3, 0]", {"boundary[2].to:", "point"});
+  spoilt("radius = 0.198\n[[", "radius = -1\n[[", {"boundary[0].radius"});
+  spoilt("centre = [3, 0]", "centre = [3, inf]", {"boundary[2].centre"});
+  spoilt("centre = [3, 0]", "spin = 1", {"boundary[2].motion:", "met both"});
+  spoilt("[0.02, 0, 0, -0.075]", "[0, 0, 0, 1]", {"boundary[2].motion:", "met 0 s after 0 s"});
+  spoilt("[0.02, 0, 0, -0.075]", "[0.02, 0, 0]", {"boundary[2].motion"});
+  spoilt("[0.02, 0, 0, -0.075]", "[0.02, 0, 0, nan]", {"boundary[2].motion"});
+  spoilt("[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]", "[]", {"met an empty array"});
 }
 
 TEST_CASE("moving case: a value without effect is refused, and written as its default") {
@@ -142,6 +165,12 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
   CHECK(to_toml(one).find("switch") == std::string::npos);
   one.dynamics->solver.model = SwitchedModel::linear;
   CHECK(parse(to_toml(one)).dynamics->solver.switch_after == 3);
+  // In the case of a trajectory values without effect may be other defaults.
+  const std::string text = replaced(good, "\"zeta\"", "\"none\"");  // with a tolerance of 1e-4
+  refused(text, {"c.toml:22: solver.tolerance:", "solver.criterion zeta"});
+  const CaseSpec earlier = parse_case(text, "run.h5: case", true);
+  CHECK(earlier.dynamics->solver.criterion == "none");
+  CHECK(to_toml(parse(to_toml(earlier))) == to_toml(earlier));
 }
 
 TEST_CASE("moving case: without [solver] every step is solved by auto to a natural map of 1e-8") {
@@ -190,37 +219,6 @@ TEST_CASE("moving case: where no algorithm is stated, keys that auto has no use 
           {"c.toml:18: solver.criterion:", "solver.algorithm nlgs", "met auto"});
 }
 
-TEST_CASE("moving case: in the case of a trajectory values without effect may be other defaults") {
-  const std::string text = replaced(moving_case(), "\"zeta\"", "\"none\"");  // with a tolerance of 1e-4
-  refused(text, {"c.toml:22: solver.tolerance:", "solver.criterion zeta"});
-  const CaseSpec earlier = parse_case(text, "run.h5: case", true);
-  CHECK(earlier.dynamics->solver.criterion == "none");
-  CHECK(to_toml(parse(to_toml(earlier))) == to_toml(earlier));
-}
-
-TEST_CASE("moving case: every error of a boundary names file, line and key") {
-  const std::string good = moving_case();
-  spoilt("name = \"floor\"", "name = \"left\"", {"boundary[1].name:", "met \"left\" again"});
-  spoilt("name = \"floor\"\n", "", {"boundary[0].name:", "met none"});
-  for (const std::string name : {"", "a\\nb", "tab\\t", "\\u007f"})
-    refused(replaced(good, "name = \"floor\"", "name = \"" + name + "\""), {"boundary[0].name:", "text of one line"});
-  spoilt("shape = \"wall\"", "shape = \"spheres\"",
-         {"boundary[2].shape:", "wall", "disks", "grains", "cylinder", "met \"spheres\""});
-  spoilt("shape = \"disks\"", "shape = \"wall\"", {"unknown key 'boundary[0].radius'"});
-  spoilt("shape = \"wall\"", "shape = \"grains\"", {"boundary[2].first:", "met none"});
-  spoilt("spin = -0.075\n", "orientation = \"free\"\n",
-         {"boundary[1].orientation:", "turning", "fixed", "met \"free\""});
-  spoilt("centre = [3, 0]", "orientation = \"fixed\"", {"unknown key 'boundary[2].orientation'"});
-  spoilt("to = [3, 1]", "to = [3, 0]", {"boundary[2].to:", "point"});
-  spoilt("radius = 0.198\n[[", "radius = -1\n[[", {"boundary[0].radius"});
-  spoilt("centre = [3, 0]", "centre = [3, inf]", {"boundary[2].centre"});
-  spoilt("centre = [3, 0]", "spin = 1", {"boundary[2].motion:", "met both"});
-  spoilt("[0.02, 0, 0, -0.075]", "[0, 0, 0, 1]", {"boundary[2].motion:", "met 0 s after 0 s"});
-  spoilt("[0.02, 0, 0, -0.075]", "[0.02, 0, 0]", {"boundary[2].motion"});
-  spoilt("[0.02, 0, 0, -0.075]", "[0.02, 0, 0, nan]", {"boundary[2].motion"});
-  spoilt("[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]", "[]", {"met an empty array"});
-}
-
 TEST_CASE("moving case: parameters are overridden by their path") {
   CaseSpec one = parse(moving_case());
   override_case(one, "dynamics.steps", "7");
@@ -250,9 +248,6 @@ TEST_CASE("settled packing: read and written by the name of its case, not settle
 }
 
 TEST_CASE("moving case: what grains and criteria refuse names file, line and key") {
-  const auto refused_when_built = [](const std::string& text, const Names& names) {
-    check_error([&] { simulation_of({parse(text)}); }, names);
-  };
   const std::string good = moving_case();
   refused_when_built(good + "[[prescribed]]\ngrain = 120\nvelocity = [0, 1]\n",
                      {"c.toml:45: prescribed[0].grain:", "0..119"});
@@ -331,12 +326,8 @@ TEST_CASE("moving case in space: boundaries are read, written and read again; mi
 
 TEST_CASE("moving case in space: boundaries and gravity of the other dimension are refused by name") {
   const std::string space = case_text("fcc", "1, 1, 1", "[masses]\ndensity = 1\n[dynamics]\nsteps = 1\n");
-  const auto refused_when_built = [](const std::string& text, const Names& names) {
-    check_error([&] { simulation_of(resolve(parse(text))); }, names);
-  };
   refused_when_built(space + "gravity = [0, -9.81]\n", {"dynamics.gravity:", "space"});
-  refused_when_built(space + "[[boundary]]\nname = \"f\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n",
-                     {"boundary 'f':", "normal"});
+  refused_when_built(space + line_text("f", "[0, 0]", "[1, 0]"), {"boundary 'f':", "normal"});
   refused_when_built(space + "[[boundary]]\nname = \"f\"\nshape = \"disks\"\nfrom = [0, 0]\nto = [1, 0]\nradius = 1\n",
                      {"boundary 'f':", "met disks"});
   refused_when_built(space + "[[boundary]]\nname = \"f\"\nshape = \"grains\"\nfirst = 0\nlast = 0\nspin = 1\n",
@@ -348,6 +339,5 @@ TEST_CASE("moving case in space: boundaries and gravity of the other dimension a
   refused_when_built(
       plane + "[[boundary]]\nname = \"d\"\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 1, 0]\nradius = 9\n",
       {"boundary 'd':", "two components"});
-  refused_when_built(plane + "[[boundary]]\nname = \"f\"\nshape = \"wall\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n",
-                     {"boundary 'f':", "from"});
+  refused_when_built(plane + wall_text("f", "[0, 0, 0]", "[0, 0, 1]"), {"boundary 'f':", "from"});
 }

@@ -16,6 +16,11 @@ namespace {
 
 Datbox read(const DatboxTexts& texts) { return parse_datbox(texts, "box"); }
 
+void check_near(const std::vector<double>& found, const std::vector<double>& expected, double epsilon) {
+  REQUIRE(found.size() == expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) CHECK(found[i] == doctest::Approx(expected[i]).epsilon(epsilon));
+}
+
 }  // namespace
 
 TEST_CASE("DATBOX: bodies, masses and places") {
@@ -28,10 +33,7 @@ TEST_CASE("DATBOX: bodies, masses and places") {
   CHECK(packing.radius == std::vector<double>{0.25, 1, 2});
   CHECK(packing.x[0] == 1.5);
   CHECK(packing.y[0] == 1.75);
-  CHECK(packing.x[1] == doctest::Approx(10).epsilon(1e-6));
-  CHECK(packing.y[1] == doctest::Approx(23).epsilon(1e-6));
-  CHECK(packing.x[2] == doctest::Approx(6).epsilon(1e-6));
-  CHECK(packing.y[2] == doctest::Approx(20).epsilon(1e-6));
+  check_near({packing.x[1], packing.y[1], packing.x[2], packing.y[2]}, {10, 23, 6, 20}, 1e-6);
   CHECK(packing.mass[0] == doctest::Approx(1000 * std::numbers::pi * 0.04));  // by avrd, not by byrd
   CHECK(packing.mass[2] == doctest::Approx(5000 * std::numbers::pi * 4));
 }
@@ -54,10 +56,8 @@ TEST_CASE("DATBOX: laws, gravity, planks and motions") {
   CHECK(wall.shape == BoundaryShape::plank);
   CHECK(wall.radius == 0.5);
   const double c = std::sqrt(3.0) / 2, s = 0.5;
-  CHECK(wall.from[0] == doctest::Approx(-3 * c).epsilon(1e-6));
-  CHECK(wall.from[1] == doctest::Approx(-0.5 - 3 * s).epsilon(1e-6));
-  CHECK(wall.to[0] == doctest::Approx(3 * c).epsilon(1e-6));
-  CHECK(wall.to[1] == doctest::Approx(-0.5 + 3 * s).epsilon(1e-6));
+  check_near({wall.from[0], wall.from[1]}, {-3 * c, -0.5 - 3 * s}, 1e-6);
+  check_near({wall.to[0], wall.to[1]}, {3 * c, -0.5 + 3 * s}, 1e-6);
   // 3 m/s times min(1, 1/4 + t/2), from t = 0.5 s on: full after 1 s.
   CHECK(wall.motion.time == std::vector<double>{0, 1});
   CHECK(wall.motion.velocity[0].y == 1.5);
@@ -84,8 +84,8 @@ TEST_CASE("DATBOX: AMP cos(OMEGA t + PHI) is an oscillation from the time of DOF
   const Motion pair = datbox_dynamics(read(texts)).boundaries[1].motion;
   CHECK(pair.oscillations.size() == 1);  // both have one frequency, phase and ramp
   for (const double t : {0.0, 0.25, 3.0}) {
-    CHECK(pair.at(t).x == doctest::Approx(2 * std::cos(3 * (t + 0.5) + 0.4)).epsilon(1e-14));
-    CHECK(pair.at(t).y == doctest::Approx(-5 * std::cos(3 * (t + 0.5) + 0.4)).epsilon(1e-14));
+    const double swing = std::cos(3 * (t + 0.5) + 0.4);
+    check_near({pair.at(t).x, pair.at(t).y}, {2 * swing, -5 * swing}, 1e-14);
     CHECK(pair.at(t).spin == -0.075);
   }
   texts.driven = replaced(texts.driven, "0.3000000D+01  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.2500000D+00",
@@ -133,10 +133,8 @@ TEST_CASE("DATBOX: a driven cluster of spheres is a boundary; velocities of DOF.
   const Datbox datbox = read(texts);
   const Packing packing = datbox_packing(datbox, DatboxGrains::all);
   REQUIRE(packing.size() == 3);
-  for (std::size_t k = 0; k < 3; ++k) {
-    CHECK(packing.centre(1)[k] == doctest::Approx(std::array{11.0, 22.0, 26.0}[k]).epsilon(1e-14));
-    CHECK(packing.centre(2)[k] == doctest::Approx(std::array{-9.0, 2.0, -4.0}[k]).epsilon(1e-14));
-  }
+  check_near({packing.x[1], packing.y[1], packing.z[1]}, {11, 22, 26}, 1e-14);
+  check_near({packing.x[2], packing.y[2], packing.z[2]}, {-9, 2, -4}, 1e-14);
   const double weight = 8.0 / 9;  // of the larger sphere, by volume
   CHECK(datbox.bodies[2].position[0] == doctest::Approx(1 + weight * 10 - (1 - weight) * 10));
   CHECK(datbox.bodies[2].position[2] == doctest::Approx(-4 + weight * 30));
@@ -184,12 +182,8 @@ TEST_CASE("DATBOX: spheres, their masses, a plank with edges, and spins along th
   CHECK_FALSE(wall.body.has_value());
   CHECK(wall.motion.centre == std::array<double, 3>{5, 1.25, 0});
   const RigidVelocity v = wall.motion.at(0);
-  CHECK(v.x == 1);
-  CHECK(v.y == 2);
-  CHECK(v.z == 3);
-  CHECK(v.spin == 4);  // V(4) is along the first axis, which is z
-  CHECK(v.spin_x == -5);
-  CHECK(v.spin_y == 0);
+  // V(4) is along the first axis, which is z.
+  CHECK(std::array{v.x, v.y, v.z, v.spin, v.spin_x, v.spin_y} == std::array{1.0, 2.0, 3.0, 4.0, -5.0, 0.0});
   const BoundarySpec& driven = dynamics.boundaries[1];
   CHECK(driven.shape == BoundaryShape::grains);
   CHECK(driven.first == 1);
@@ -208,31 +202,6 @@ TEST_CASE("DATBOX: spheres, their masses, a plank with edges, and spins along th
   texts.bodies = replaced(texts.bodies, "gam1=-0.1000000D+01", "gam1= 0.1000000D+01");
   CHECK(datbox_dynamics(read(texts)).boundaries[0].normal == std::array<double, 3>{1, 0, 0});
   CHECK(datbox_dynamics(read(texts)).boundaries[0].axis == std::array<double, 3>{0, 0, -1});
-}
-
-TEST_CASE("DATBOX: what of spheres is not modelled or cannot be read is refused by file and line") {
-  const auto refused = [](std::string DatboxTexts::*file, const std::string& from, const std::string& to,
-                          const Names& names) {
-    DatboxTexts texts = small_datbox_in_space();
-    texts.*file = replaced(texts.*file, from, to);
-    check_error([&] { datbox_dynamics(read(texts)); }, names);
-  };
-  const auto bodies = &DatboxTexts::bodies, driven = &DatboxTexts::driven, initial = &DatboxTexts::initial;
-  refused(bodies, "SPHER      1  color  BLEUx", "POINT      1  color  BLEUx", {"BODIES.DAT:10:", "SPHER"});
-  refused(bodies, "RBDY3      2", "RBDY2      2", {"BODIES.DAT:14:", "RBDY3"});
-  refused(bodies, "NO6xx      1", "NO3xx      1", {"BODIES.DAT:7:", "NO6xx"});
-  refused(bodies, "gam1=-0.1000000D+01", "gam1=-0.9000000D+00", {"BODIES.DAT:22:", "axes"});
-  refused(bodies, "gam1=-0.1000000D+01", "gam1= 0.1000000D+01", {"BODIES.DAT:22:", "axes"});
-  refused(driven, "vlocy      6", "vlocy      7", {"DRV_DOF.DAT:11:", "1, 2 ... 6"});
-  refused(driven, " vlocy      6", "!vlocy      6", {"BODIES.DAT:14:", "I1 to I3", "not driven", "met 0"});
-  DatboxTexts texts = small_datbox_in_space();
-  texts.driven = replaced(texts.driven, " vlocy      4  0.4000000D+01", " vlocy      4 evolution turn.dat      ");
-  texts.table = [](const std::string&) { return std::string("0 4\n1 0\n"); };
-  check_error([&] { datbox_dynamics(read(texts)); }, {"BODIES.DAT:14:", "axis"});
-  refused(initial, "a(2)= 0.1000000D+01", "a(2)= 0.2000000D+01", {"DOF.INI:12:", "axes"});
-  refused(initial, "RBDY3        1", "RBDY2        1", {"DOF.INI:4:", "RBDY3"});
-  // Planks of the plane are none of space.
-  refused(bodies, "PLANx      1", "JONCx      1", {"BODIES.DAT:21:", "SPHER"});
 }
 
 TEST_CASE("DATBOX: a velocity by a table is linear between its rows, and on beyond them as LMGC90 has it") {
@@ -321,12 +290,13 @@ TEST_CASE("DATBOX: contacts are found in spite of seven digits") {
   CHECK_THROWS_AS(detect_contacts(turned), Error);
 }
 
-TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and line") {
-  const auto refused = [](std::string DatboxTexts::*file, const std::string& from, const std::string& to,
-                          const Names& names) {
-    DatboxTexts texts = small_datbox();
-    texts.*file = replaced(texts.*file, from, to);
-    check_error([&] { datbox_dynamics(read(texts)); }, names);
+TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and line, in the plane and in space") {
+  DatboxTexts texts = small_datbox();
+  const auto refused = [&](std::string DatboxTexts::*file, const std::string& from, const std::string& to,
+                           const Names& names) {
+    DatboxTexts spoilt_one = texts;
+    spoilt_one.*file = replaced(texts.*file, from, to);
+    check_error([&] { datbox_dynamics(read(spoilt_one)); }, names);
   };
   const auto bodies = &DatboxTexts::bodies, tact = &DatboxTexts::tact, driven = &DatboxTexts::driven,
              bulk = &DatboxTexts::bulk, initial = &DatboxTexts::initial;
@@ -357,11 +327,25 @@ TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and
   refused(bulk, " HARDx  RIGID", " STONE  RIGID", {"BULK_BEHAV.DAT:8:", "'STONE' again"});
   refused(bulk, "$behav  lawty\n HARDx", "$gravy\n HARDx", {"BULK_BEHAV.DAT:7:", "gravity once"});
   refused(bulk, "Umas= 0.1000000D+04", "Umas=          1000", {"BULK_BEHAV.DAT:5: Umas: expected", "decimal point"});
-  DatboxTexts texts = small_datbox();
   texts.driven = replaced(texts.driven, " vlocy      3  0.0000000D+00", " force      3  0.1000000D+01");
   CHECK(datbox_packing(read(texts), DatboxGrains::all).size() ==
         3);  // what drives planks is of no account for the packing
   texts = small_datbox();
   texts.bodies = texts.bodies.substr(0, texts.bodies.rfind("$$$$$$"));
   check_error([&] { datbox_dynamics(read(texts)); }, {"BODIES.DAT:24:", "$$$$$$"});
+
+  texts = small_datbox_in_space();
+  refused(bodies, "SPHER      1  color  BLEUx", "POINT      1  color  BLEUx", {"BODIES.DAT:10:", "SPHER"});
+  refused(bodies, "RBDY3      2", "RBDY2      2", {"BODIES.DAT:14:", "RBDY3"});
+  refused(bodies, "NO6xx      1", "NO3xx      1", {"BODIES.DAT:7:", "NO6xx"});
+  refused(bodies, "gam1=-0.1000000D+01", "gam1=-0.9000000D+00", {"BODIES.DAT:22:", "axes"});
+  refused(bodies, "gam1=-0.1000000D+01", "gam1= 0.1000000D+01", {"BODIES.DAT:22:", "axes"});
+  refused(driven, "vlocy      6", "vlocy      7", {"DRV_DOF.DAT:11:", "1, 2 ... 6"});
+  refused(driven, " vlocy      6", "!vlocy      6", {"BODIES.DAT:14:", "I1 to I3", "not driven", "met 0"});
+  refused(initial, "a(2)= 0.1000000D+01", "a(2)= 0.2000000D+01", {"DOF.INI:12:", "axes"});
+  refused(initial, "RBDY3        1", "RBDY2        1", {"DOF.INI:4:", "RBDY3"});
+  // Planks of the plane are none of space.
+  refused(bodies, "PLANx      1", "JONCx      1", {"BODIES.DAT:21:", "SPHER"});
+  texts.table = [](const std::string&) { return std::string("0 4\n1 0\n"); };
+  refused(driven, " vlocy      4  0.4000000D+01", " vlocy      4 evolution turn.dat      ", {"BODIES.DAT:14:", "axis"});
 }

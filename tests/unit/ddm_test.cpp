@@ -79,7 +79,7 @@ TEST_CASE("grid: cells in space, x first and z last, and numbers of cells for ev
     }
 }
 
-TEST_CASE("METIS: every contact in a part, parts of like size, same result twice, odd numbers of parts") {
+TEST_CASE("METIS: every contact in a part, parts of like size, same result twice, odd numbers of parts, seeds heard") {
   const Model model = build(random_lattice(5, 12, 12, {1, 1}));
   for (const Index parts : {1, 2, 5, 8}) {
     const Partition found = partition(MetisPartitioner{.metis = parts, .seed = 3}, model.problem);
@@ -87,19 +87,19 @@ TEST_CASE("METIS: every contact in a part, parts of like size, same result twice
     for (const Index e : found.subdomain_of_contact) ++sizes[e];
     CHECK(count(sizes) == parts);
     for (const auto& [part, size] : sizes) CHECK(size * parts < 2 * model.problem.contacts());
-    CHECK(partition(MetisPartitioner{.metis = parts, .seed = 3}, model.problem).subdomain_of_contact ==
-          found.subdomain_of_contact);
+    const Partition again = partition(MetisPartitioner{.metis = parts, .seed = 3}, model.problem);
+    CHECK(again.subdomain_of_contact == found.subdomain_of_contact);
   }
-  const Model two = build(strip(2));
-  CHECK(partition(MetisPartitioner{.metis = 7}, two.problem).subdomain_of_contact == std::vector<Index>{0});
+  const Partition single = partition(MetisPartitioner{.metis = 7}, build(strip(2)).problem);
+  CHECK(single.subdomain_of_contact == std::vector<Index>{0});
+  const Model large = build(random_lattice(5, 30, 30, {1, 1}));
+  std::set<std::vector<Index>> met;  // different partitions among a few seeds
+  for (const Index seed : {1, 2, 3, 4, 5})
+    met.insert(partition(MetisPartitioner{.metis = 6, .seed = seed}, large.problem).subdomain_of_contact);
+  CHECK(met.size() > 1);
 }
 
 TEST_CASE("METIS: no part is empty where there are as many contacts, and a chain falls into pieces of a line") {
-  const auto pieces = [](const std::vector<Index>& parts, Index wanted) {  // of contacts in the order of the chain
-    Index cuts = 0;
-    for (std::size_t c = 1; c < parts.size(); ++c) cuts += parts[c] != parts[c - 1];
-    return cuts + 1 == wanted && std::set<Index>(parts.begin(), parts.end()).size() == at(wanted);
-  };
   for (const Index grains : {3, 4, 5, 8, 13, 40}) {
     Case chain;
     chain.spec.packing = PackingFile{"made in a test"};
@@ -110,13 +110,13 @@ TEST_CASE("METIS: no part is empty where there are as many contacts, and a chain
     REQUIRE(model.contacts() == grains - 1);
     for (Index parts = 1; parts < grains; ++parts)
       for (const Index seed : {1, 7}) {
-        CAPTURE(grains);
-        CAPTURE(parts);
-        const Partition found = partition(MetisPartitioner{.metis = parts, .seed = seed}, model.problem);
-        CHECK(count(found.subdomain_of_contact) == grains - 1);
-        CHECK(std::set<Index>(found.subdomain_of_contact.begin(), found.subdomain_of_contact.end()).size() ==
-              at(parts));
-        if (parts == 2 && grains < 6) CHECK(pieces(found.subdomain_of_contact, parts));
+        INFO("grains = ", grains, ", parts = ", parts);
+        std::vector<Index> found =
+            partition(MetisPartitioner{.metis = parts, .seed = seed}, model.problem).subdomain_of_contact;
+        CHECK(count(found) == grains - 1);
+        CHECK(std::set<Index>(found.begin(), found.end()).size() == at(parts));
+        // Contacts are in the order of the chain.
+        if (parts == 2 && grains < 6) CHECK(std::unique(found.begin(), found.end()) - found.begin() == 2);
       }
   }
   const Model lattice = build(random_lattice(5, 8, 6, {1, 1}));  // METIS itself leaves most of so many parts empty
@@ -125,14 +125,6 @@ TEST_CASE("METIS: no part is empty where there are as many contacts, and a chain
     const Partition found = partition(MetisPartitioner{.metis = parts}, lattice.problem);
     CHECK(std::set<Index>(found.subdomain_of_contact.begin(), found.subdomain_of_contact.end()).size() == at(parts));
   }
-}
-
-TEST_CASE("METIS: the seed is heard: among a few of them there are different partitions") {
-  const Model model = build(random_lattice(5, 30, 30, {1, 1}));
-  std::set<std::vector<Index>> met;
-  for (const Index seed : {1, 2, 3, 4, 5})
-    met.insert(partition(MetisPartitioner{.metis = 6, .seed = seed}, model.problem).subdomain_of_contact);
-  CHECK(met.size() > 1);
 }
 
 TEST_CASE("METIS: few grains are shared, and the columns of a contact stay together") {
@@ -156,12 +148,11 @@ TEST_CASE("METIS: few grains are shared, and the columns of a contact stay toget
 }
 
 TEST_CASE("partitioners: as --subdomains names them, and refused with the forms there are") {
+  for (const auto& [text, cells] : {std::pair("3x2", 6), {"3x2x4", 24}, {"metis:5", 5}})
+    CHECK(subdomains(parse_partitioner(text, "--subdomains")) == cells);
   CHECK(std::get<GridPartitioner>(parse_partitioner("3x2", "--subdomains")).grid == std::array<Index, 2>{3, 2});
-  CHECK(subdomains(parse_partitioner("3x2", "--subdomains")) == 6);
   CHECK(std::get<GridPartitioner>(parse_partitioner("3x2x4", "--subdomains")).grid == Components<Index>{3, 2, 4});
-  CHECK(subdomains(parse_partitioner("3x2x4", "--subdomains")) == 24);
   CHECK(std::get<MetisPartitioner>(parse_partitioner("metis:5", "--subdomains")).metis == 5);
-  CHECK(subdomains(parse_partitioner("metis:5", "--subdomains")) == 5);
   for (const char* text : {"3", "", "metis", "3:2"})
     CHECK_THROWS_WITH_AS(
         parse_partitioner(text, "--subdomains"),
@@ -258,12 +249,6 @@ TEST_CASE("restricted contacts keep grains, masses and gluing") {
   CHECK_THROWS_AS(restrict_contacts(model.parts, {1, 0}), Error);
 }
 
-TEST_CASE("partitions that do not fit are refused") {
-  const Model model = build(strip(4));
-  CHECK_THROWS_AS(decompose(model.problem, {2, {0, 1}}), Error);
-  CHECK_THROWS_WITH_AS(decompose(model.problem, {2, {0, 1, 2, 0, 0}}), doctest::Contains("contact 2"), Error);
-}
-
 TEST_CASE("singleton, no_contacts, one_subdomain: legal, with an empty interface and radius 0") {
   Case singleton;
   singleton.spec.packing = PackingFile{"one grain"};
@@ -287,11 +272,14 @@ TEST_CASE("singleton, no_contacts, one_subdomain: legal, with an empty interface
   }
 }
 
-TEST_CASE("interface operators refuse flexibilities that are none, and the inverse of the rigid limit") {
+TEST_CASE("refused: partitions that do not fit, wrong flexibilities, the inverse of the rigid limit, 0 sweeps") {
   const Model model = build(strip(4));
+  CHECK_THROWS_AS(decompose(model.problem, {2, {0, 1}}), Error);
+  CHECK_THROWS_WITH_AS(decompose(model.problem, {2, {0, 1, 2, 0, 0}}), doctest::Contains("contact 2"), Error);
   const InterfaceFamily family(model.parts);
   for (const double eta : {-1.0, not_a_number}) CHECK_THROWS_AS(family.at(eta), Error);
   CHECK_THROWS_AS(family.at(0).solve(Vector::Ones(4)), Error);
+  CHECK_THROWS_AS(TwoStageIteration(model.parts, LinearViscous{1}, family.at(1), Index{0}), Error);
 }
 
 TEST_CASE("operators outlive what they were made from") {
@@ -301,12 +289,6 @@ TEST_CASE("operators outlive what they were made from") {
   }();
   const Vector f = Vector::LinSpaced(x.rows(), 1, 2);
   CHECK((x.apply(x.solve(f)) - f).norm() < 1e-12);
-}
-
-TEST_CASE("two-stage iteration: sweeps below 1 are refused") {
-  const Model model = build(strip(4));
-  CHECK_THROWS_AS(TwoStageIteration(model.parts, LinearViscous{1}, InterfaceFamily(model.parts).at(1), Index{0}),
-                  Error);
 }
 
 TEST_CASE("radius of a map: converged where the residual is as small as asked for, not where ARPACK stops") {

@@ -23,12 +23,6 @@ namespace {
 
 bool same(const Packing& a, const Packing& b) { return a.x == b.x && a.y == b.y && a.z == b.z && a.radius == b.radius; }
 
-double right_end(const Packing& p) {
-  double right = 0;
-  for (Index i = 0; i < p.size(); ++i) right = std::max(right, p.x[at(i)] + p.radius[at(i)]);
-  return right;
-}
-
 // Where a grain is held: horizontal places of what touches it, and whether the floor does.
 struct Support {
   bool floor = false, left = false, right = false;
@@ -173,6 +167,16 @@ double mean(const std::vector<double>& values) {
 
 double normal_cumulative(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
+// Whether every site of `fewer` is one of `more`. They come sorted: layers upwards, rows upwards, columns to the right.
+bool has_sites_of(const Packing& more, const Packing& fewer) {
+  const auto sites = [](const Packing& p) {
+    std::vector<std::array<double, 3>> all;
+    for (Index i = 0; i < p.size(); ++i) all.push_back({p.centre(i)[2], p.centre(i)[1], p.centre(i)[0]});
+    return all;
+  };
+  return std::ranges::includes(sites(more), sites(fewer));
+}
+
 // Limits of the Kolmogorov distance of n numbers: exceeded once in 10^4.
 double kolmogorov_limit(Index n) { return 2.23 / std::sqrt(static_cast<double>(n)); }
 
@@ -180,25 +184,20 @@ double kolmogorov_limit(Index n) { return 2.23 / std::sqrt(static_cast<double>(n
 
 TEST_CASE("drop and roll: grains come to rest on the floor, at a wall, in a gap, and roll past a top") {
   Heap heap(10, 1, {1, 1, 1, 1, 0.25});
-  const Disk first = heap.settle(5, 1);
-  CHECK(first.x == 5);
-  CHECK(first.y == 1);
-  heap.add(first);
-  const Disk second = heap.settle(6, 1);  // rolls right over the first, down to the floor
-  CHECK(second.x == 7);
-  CHECK(second.y == 1);
-  heap.add(second);
-  const Disk third = heap.settle(6.9, 1);  // rolls left over the second
-  CHECK(third.x == doctest::Approx(6));
-  CHECK(third.y == doctest::Approx(1 + std::sqrt(3)));
-  heap.add(third);
-  const Disk fourth = heap.settle(6.1, 1);  // over the third, over the second, to the floor
-  CHECK(fourth.x == doctest::Approx(9));
-  CHECK(fourth.y == 1);
-  heap.add(fourth);
-  const Disk small = heap.settle(9.75, 0.25);  // over the fourth, into the corner at the wall
-  CHECK(small.x == 9.75);
-  CHECK(small.y == doctest::Approx(1 + std::sqrt(1.25 * 1.25 - 0.75 * 0.75)));
+  const auto check_rest = [&](double from, double radius, const auto& x, const auto& y) {
+    CAPTURE(from);
+    const Disk found = heap.settle(from, radius);
+    CHECK(found.x == x);
+    CHECK(found.y == y);
+    heap.add(found);
+  };
+  using doctest::Approx;
+  check_rest(5, 1, 5.0, 1.0);
+  check_rest(6, 1, 7.0, 1.0);                               // rolls right over the first, down to the floor
+  check_rest(6.9, 1, Approx(6), Approx(1 + std::sqrt(3)));  // rolls left over the second
+  check_rest(6.1, 1, Approx(9), 1.0);                       // over the third, over the second, to the floor
+  // Over the fourth, into the corner at the wall.
+  check_rest(9.75, 0.25, 9.75, Approx(1 + std::sqrt(1.25 * 1.25 - 0.75 * 0.75)));
 }
 
 TEST_CASE("drop and roll: cells find the places that trying every grain finds, bit for bit") {
@@ -218,9 +217,7 @@ TEST_CASE("drop and roll: cells find the places that trying every grain finds, b
   for (const SizeDistribution& sizes : cases)
     for (const double width : watched<double>({2.0, 3.7, 8.0, 30.0}))
       for (const std::uint64_t seed : watched<std::uint64_t>({1, 2})) {
-        CAPTURE(sizes.distribution);
-        CAPTURE(sizes.radius_min);
-        CAPTURE(width);
+        INFO("distribution = ", sizes.distribution, ", radius_min = ", sizes.radius_min, ", width = ", width);
         CHECK(places_that_differ(sizes, width, seed) == 0);
       }
 }
@@ -274,9 +271,9 @@ TEST_CASE("deposit: a hundred thousand grains" * doctest::skip(sanitized)) {
   CHECK(coordination < 4.0);
   const SolidFraction found = solid_fraction(p);
   CHECK(found.middle > found.box);
-  double top = 0;
-  for (const double y : p.y) top = std::max(top, y);
-  CHECK(std::abs(top / right_end(p) - 1) < 0.05);  // about as high as wide
+  double right = 0;
+  for (Index i = 0; i < p.size(); ++i) right = std::max(right, p.x[at(i)] + p.radius[at(i)]);
+  CHECK(std::abs(std::ranges::max(p.y) / right - 1) < 0.05);  // about as high as wide
 }
 
 TEST_CASE("deposit: equal sizes fill as much as beds of this kind are known to" * doctest::skip(sanitized)) {
@@ -412,15 +409,8 @@ TEST_CASE("hexagonal lattice: as many vacancies as asked, nested, seeded") {
   CHECK(generate(HexagonalLattice{.columns = 1, .rows = 1, .vacancies = 0.99}).size() == 1);
   CHECK(same(lattice(0.2, 5), lattice(0.2, 5)));
   CHECK_FALSE(same(lattice(0.2, 5), lattice(0.2, 6)));
-  const Packing few = lattice(0.1, 1), many = lattice(0.4, 1), full = lattice(0, 1);
-  const auto sites = [](const Packing& p) {
-    std::vector<std::pair<double, double>> all;
-    for (Index i = 0; i < p.size(); ++i) all.emplace_back(p.y[at(i)], p.x[at(i)]);
-    return all;  // rows upwards, columns to the right: sorted
-  };
-  const auto some = sites(few), fewer = sites(many), every = sites(full);
-  CHECK(std::includes(some.begin(), some.end(), fewer.begin(), fewer.end()));
-  CHECK(std::includes(every.begin(), every.end(), some.begin(), some.end()));
+  CHECK(has_sites_of(lattice(0.1, 1), lattice(0.4, 1)));
+  CHECK(has_sites_of(lattice(0, 1), lattice(0.1, 1)));
 }
 
 TEST_CASE("hexagonal lattice: size disorder parts neighbours, and a tolerance keeps the network") {
@@ -450,9 +440,7 @@ TEST_CASE("hexagonal lattice: size disorder parts neighbours, and a tolerance ke
 TEST_CASE("sphere lattices: every neighbour touches to rounding, as many as the closed forms say") {
   const auto check_lattice = [](const auto& lattice, Index contacts, Index most_neighbours) {
     const SphereSites& sites = lattice.sites;
-    CAPTURE(sites.columns);
-    CAPTURE(sites.rows);
-    CAPTURE(sites.layers);
+    INFO("columns = ", sites.columns, ", rows = ", sites.rows, ", layers = ", sites.layers);
     const Packing p = generate(lattice);
     check(p);
     REQUIRE(p.size() == sites.columns * sites.rows * sites.layers);
@@ -511,14 +499,8 @@ TEST_CASE("sphere lattices: vacancies and size disorder as in the plane") {
   CHECK(few.size() == 336 - 34);
   CHECK(many.size() == 336 - 134);
   CHECK(same(few, generate(FccLattice{holes})));
-  const auto places = [](const Packing& p) {
-    std::vector<std::array<double, 3>> all;
-    for (Index i = 0; i < p.size(); ++i) all.push_back({p.z[at(i)], p.y[at(i)], p.x[at(i)]});
-    return all;  // layers upwards, rows and columns in each: sorted
-  };
-  const auto some = places(few), fewer = places(many), every = places(generate(FccLattice{full}));
-  CHECK(std::includes(some.begin(), some.end(), fewer.begin(), fewer.end()));
-  CHECK(std::includes(every.begin(), every.end(), some.begin(), some.end()));
+  CHECK(has_sites_of(few, many));
+  CHECK(has_sites_of(generate(FccLattice{full}), few));
   const Packing p = generate(HcpLattice{sizes});
   const auto [low, high] = std::minmax_element(p.radius.begin(), p.radius.end());
   CHECK(*low >= 0.475);

@@ -31,8 +31,9 @@ const std::vector<Units> scales{{},
                                 {1, std::ldexp(1, 10), std::ldexp(1, 5)},
                                 {std::ldexp(1, -30), std::ldexp(1, -20), std::ldexp(1, -10)}};
 
-Dynamics dynamics_of(const std::string& algorithm, const Units& units = {}) {
+Dynamics dynamics_of(const std::string& algorithm, const Units& units = {}, const StepSolver& solver = {}) {
   Dynamics dynamics;
+  dynamics.solver = solver;
   dynamics.time.gravity = {0, 0};
   dynamics.time.step = 0.005 * units.time;
   dynamics.interaction.friction = 0.3;
@@ -98,11 +99,8 @@ Simulation between_driven_disks(const std::string& algorithm, double left, doubl
 // A row of two contacts that ask for impulses that cancel: after k sweeps from zero r = (2 k - 1, 2 k) N s, u = (-2,
 // 0).
 LocalFrictionProblem squeezed(double scale = 1) {
-  LocalFrictionProblem problem;
-  problem.w = Matrix((Matrix(4, 4) << 1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1).finished()).sparseView();
-  problem.q = scale * (Vector(4) << -1, 0, -1, 0).finished();
-  problem.friction = Vector::Constant(2, 0.3);
-  return problem;
+  return {Matrix{{1, 0, -1, 0}, {0, 1, 0, 1}, {-1, 0, 1, 0}, {0, 1, 0, 1}}.sparseView(), scale * Vector{{-1, 0, -1, 0}},
+          Vector::Constant(2, 0.3)};
 }
 
 }  // namespace
@@ -172,9 +170,7 @@ TEST_CASE("two grains that go on together after an impact: impulses are rounding
     for (const double friction : {0.3, 0.0}) {
       std::vector<StepReport> first;
       for (const Units& units : watched(scales)) {
-        CAPTURE(algorithm);
-        CAPTURE(units.mass);
-        CAPTURE(units.length);
+        INFO("algorithm = ", algorithm, ", units.mass = ", units.mass, ", units.length = ", units.length);
         Dynamics dynamics = dynamics_of(algorithm, units);
         dynamics.interaction.friction = friction;
         GranularState end;
@@ -235,8 +231,7 @@ TEST_CASE("relatives: at rest without gravity, rolling, touching and separating,
 TEST_CASE("a heavy grain far away does not hide what light ones do") {
   // 10^12 kg at 1 m/s touch another as heavy; two of a milligram meet head on, from zero impulses by sweeps to zeta.
   for (const std::string criterion : {"zeta", "natural_map"}) {
-    Dynamics dynamics = dynamics_of("nlgs");
-    dynamics.solver.criterion = criterion;
+    const Dynamics dynamics = dynamics_of("nlgs", {}, {.criterion = criterion});
     GranularState end;
     run(simulation_of({Grain{.radius = 0.5, .mass = 1e12, .velocity_x = 1},
                        Grain{.x = 10, .mass = 1e-6, .velocity_x = 1}, Grain{.x = 11.001, .mass = 1e-6}},
@@ -250,13 +245,10 @@ TEST_CASE("a heavy grain far away does not hide what light ones do") {
 TEST_CASE("criterion and table have one scale") {
   for (const std::string law : {"coulomb", "frictionless", "cohesive"}) {
     CAPTURE(law);
-    Dynamics dynamics = dynamics_of("nlgs");
+    Dynamics dynamics = dynamics_of(
+        "nlgs", {}, {.maximum_iterations = 7, .criterion = "none", .order = "natural", .warm_start = false});
     dynamics.interaction.law = law;
     dynamics.interaction.cohesion = law == "cohesive" ? 50 : 0;
-    dynamics.solver.criterion = "none";
-    dynamics.solver.maximum_iterations = 7;
-    dynamics.solver.order = "natural";
-    dynamics.solver.warm_start = false;
     const GranularStep<2> step = solve_step(shaken_lattice(6, 5, dynamics));
     const LocalFrictionProblem problem = contact_problem(step.problem, shaken_lattice(6, 5, dynamics).system);
     Vector shifted(2 * problem.contacts());
@@ -300,7 +292,7 @@ TEST_CASE("what ends a run is the residual that was asked for; a doubt is said b
   }
   // A problem with a solution is believed.
   LocalFrictionProblem resting = squeezed();
-  resting.w = Matrix((Matrix(4, 4) << 2, 0, -1, 0, 0, 1, 0, 0, -1, 0, 2, 0, 0, 0, 0, 1).finished()).sparseView();
+  resting.w = Matrix{{2, 0, -1, 0}, {0, 1, 0, 0}, {-1, 0, 2, 0}, {0, 0, 0, 1}}.sparseView();
   const FrictionSolution found = solve_friction(resting, {.tolerance = 1e-10});
   CHECK(found.status == FrictionStatus::converged);
   CHECK(found.credible);
@@ -313,16 +305,14 @@ TEST_CASE("impulses that grow do not make the residual small: by default no solv
        {FrictionAlgorithm::automatic, FrictionAlgorithm::continuation, FrictionAlgorithm::newton,
         FrictionAlgorithm::nlgs, FrictionAlgorithm::admm, FrictionAlgorithm::accelerated})
     for (const double scale : {1.0, std::ldexp(1, -60), std::ldexp(1, 60)}) {
-      CAPTURE(to_string(algorithm));
-      CAPTURE(scale);
+      INFO("algorithm = ", to_string(algorithm), ", scale = ", scale);
       const LocalFrictionProblem problem = squeezed(scale);
-      const FrictionSolution found = solve_friction(problem, {.algorithm = algorithm, .maximum_sweeps = 20'000});
+      const FrictionSolverOptions options{.algorithm = algorithm, .maximum_sweeps = 20'000};
+      const FrictionSolution found = solve_friction(problem, options);
       CHECK(found.status != FrictionStatus::converged);
       CHECK(found.state.driven_residual >= 0.1);
       // Nor from what grew in a run before: a guess gives no leave to grow further.
-      Vector guess(4);
-      guess << 1e7 * scale, 0, 1e7 * scale, 0;
-      const FrictionSolution again = solve_friction(problem, {.algorithm = algorithm, .maximum_sweeps = 20'000}, guess);
+      const FrictionSolution again = solve_friction(problem, options, Vector{{1e7 * scale, 0, 1e7 * scale, 0}});
       CHECK(again.status != FrictionStatus::converged);
       CHECK(again.impulses.norm() <= 2e8 * scale);
     }
@@ -333,9 +323,7 @@ TEST_CASE("self-stress of a network at rest is a solution, however small what dr
     CAPTURE(driving);
     LocalFrictionProblem problem = squeezed();
     problem.q << driving, 0, -driving, 0;
-    Vector guess(4);
-    guess << 3, 0, 3, 0;
-    const FrictionSolution found = solve_friction(problem, {}, guess);
+    const FrictionSolution found = solve_friction(problem, {}, Vector{{3, 0, 3, 0}});
     CHECK(found.status == FrictionStatus::converged);
     CHECK(found.state.residual <= 1e-8);
     CHECK(std::isfinite(found.state.driven_residual));
@@ -351,8 +339,7 @@ TEST_CASE("closing walls: no residual is small, and every step says that there m
     std::vector<StepReport> first;
     for (const Units& units : watched(scales))
       for (const double friction : {0.3, 0.0}) {
-        CAPTURE(algorithm);
-        CAPTURE(friction);
+        INFO("algorithm = ", algorithm, ", friction = ", friction);
         const std::vector<StepReport> reports = run(closing_walls(algorithm, units, 9.81, friction), 12);
         for (const StepReport& report : reports) {
           CHECK(report.status != SolverStatus::converged);
@@ -370,29 +357,28 @@ TEST_CASE("closing walls: no residual is small, and every step says that there m
 
 TEST_CASE("closing walls: without gravity, three of them, driven disks, spheres between planes, and walls that stop" *
           doctest::skip(sanitized)) {  // minutes
-  std::vector<std::pair<const char*, Simulation>> scenes;
-  scenes.emplace_back("weightless", closing_walls("auto", {}, 0));
+  const auto check_no_room = [](const char* scene, const Simulation& simulation) {
+    CAPTURE(scene);
+    for (const StepReport& report : run(simulation, 8)) {
+      CHECK(report.no_room);
+      CHECK(report.status != SolverStatus::converged);
+    }
+  };
+  check_no_room("weightless", closing_walls("auto", {}, 0));
   Dynamics corner = dynamics_of("auto");
   corner.time.gravity = {0, -g};
   corner.boundaries = {floor_wall(), wall("left", {-0.5, 5}, {-0.5, -5}),
                        wall("slope", {0.5, -1}, {0.5, 5}, moving({.x = -0.2}, {0.5, 0}))};
-  scenes.emplace_back("three walls", simulation_of({Grain{.y = 0.5}}, corner));
+  check_no_room("three walls", simulation_of({Grain{.y = 0.5}}, corner));
   Dynamics space = dynamics_of("auto");
   space.time.gravity = {0, 0, -g};
   space.boundaries = {plane("floor", {0, 0, 0}, {0, 0, 1}),
                       plane("lid", {0, 0, 1}, {0, 0, -1}, moving_in_space({0, 0, -0.1}, {0, 0, 0}, {0, 0, 1}))};
-  scenes.emplace_back("planes", simulation_of({Ball{.centre = {0, 0, 0.5}}}, space));
+  check_no_room("planes", simulation_of({Ball{.centre = {0, 0, 0.5}}}, space));
   Dynamics column = dynamics_of("auto");
   column.boundaries = {wall("left", {-0.5, 5}, {-0.5, -5}),
                        wall("right", {3.5, -5}, {3.5, 5}, moving({.x = -0.1}, {3.5, 0}))};
-  scenes.emplace_back("row of disks", simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}, Grain{.x = 3}}, column));
-  for (const auto& one : scenes) {
-    CAPTURE(one.first);
-    for (const StepReport& report : run(one.second, 8)) {
-      CHECK(report.no_room);
-      CHECK(report.status != SolverStatus::converged);
-    }
-  }
+  check_no_room("row of disks", simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}, Grain{.x = 3}}, column));
   // The walls stop after two steps. Without gravity what is overlapped then stays, and nothing closes any more.
   Simulation stops = closing_walls("auto", {}, 0);
   stops.system.boundaries[1].motion.time = {0, 0.01};
@@ -410,8 +396,7 @@ TEST_CASE("driven disks that close on a free one leave no room, like walls" * do
        watched(std::vector<std::string>{"auto", "newton", "nlgs", "admm", "accelerated", "generic"}))
     for (const Units& units : watched(scales))
       for (const auto& speeds : {std::pair(0.0, -0.1), std::pair(0.1, -0.1), std::pair(0.3, 0.1)}) {
-        CAPTURE(algorithm);
-        CAPTURE(speeds.first);
+        INFO("algorithm = ", algorithm, ", speeds.first = ", speeds.first);
         for (const StepReport& report : run(between_driven_disks(algorithm, speeds.first, speeds.second, units), 4)) {
           CHECK(report.no_room);
           CHECK(report.status != SolverStatus::converged);
@@ -419,19 +404,17 @@ TEST_CASE("driven disks that close on a free one leave no room, like walls" * do
         }
       }
   Dynamics dynamics = dynamics_of("auto");
+  const auto check_no_room = [](const char* scene, const Simulation& simulation) {
+    CAPTURE(scene);
+    for (const StepReport& report : run(simulation, 4)) CHECK(report.no_room);
+  };
   dynamics.boundaries = {wall("left", {-0.5, 5}, {-0.5, -5}), driven(2, {.x = -0.1})};
-  std::vector<std::pair<const char*, Simulation>> scenes;
-  scenes.emplace_back("a wall and a disk", simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}}, dynamics));
+  check_no_room("a wall and a disk", simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}}, dynamics));
   dynamics.boundaries = {driven(0, {}), driven(3, {.x = -0.1})};
-  scenes.emplace_back("two free disks",
-                      simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}, Grain{.x = 3}}, dynamics));
+  check_no_room("two free disks", simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}, Grain{.x = 3}}, dynamics));
   dynamics.boundaries = {driven(0, {.z = 0.1}), driven(2, {.z = -0.1})};
   const auto ball = [](double z) { return Ball{.centre = {0, 0, z}}; };
-  scenes.emplace_back("spheres", simulation_of({ball(0), ball(1), ball(2)}, dynamics));
-  for (const auto& one : scenes) {
-    CAPTURE(one.first);
-    for (const StepReport& report : run(one.second, 4)) CHECK(report.no_room);
-  }
+  check_no_room("spheres", simulation_of({ball(0), ball(1), ball(2)}, dynamics));
 }
 
 TEST_CASE("driven disks that go apart, along, or after each other leave room, and the free one takes their speed") {
@@ -441,9 +424,7 @@ TEST_CASE("driven disks that go apart, along, or after each other leave room, an
   for (const std::string algorithm : {"auto", "newton", "nlgs", "admm", "accelerated", "generic"})
     for (const Units& units : watched(scales))
       for (const Pair& one : {Pair{-0.1, 0.1, 0}, {0.1, 0.1, 0.1}, {-0.1, -0.1, -0.1}, {0.1, 0.3, 0.1}, {0, 0, 0}}) {
-        CAPTURE(algorithm);
-        CAPTURE(one.left);
-        CAPTURE(one.right);
+        INFO("algorithm = ", algorithm, ", one.left = ", one.left, ", one.right = ", one.right);
         Simulation scene = between_driven_disks(algorithm, one.left, one.right, units);
         scene.dynamics.time.penetration_correction = 0;  // what moves half a step would push
         GranularState end;
@@ -464,8 +445,7 @@ TEST_CASE("room enough: walls that close in on grains that can get out of the wa
     Dynamics dynamics = dynamics_of(algorithm);
     dynamics.time.gravity = {0, -g};
     dynamics.solver.maximum_iterations = 30;  // far from converged
-    Simulation piston = box_of_grains(60, dynamics);
-    for (const StepReport& report : run(piston, 40)) CHECK_FALSE(report.no_room);
+    for (const StepReport& report : run(box_of_grains(60, dynamics), 40)) CHECK_FALSE(report.no_room);
   }
 }
 
@@ -473,9 +453,7 @@ TEST_CASE("copies of a grain that fly together, or rest under self-stress, are g
   for (const std::string criterion : {"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "quad_dvr",
                                       "mean_dv_over_r", "qm_16", "normal_change"}) {
     CAPTURE(criterion);
-    Dynamics dynamics = dynamics_of("generic");
-    dynamics.solver.criterion = criterion;
-    dynamics.solver.tolerance = 1e-4;
+    Dynamics dynamics = dynamics_of("generic", {}, {.criterion = criterion, .tolerance = 1e-4});
     std::vector<Grain> row;
     for (int k = 0; k < 4; ++k) row.push_back({.x = k * 0.6, .y = k * 0.8, .velocity_x = 1.0 / 3, .velocity_y = 0.1});
     for (const StepReport& report : run(simulation_of(row, dynamics, {2, 1}), 4)) {
@@ -499,9 +477,7 @@ TEST_CASE("interface impulses that are rounding of the momenta are no change") {
   for (const std::string algorithm : {"generic", "enriched"})
     for (const Units& units : watched(scales)) {
       CAPTURE(algorithm);
-      Dynamics dynamics = dynamics_of(algorithm, units);
-      dynamics.solver.criterion = "interface_change";
-      dynamics.solver.tolerance = 1e-4;
+      const Dynamics dynamics = dynamics_of(algorithm, units, {.criterion = "interface_change", .tolerance = 1e-4});
       const GranularStep<2> step = solve_step(simulation_of(flying_row(units), dynamics, {2, 1}));
       CHECK(step.interface_impulses.norm() > 0);
       CHECK(step.interface_impulses.norm() <= 1e-16 * units.mass * units.speed());
@@ -516,9 +492,7 @@ TEST_CASE("a linear subdomain of grains that fly together is no further from the
   // F and the distance of the model are both 10^-17 N s.
   for (const double flexibility : {1e-8, 1e-4})
     for (const Units& units : watched(scales)) {
-      Dynamics dynamics = dynamics_of("generic", units);
-      dynamics.solver.criterion = "none";
-      dynamics.solver.maximum_iterations = 8;
+      Dynamics dynamics = dynamics_of("generic", units, {.maximum_iterations = 8, .criterion = "none"});
       dynamics.solver.model = SwitchedModel::linear;
       dynamics.solver.switch_after = 3;
       dynamics.solver.switch_flexibility = Flexibility(flexibility, true);
@@ -541,11 +515,8 @@ TEST_CASE("jumps of copies at rest are relative to what rounding leaves of their
   // the jumps of its copies, while F over the mass of a copy is 0.2 m/s.
   for (const std::string algorithm : {"generic", "enriched"})
     for (const std::string criterion : {"interface_change", "natural_map", "gluing"}) {
-      CAPTURE(algorithm);
-      CAPTURE(criterion);
-      Dynamics dynamics = dynamics_of(algorithm);
-      dynamics.solver.criterion = criterion;
-      dynamics.solver.tolerance = 1e-4;
+      INFO("algorithm = ", algorithm, ", criterion = ", criterion);
+      Dynamics dynamics = dynamics_of(algorithm, {}, {.criterion = criterion, .tolerance = 1e-4});
       dynamics.boundaries = {wall("left", {-1.1, 0.2}, {0.5, -1}), wall("right", {2.9, 2.2}, {1.3, 3.4})};
       std::vector<Grain> row;
       for (int k = 0; k < 4; ++k) row.push_back({.x = k * 0.6, .y = k * 0.8});
@@ -574,21 +545,17 @@ TEST_CASE("other quotients whose denominator may vanish") {
   driven.driven_by = {0};
   CHECK(mean_speed(driven, 0) == 0);
   // Nothing moves, nothing carries: there is no rate to observe, and nothing drifts.
-  Dynamics dynamics = dynamics_of("generic");
   const RateAtSolution none =
-      rate_at_solution(simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}}, dynamics, {2, 1}));
+      rate_at_solution(simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}}, dynamics_of("generic"), {2, 1}));
   CHECK(none.drift == 0);
   CHECK(std::isnan(none.observed));
   CHECK_FALSE(none.converged);
   CHECK_FALSE(std::isinf(none.margin));
   // Two bodies that fly together at 1 000 m/s: q is what rounding leaves, `speeds` what cancels in it.
-  GlobalFrictionProblem bodies;
-  bodies.mass = Matrix(Matrix::Identity(6, 6)).sparseView();
-  bodies.h = Matrix((Matrix(6, 2) << -1, 0, 0, -1, 0, -1, 1, 0, 0, 1, 0, -1).finished()).sparseView();
-  bodies.f = (Vector(6) << 1000, 0, 0, 1000, 0, 0).finished();
-  bodies.w = Vector::Zero(2);
-  bodies.friction = Vector::Constant(1, 0.3);
-  const LocalFrictionProblem local = reduce(bodies);
+  const LocalFrictionProblem local =
+      reduce({Matrix(Matrix::Identity(6, 6)).sparseView(),
+              Matrix{{-1, 0}, {0, -1}, {0, -1}, {1, 0}, {0, 1}, {0, -1}}.sparseView(), Vector{{1000, 0, 0, 1000, 0, 0}},
+              Vector::Zero(2), Vector::Constant(1, 0.3)});
   CHECK(local.q.norm() == 0);
   CHECK(local.speeds[0] == doctest::Approx(2000));
 }

@@ -57,7 +57,7 @@ TEST_CASE("pencil: known ends, sizes small and large, with a residual that bound
   }
 }
 
-TEST_CASE("pencil: the residual tells a wrong eigenvalue: scaled error seen through P^-1") {
+TEST_CASE("pencil: the residual tells an error seen through P^-1, and is d where a value is off by d, whatever P") {
   // A nearly singular P makes eigenvalues uncertain; the residual must grow with that uncertainty.
   const Dense random = random_matrix(6, 6, 1);
   const Matrix a = random + random.transpose();
@@ -67,15 +67,14 @@ TEST_CASE("pencil: the residual tells a wrong eigenvalue: scaled error seen thro
   const PencilEnds ill = pencil_ends(a, p);
   REQUIRE(ill.failure.empty());
   CHECK(ill.residual > 1e3 * well);
-}
 
-TEST_CASE("pencil: a value that is off by d leaves the residual d, whatever P") {
   const KnownPencil pencil(Vector::LinSpaced(20, -1, 2), 9);
   const PencilEnds ends = pencil_ends(pencil.a, pencil.p, 3);
-  const Matrix p = pencil.p, lower = cholesky_factor(pencil.p);
+  const Matrix lower = cholesky_factor(pencil.p);
   for (const double d : {1e-3, -0.1, 5.0}) {
     const Vector values = ends.low.array() + d;
-    CHECK(pair_residual(pencil.a, p, lower, values, ends.low_vectors) == doctest::Approx(std::abs(d)).epsilon(1e-9));
+    const double residual = pair_residual(pencil.a, pencil.p, lower, values, ends.low_vectors);
+    CHECK(residual == doctest::Approx(std::abs(d)).epsilon(1e-9));
   }
 }
 
@@ -111,7 +110,7 @@ TEST_CASE("kernel split: dimensions, null space, complement") {
   CHECK(split_kernel(Matrix::Zero(3, 3), 3).range.cols() == 0);
 }
 
-TEST_CASE("Lanczos: both ends of a known pencil, same bits twice, too small refused") {
+TEST_CASE("Lanczos: both ends of a known pencil, same bits twice, too small refused; the identity (B = 0)") {
   Vector expected = Vector::LinSpaced(80, 0.05, 1.95);
   const KnownPencil pencil(expected, 21);
   const LinearMap solve = solver(pencil.p);
@@ -125,9 +124,6 @@ TEST_CASE("Lanczos: both ends of a known pencil, same bits twice, too small refu
     CHECK(again.vector == result.vector);
   }
   CHECK_THROWS_AS(lanczos(4, map_of(pencil.a), map_of(pencil.p), solve, SpectrumEnd::largest), Error);
-}
-
-TEST_CASE("Lanczos: the identity (B = 0) and the smallest size taken") {
   for (const Index n : {arpack_smallest_size, Index{30}}) {
     const LinearMap identity = [](const Vector& x) -> Vector { return x; };
     const LanczosResult result = lanczos(n, identity, identity, identity, SpectrumEnd::largest);
@@ -190,8 +186,7 @@ TEST_CASE("sparse Cholesky: solves, reuses a pattern, tells a matrix that is not
 TEST_CASE("left singular vectors: tall, wide, square and without columns, small values to their last digits") {
   for (const auto& shape : {std::array<Index, 2>{9, 4}, {4, 9}, {6, 6}, {3, 0}}) {
     const Index rows = shape[0], columns = shape[1];
-    CAPTURE(rows);
-    CAPTURE(columns);
+    INFO("rows = ", rows, ", columns = ", columns);
     const Dense a = random_matrix(rows, columns, 8);
     const ValuesAndVectors found = left_singular(a);
     REQUIRE(found.values.size() == rows);
@@ -262,27 +257,21 @@ TEST_CASE("range projector: what counts as zero without being zero tilts project
   }
 }
 
-TEST_CASE("ranks: a column counts from the tolerance on, not from a few times the tolerance") {
+TEST_CASE("ranks: a column counts from the tolerance on; where factors near it disagree, eigenvalues decide") {
   const double tolerance = 1e-3;
-  // Two unit columns at an angle: the smaller eigenvalue of B^T B is 1 - cos(angle).
-  for (const auto& [share, rank] : {std::pair{2.0, 2}, {0.5, 1}}) {
-    const double angle = std::acos(1 - share * tolerance * tolerance);
-    Matrix near(3, 2);
-    near << 1, std::cos(angle), 0, std::sin(angle), 0, 0;
-    CHECK(sparse_rank(near.sparseView(), tolerance).value == rank);
-  }
-}
-
-TEST_CASE("ranks: where factors with tolerances next to the one asked for disagree, the eigenvalues decide") {
-  const double tolerance = 1e-3;
-  // Pairs of unit columns whose smaller eigenvalues lie between the tolerances that are tried.
-  const std::vector<double> shares{0.17, 0.55, 1.7, 5.5};
-  Matrix pairs = Matrix::Zero(8, 8);
-  for (Index k = 0; k < 4; ++k) {
-    const double angle = std::acos(1 - shares[at(k)] * tolerance * tolerance);
-    pairs.block(2 * k, 2 * k, 2, 2) << 1, std::cos(angle), 0, std::sin(angle);
-  }
-  const SparseMatrix a = pairs.sparseView();
+  // Pairs of unit columns at an angle: the smaller eigenvalue of B^T B is 1 - cos(angle).
+  const auto pairs = [&](Index rows, const std::vector<double>& shares) {
+    Matrix near = Matrix::Zero(rows, 2 * count(shares));
+    for (Index k = 0; k < count(shares); ++k) {
+      const double angle = std::acos(1 - shares[at(k)] * tolerance * tolerance);
+      near.block(2 * k, 2 * k, 2, 2) << 1, std::cos(angle), 0, std::sin(angle);
+    }
+    return SparseMatrix(near.sparseView());
+  };
+  CHECK(sparse_rank(pairs(3, {2.0}), tolerance).value == 2);  // not from a few times the tolerance on
+  CHECK(sparse_rank(pairs(3, {0.5}), tolerance).value == 1);
+  // Smaller eigenvalues that lie between the tolerances that are tried.
+  const SparseMatrix a = pairs(8, {0.17, 0.55, 1.7, 5.5});
   CHECK_FALSE(RangeProjector(a, tolerance).conclusive());
   CHECK(sparse_rank(a, tolerance).value == 6);
 }
@@ -291,8 +280,7 @@ TEST_CASE("ranks: one that rounding may have decided is not conclusive") {
   int doubtful = 0;
   for (std::uint64_t seed = 1; seed <= (sanitized ? 2 : 20); ++seed)
     for (const Index rank : {3, 20}) {
-      CAPTURE(seed);
-      CAPTURE(rank);
+      INFO("seed = ", seed, ", rank = ", rank);
       const Matrix product = random_matrix(60, rank, seed) * random_matrix(rank, 40, seed + 100);
       const SparseMatrix a = product.sparseView();
       for (const double tolerance : {1e-6, 1e-7, 1e-8, 1e-9}) {
@@ -304,15 +292,6 @@ TEST_CASE("ranks: one that rounding may have decided is not conclusive") {
       }
     }
   CHECK((sanitized || doubtful > 0));
-}
-
-TEST_CASE("dense least squares: directions within rounding of none do not count, the solution has least norm") {
-  const Matrix product = random_matrix(30, 5, 5) * random_matrix(5, 12, 6);
-  const Vector b = RandomStream(3).normal_vector(30);
-  const LeastSquares found = minimum_norm_least_squares(product, b);
-  CHECK(found.rank == 5);
-  const Vector expected = pseudo_inverse(product, 1e-10).apply(b);
-  CHECK((found.solution - expected).norm() < 1e-10 * expected.norm());
 }
 
 TEST_CASE("searches: a root, a minimum, and refusals") {
@@ -350,12 +329,19 @@ TEST_CASE("random streams repeat by seed") {
   }
 }
 
-TEST_CASE("sparse least squares: the solution of least norm, wide and tall, of any rank, with empty columns") {
+TEST_CASE("least squares: the solution of least norm, dense and sparse, wide and tall, any rank, empty columns") {
+  // Directions within rounding of none do not count.
+  const Matrix dense = random_matrix(30, 5, 5) * random_matrix(5, 12, 6);
+  const Vector right = RandomStream(3).normal_vector(30);
+  const LeastSquares found = minimum_norm_least_squares(dense, right);
+  CHECK(found.rank == 5);
+  const Vector least = pseudo_inverse(dense, 1e-10).apply(right);
+  CHECK((found.solution - least).norm() < 1e-10 * least.norm());
+
   RandomStream random(17);
   for (const auto& shape : {std::array<Index, 3>{60, 40, 40}, {40, 60, 40}, {60, 60, 25}, {30, 80, 11}}) {
     const Index rows = shape[0], columns = shape[1], rank = shape[2];
-    CAPTURE(rows);
-    CAPTURE(columns);
+    INFO("rows = ", rows, ", columns = ", columns);
     Matrix product = random_matrix(rows, rank, 5) * random_matrix(rank, columns, 6);
     product.col(3).setZero();
     const SparseMatrix a = product.sparseView();

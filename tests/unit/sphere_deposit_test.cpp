@@ -37,18 +37,12 @@ Touch touch_of(const SphereBed& bed, Index grain, Index obstacle) {
     const SpacePoint from = c - centre_of(p, obstacle);
     return {from.norm() - r - p.radius[at(obstacle)], from.normalized()};
   }
-  switch (obstacle) {
-    case -1:
-      return {c.z() - r, SpacePoint(0, 0, 1)};
-    case -2:
-      return {c.x() - r, SpacePoint(1, 0, 0)};
-    case -3:
-      return {bed.width - r - c.x(), SpacePoint(-1, 0, 0)};
-    case -4:
-      return {c.y() - r, SpacePoint(0, 1, 0)};
-    default:
-      return {bed.depth - r - c.y(), SpacePoint(0, -1, 0)};
-  }
+  const std::array<Touch, 5> walls{{{c.z() - r, SpacePoint(0, 0, 1)},
+                                    {c.x() - r, SpacePoint(1, 0, 0)},
+                                    {bed.width - r - c.x(), SpacePoint(-1, 0, 0)},
+                                    {c.y() - r, SpacePoint(0, 1, 0)},
+                                    {bed.depth - r - c.y(), SpacePoint(0, -1, 0)}}};
+  return walls.at(at(-1 - obstacle));
 }
 
 // Shares of the points of contact in the place of the centre, seen from above: w_i >= 0, sum 1, sum w_i p_i = c. A
@@ -72,9 +66,8 @@ void check_bed(const SphereBed& bed) {
   REQUIRE(p.dimension() == 3);
   REQUIRE(bed.supports.size() == at(p.size()));
   CHECK(bed.work.abandoned == 0);
-  double size = std::max(bed.width, bed.depth);
-  for (const double z : p.z) size = std::max(size, z);
-  const double rounding = 1e-15 * size;  // a few roundings of coordinates
+  // A few roundings of coordinates.
+  const double rounding = 1e-15 * std::max({bed.width, bed.depth, std::ranges::max(p.z)});
   const ContactNetwork network = detect_contacts(p, {.tolerance = 1e-9, .overlap_tolerance = 1e-7});
   std::set<std::pair<Index, Index>> found;
   double deepest = 0;
@@ -250,8 +243,7 @@ TEST_CASE("sphere deposit: what lies so regularly that nothing decides still end
     for (auto* values : {&p.x, &p.y, &p.z, &p.radius}) values->push_back(r);  // the place of the one that is dropped
     for (double x = r; x <= width - r; x += step)
       for (double y = r; y <= width - r; y += step) {
-        CAPTURE(x);
-        CAPTURE(y);
+        INFO("x = ", x, ", y = ", y);
         const auto rest = heap.settle(x, y, r);
         REQUIRE(rest);
         CHECK(again.settle(x, y, r)->centre == rest->centre);
@@ -298,8 +290,7 @@ TEST_CASE("sphere deposit: in boxes as narrow as a grain, where walls are touche
   for (const double width : watched<double>({0.4, 0.40000001, 0.5, 0.8, 2.0}))
     for (const double depth : watched<double>({0.4, 0.41, 0.8, 5.0}))
       for (const double smallest : {0.1, 0.2}) {
-        CAPTURE(width);
-        CAPTURE(depth);
+        INFO("width = ", width, ", depth = ", depth);
         const SphereBed bed = sphere_bed(
             {.grains = 300, .width = width, .depth = depth, .sizes = sizes_between(smallest, 0.2), .seed = 4});
         CHECK(bed.width == width);
@@ -372,10 +363,8 @@ TEST_CASE("sphere deposit: work per grain does not grow with the bed" * doctest:
   };
   for (const double largest : {0.1, 0.2, 0.5}) {
     CAPTURE(largest);
-    const auto deposit = [&](Index grains) {
-      return SphereDeposit{.grains = grains, .sizes = sizes_between(0.1, largest)};
-    };
-    const auto small = per_grain(deposit(3000)), large = per_grain(deposit(40'000));
+    const auto small = per_grain({.grains = 3000, .sizes = sizes_between(0.1, largest)});
+    const auto large = per_grain({.grains = 40'000, .sizes = sizes_between(0.1, largest)});
     CHECK(large.first < 7);
     CHECK(large.first < 1.1 * small.first);
     // a bed of 3000 has a quarter of its grains at walls and floor, where less is in the way
@@ -402,9 +391,8 @@ TEST_CASE("sphere deposit: beds fill what beds of this kind are known to fill" *
   CHECK(network.size() <= supports + 1200);  // a grain that reaches the floor still touches what it rolled over
   CHECK(network.size() > 2.8 * 30'000);
   CHECK(network.size() < 3 * 30'000);
-  double top = 0;
-  for (const double z : bed.packing.z) top = std::max(top, z);
-  CHECK(top / bed.width == doctest::Approx(1.05).epsilon(0.05));  // about as high as wide
+  // About as high as wide.
+  CHECK(std::ranges::max(bed.packing.z) / bed.width == doctest::Approx(1.05).epsilon(0.05));
 }
 
 TEST_CASE("sphere deposit: equal seeds give equal bytes, others do not, sizes do not depend on the box") {
@@ -418,9 +406,7 @@ TEST_CASE("sphere deposit: equal seeds give equal bytes, others do not, sizes do
   CHECK(wide.depth == 5);
   const SphereBed slab = sphere_bed({.grains = 500, .depth = 0.5, .seed = 7});
   CHECK(slab.packing.radius == p.radius);
-  double top = 0;
-  for (const double z : slab.packing.z) top = std::max(top, z);
-  CHECK(top / slab.width == doctest::Approx(1.2).epsilon(0.2));
+  CHECK(std::ranges::max(slab.packing.z) / slab.width == doctest::Approx(1.2).epsilon(0.2));
   // the sizes of the plane
   const Packing disks = generate(Deposit{.grains = 500, .seed = 7});
   CHECK(disks.radius == p.radius);

@@ -3,6 +3,7 @@
 
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
+#include "../support/studies.hpp"
 #include "study/linear/inspection.hpp"
 #include "study/linear/values.hpp"
 #include <nscdd/study/sweep.hpp>
@@ -217,46 +218,39 @@ TEST_CASE("optimum: nothing to optimise is told as such") {
   CHECK(four.relaxed_radius == doctest::Approx(4.0 / 11));
 }
 
-TEST_CASE("network: links and grains of the 4 disks") {
-  const Model model = build(strip(4));
-  Table link{headings(link_columns()), {}}, grain{headings(grain_columns()), {}};
-  links(model, [&](const Link& one) { link.rows.push_back(row(link_columns(), one)); });
-  grains(model, [&](const Grain& one) { grain.rows.push_back(row(grain_columns(), one)); });
+TEST_CASE("network: links and grains of the 4 disks, and of spheres with normals, places and velocities along z") {
+  const auto tables_of = [](const Model& model, Index dimension) {
+    Table link{headings(link_columns(ContactSet::active, dimension)), {}};
+    Table grain{headings(grain_columns(dimension)), {}};
+    links(model, [&](const Link& one) { link.rows.push_back(row(link_columns(ContactSet::active, dimension), one)); });
+    grains(model, [&](const Grain& one) { grain.rows.push_back(row(grain_columns(dimension), one)); });
+    for (const Row& cells : link.rows) {
+      REQUIRE(cells.size() == link.columns.size());
+      const auto number = [&](const std::string& name) { return std::get<double>(cells[link.column(name)]); };
+      for (const std::string axis : {"x", "y", "z"})
+        if (axis != "z" || dimension == 3)
+          CHECK(number("normal_" + axis) ==
+                doctest::Approx(number(axis + "_b") - number(axis + "_a")));  // of diameter 1 m
+      CHECK(std::get<bool>(cells[link.column("active")]) == (number("impulse") > 0));
+      CHECK(std::get<std::string>(cells[link.column("impulse_solution")]) == "unique");
+    }
+    return std::pair(link, grain);
+  };
+  const auto [link, grain] = tables_of(build(strip(4)), 2);
   REQUIRE(link.rows.size() == 5);
   REQUIRE(grain.rows.size() == 4);
-  for (const Row& cells : link.rows) {
-    REQUIRE(cells.size() == link.columns.size());
-    const double impulse = std::get<double>(cells[link.column("impulse")]);
-    CHECK(std::get<bool>(cells[link.column("active")]) == (impulse > 0));
-    CHECK(std::get<std::string>(cells[link.column("impulse_solution")]) == "unique");
-  }
   CHECK(std::get<std::int64_t>(grain.rows[1][grain.column("multiplicity")]) == 2);
   CHECK(std::get<double>(grain.rows[3][grain.column("velocity_x")]) == -1.0);
-}
 
-TEST_CASE("network: links and grains of spheres have columns along z, and normals and velocities in them") {
-  const Model model = build(two_tetrahedra());
-  Table link{headings(link_columns(ContactSet::active, 3)), {}}, grain{headings(grain_columns(3)), {}};
-  links(model, [&](const Link& one) { link.rows.push_back(row(link_columns(ContactSet::active, 3), one)); });
-  grains(model, [&](const Grain& one) { grain.rows.push_back(row(grain_columns(3), one)); });
-  REQUIRE(link.rows.size() == 9);
-  REQUIRE(grain.rows.size() == 5);
-  CHECK(link.columns.size() == link_columns().size() + 3);
-  CHECK(grain.columns.size() == grain_columns().size() + 2);
-  for (const Row& cells : link.rows) {
-    const auto number = [&](const char* name) { return std::get<double>(cells[link.column(name)]); };
-    for (const char axis : {'x', 'y', 'z'}) {
-      const std::string a(1, axis);
-      CHECK(number(("normal_" + a).c_str()) ==
-            doctest::Approx(number((a + "_b").c_str()) - number((a + "_a").c_str())));  // of diameter 1 m
-    }
-    CHECK(std::get<bool>(cells[link.column("active")]) == (number("impulse") > 0));
-    CHECK(std::get<std::string>(cells[link.column("impulse_solution")]) == "unique");
-  }
-  CHECK(std::get<double>(grain.rows[4][grain.column("z")]) == doctest::Approx(std::sqrt(2.0 / 3.0)));
-  CHECK(std::get<double>(grain.rows[4][grain.column("velocity_z")]) == -0.5);
-  CHECK(std::get<double>(grain.rows[4][grain.column("velocity_y")]) == 0.25);
-  CHECK(std::get<std::int64_t>(grain.rows[2][grain.column("multiplicity")]) == 2);
+  const auto [link_of_spheres, sphere] = tables_of(build(two_tetrahedra()), 3);
+  REQUIRE(link_of_spheres.rows.size() == 9);
+  REQUIRE(sphere.rows.size() == 5);
+  CHECK(link_of_spheres.columns.size() == link_columns().size() + 3);
+  CHECK(sphere.columns.size() == grain_columns().size() + 2);
+  CHECK(std::get<double>(sphere.rows[4][sphere.column("z")]) == doctest::Approx(std::sqrt(2.0 / 3.0)));
+  CHECK(std::get<double>(sphere.rows[4][sphere.column("velocity_z")]) == -0.5);
+  CHECK(std::get<double>(sphere.rows[4][sphere.column("velocity_y")]) == 0.25);
+  CHECK(std::get<std::int64_t>(sphere.rows[2][sphere.column("multiplicity")]) == 2);
 }
 
 TEST_CASE("study: tables of links and grains have the columns of the dimension of their cases, which is one") {
@@ -305,11 +299,9 @@ TEST_CASE("study: variations become columns, every combination a block of rows")
   table.cases = {strip(4), strip(8)};
   table.vary = {{"packing.radius", {"0.5", "1"}}, {"partition.grid", {"2,1", "3,1"}}};
   table.sweep.epsilon = {0.1, 1};
-  const auto columns = study_columns(table);
+  const auto [columns, rows] = run(table);
   CHECK(columns[1].name == "packing.radius");
   CHECK(columns[2].name == "partition.grid");
-  std::vector<Row> rows;
-  run_table(table, [&](const Row& row) { rows.push_back(row); });
   REQUIRE(rows.size() == 16);
   for (const Row& row : rows) REQUIRE(row.size() == columns.size());
   CHECK(std::get<double>(rows[0][1]) == 0.5);
@@ -336,22 +328,19 @@ TEST_CASE("study: parameters that vary together run through their lists at once,
   table.cases = {strip(4)};
   table.vary_together = {{"packing.grains", {"4", "8", "12"}}, {"partition.grid", {"2,1", "4,1", "6,1"}}};
   table.vary = {{"packing.radius", {"0.5", "1"}}};
-  const auto columns = study_columns(table);
-  CHECK(columns[1].name == "packing.grains");
-  CHECK(columns[2].name == "partition.grid");
-  CHECK(columns[3].name == "packing.radius");
   CHECK(varied_case_count(table) == 6);
   CHECK(row_count(table) == 6);
-  std::vector<Row> rows;
-  run_table(table, [&](const Row& row) { rows.push_back(row); });
-  REQUIRE(rows.size() == 6);
-  const Table shape{columns, {}};
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  const Table found = run(table);
+  CHECK(found.columns[1].name == "packing.grains");
+  CHECK(found.columns[2].name == "partition.grid");
+  CHECK(found.columns[3].name == "packing.radius");
+  REQUIRE(found.rows.size() == 6);
+  for (std::size_t i = 0; i < found.rows.size(); ++i) {
+    const auto cell_of = [&](const std::string& name) { return found.rows[i][found.column(name)]; };
     const std::int64_t grains = 4 * (static_cast<std::int64_t>(i) / 2 + 1);
-    CHECK(std::get<std::int64_t>(rows[i][shape.column("grains")]) == grains);
-    CHECK(std::get<std::int64_t>(rows[i][shape.column("subdomains")]) == grains / 2);
-    CHECK(std::get<double>(rows[i][shape.column("packing.radius")]) == (i % 2 == 0 ? 0.5 : 1.0));
-    for (const auto& [name, cell] : known_cells(table, static_cast<Index>(i)))
-      CHECK(rows[i][shape.column(name)] == cell);
+    CHECK(std::get<std::int64_t>(cell_of("grains")) == grains);
+    CHECK(std::get<std::int64_t>(cell_of("subdomains")) == grains / 2);
+    CHECK(std::get<double>(cell_of("packing.radius")) == (i % 2 == 0 ? 0.5 : 1.0));
+    for (const auto& [name, cell] : known_cells(table, static_cast<Index>(i))) CHECK(cell_of(name) == cell);
   }
 }
