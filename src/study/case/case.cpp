@@ -94,8 +94,8 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   };
   for (std::size_t k = 0; k < prescribed.size(); ++k)
     if (const Index grain = prescribed[k].grain; !start.system.free(grain) || released(grain))
-      throw Error(grain_key(k),
-                  fmt::format("expected a free grain that no source releases, met {}", body_name(start.system, grain)));
+      throw Error(grain_key(k), fmt::format("expected a free grain, met {}{}", body_name(start.system, grain),
+                                            released(grain) ? ", which a source releases at rest" : ""));
   const Vector v = assemble(packing, none, prescribed, one.spec.loads).arriving_velocity;
   std::vector<GrainMotion> motions(at(packing.size()));  // with spins, since the radius is 1 for them
   for (Index i = 0; i < packing.size(); ++i)
