@@ -54,8 +54,7 @@ void automatic(P& problem, SolverRun<P::dimension>& run) {
     }
     if (run.spent()) continue;
     const FrictionSolution swept = run.now;
-    const bool rubs = run.data.sums.any(!run.data.friction.isZero(0));
-    if (turn == 0 && !rubs) {
+    if (turn == 0 && !run.data.sums.any(!run.data.friction.isZero(0))) {
       if (InteriorPointSteps<P>(problem, run).finish()) return;
       run.go_back(swept);
     }

@@ -100,7 +100,7 @@ struct FreeBody {
 /// Where a boundary releases its grains one by one, see release_grains.
 struct GrainSource {
   Place point{0, 0, 0};  ///< m
-  double distance = 0;   ///< m, from the point to the centres of all free grains before the next one comes
+  double distance = 0;   ///< m, from the point to the centres of moving grains before the next one comes
 };
 
 /// A rigid body of grains (GranularSystem::driven_by) or a wall: driven by a motion but along the free directions, if

@@ -52,8 +52,9 @@ class ContactSearch {
     // Bodies that hold each other are found even if the alert distance is shorter.
     const double range = start.interaction.cohesion_range;
     const double held = !pulls_ ? 0 : range >= 0 ? range : touching_gap * std::ranges::max(radius);
-    alert_ = std::max(alert_distance(system_, start.scheme), held);
-    bonds_ = system_.pairs.bonds();
+    const double alert = alert_distance(system_, start.scheme);
+    alert_ = std::max(alert, held);
+    if (system_.pairs.bonds()) bond_distance_ = alert;
     foreseen_ = std::max(alert_, 2 * fastest * start.scheme.step);  // largest approach of two grains
     for (const RememberedBond& one : start.state.bonds) foreseen_ = std::max(foreseen_, 2 * one.gap);
   }
@@ -66,6 +67,8 @@ class ContactSearch {
 
  private:
   GrainMotion motion_of(Index grain) const { return free_motion(start_, where_.poses, where_.motions, grain); }
+
+  bool bonded(const StepContact& c) const { return bond_distance_ && bond_of(start_, c, *bond_distance_); }
 
   Place velocity_of_second(const StepContact& c) const {
     if (c.b < system_.grains()) return velocity_of(motion_of(c.b));
@@ -131,8 +134,7 @@ class ContactSearch {
     const auto [overlap, met] = Passage::of(path_, c.a, c.b, gap);
     if (overlap) considered_.deep.push_back(*overlap);
     if (met) return visit({c.a, c.b, *met, c.point, std::min(gap, 0.0)});
-    const bool bond = bonds_ && bond_of(start_, c, alert_);
-    if (gap > alert_ && !bond) {
+    if (gap > alert_ && !bonded(c)) {
       const Place move = difference(velocity_of_second(c), velocity_of(motion_of(c.a)));
       if (gap + step * dot(c.normal, move) > alert_) return;
       if (!start_.interaction.on_velocity() && c.b < system_.grains() &&
@@ -178,7 +180,7 @@ class ContactSearch {
     if (!moves_apart(c)) return;
     // Under a condition on the velocity a contact acts once it touches: the predicted gap would swallow the impact.
     if (start_.interaction.on_velocity() && c.gap > 0 && !(pulls_ && hold(system_, start_.interaction, c)) &&
-        !(bonds_ && bond_of(start_, c, alert_)))
+        !bonded(c))
       return;
     ++considered_.number;
     if (c.b >= system_.grains() && system_.is_boundary(c.b))
@@ -191,8 +193,8 @@ class ContactSearch {
   const std::function<void(const StepContact&)>& visit_;
   const Path path_ = Path::to_contacts(start_);
   const Configuration& where_ = path_.places.back();
-  bool pulls_ = false;               // of the law
-  bool bonds_ = false;               // of pairs of colours
+  bool pulls_ = false;                        // of the law
+  std::optional<double> bond_distance_ = {};  // m, see bond_of; none without bonds
   double alert_ = 0, foreseen_ = 0;  // largest gaps of contacts, m: at any velocity, and at the velocities of the step
   ConsideredContacts considered_;
 };

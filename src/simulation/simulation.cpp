@@ -213,12 +213,14 @@ GranularStep<D> solve_step(const Simulation& simulation, const IterationSink& si
       further.row = [&](IterationRow row) {
         count_also(before.last, row.record);
         row.factorisations += before.factorisations;
+        row.interface_iterations += before.interface_iterations;
         row.seconds += before.solve_seconds;
         sink.row(row);
       };
     step = solve_once<D>(stronger, further);
     count_also(before.last, step.report.last);
     step.report.factorisations += before.factorisations;
+    step.report.interface_iterations += before.interface_iterations;
     step.report.setup_seconds += before.setup_seconds;
     step.report.solve_seconds += before.solve_seconds;
   }
