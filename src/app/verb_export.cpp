@@ -156,7 +156,7 @@ int export_operators(const OperatorsOptions& options, bool force, const Context&
     ++operators;
   };
   if (!case_operators(model, selection, wanted, add, interruption.watch("B", 0, "column")))
-    return interrupted("{}: interrupted; nothing is left there", options.folder);
+    return interrupted("{}: interrupted; it is left as it was", options.folder);
   OperatorsHead head{selection.of_case, model.problem.dofs_per_grain, {}};
   if (wanted.dense) head.dense = wanted;
   folder.finish(head, provenance(context, {what}));

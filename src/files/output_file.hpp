@@ -55,11 +55,11 @@ class OutputFile {
   void line(std::string_view text);
   void bytes(std::string_view text);  ///< writes text unchanged, at once
   void flush();                       ///< writes the buffered lines
+  void close();                       ///< so that many outputs may wait for `finish`
   void finish();  ///< throws Error, and keeps the partial file, if another file got the name meanwhile, without `force`
   void leave();   ///< closes the partial file and keeps it for another run
 
  private:
-  void close();
   std::string name_;
   std::filesystem::path growing_;  ///< empty for a stream
   bool replaces_ = false;          ///< `force`

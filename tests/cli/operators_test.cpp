@@ -120,13 +120,18 @@ TEST_CASE_FIXTURE(Session, "export --operators: nothing is overwritten, and what
   check_refused("export all/operators.h5 --epsilon 1 --operators all --force", {"all/operators.h5"});
 }
 
-TEST_CASE_FIXTURE(Session, "export --operators: an interrupt or a full disk takes back what was written") {
+TEST_CASE_FIXTURE(Session, "export --operators: an interrupt or a full disk takes back what was written, and no more") {
   const std::string line = "export hexagonal --subdomains 6x6 --epsilon 1 --eta 1 --operators new";
   check_refused(line, {"new", ".mtx"}, {.largest_file = 20000});
   ended(130, line, {"new: interrupted"}, {.signal_at = SignalAt{"P.mtx*", 1, SIGINT}});
   CHECK_FALSE(has("new"));
   answer(line);
   CHECK(has("new/B.mtx"));
+  const std::string before = read("new/manifest.toml") + read("new/M.mtx");
+  ended(130, line + " --set packing.rows=9 --force", {"new: interrupted"},
+        {.signal_at = SignalAt{"P.mtx*", 1, SIGINT}});
+  CHECK(read("new/manifest.toml") + read("new/M.mtx") == before);
+  CHECK_FALSE(has("new/M.mtx.partial"));
 }
 
 TEST_CASE_FIXTURE(Session, "export --operators: refused with 3/5 of the memory it takes, done with 7/5") {

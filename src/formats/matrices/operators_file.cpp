@@ -152,29 +152,26 @@ class MatrixMarket {
 }  // namespace
 
 OperatorsFolder::OperatorsFolder(std::string path, bool force, const std::string& program)
-    : path_(std::move(path)),
+    : path_(path),
       force_(force),
-      made_(make_folder(path_, force)),
+      made_(make_folder(path, force)),
       program_(program),
       hdf5_(std::make_unique<hdf5::File>()) {}
 
 OperatorsFolder::~OperatorsFolder() {
-  if (finished_) return;
+  files_.clear();
   std::error_code ignored;
-  for (const std::string& file : written_) fs::remove(file, ignored);
   if (made_ && fs::is_empty(path_, ignored)) fs::remove(path_, ignored);
 }
 
-std::string OperatorsFolder::next(const std::string& name) { return written_.emplace_back(fs::path(path_) / name); }
+OutputFile& OperatorsFolder::open(const std::string& name) { return files_.emplace_back(path_ / name, force_); }
 
 void OperatorsFolder::add(const CaseOperator& one) {
-  std::error_code ignored;
-  if (tables_.empty()) fs::remove(fs::path(path_) / manifest_name, ignored);
   std::vector<std::string> remarks{fmt::format("{}: {}", one.name, one.meaning)};
   if (!one.formula.empty()) remarks.push_back("formula: " + one.formula);
   if (!one.unit.empty()) remarks.push_back("unit: " + one.unit);
   remarks.push_back(fmt::format("written by {}; {} says what belongs to it", program_, manifest_name));
-  OutputFile file(next(file_of(one)), force_);
+  OutputFile& file = open(file_of(one));
   MatrixMarket text(file, one.symmetric, std::move(remarks));
   std::visit(
       [&](const auto& values) {
@@ -182,15 +179,17 @@ void OperatorsFolder::add(const CaseOperator& one) {
         put(hdf5_->root(), one, values);
       },
       one.values);
-  file.finish();
+  file.close();
   tables_ += manifest_table(one);
 }
 
 void OperatorsFolder::finish(const OperatorsHead& head, const Provenance& provenance) {
   hdf5::put_provenance(hdf5_->root(), provenance);
-  write_file(next(hdf5_name), hdf5_->bytes(), force_);
-  write_file(next(manifest_name), manifest_head(head, provenance) + tables_, force_);
-  finished_ = true;
+  open(hdf5_name).bytes(hdf5_->bytes());
+  open(manifest_name).bytes(manifest_head(head, provenance) + tables_);
+  std::error_code ignored;
+  fs::remove(path_ / manifest_name, ignored);
+  for (OutputFile& file : files_) file.finish();
 }
 
 }  // namespace nscdd

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "files/output_file.hpp"
 #include "study/linear/operators.hpp"
+
+#include <deque>
 
 namespace nscdd {
 
@@ -23,24 +26,24 @@ class OperatorsFolder {
   static constexpr const char* manifest_name = "manifest.toml";
   static constexpr const char* hdf5_name = "operators.h5";
 
-  /// Throws Error as `make_folder`. With `force`, files of an earlier run stay unless written again.
+  /// Throws Error as `make_folder`. With `force`, files of an earlier export stay unless `finish` replaces them.
   OperatorsFolder(std::string path, bool force, const std::string& program);
-  /// Without `finish`, removes the files that were written, and the folder if it is new.
+  /// Without `finish`, removes what was written, and the folder if it is new.
   ~OperatorsFolder();
   OperatorsFolder(const OperatorsFolder&) = delete;
   OperatorsFolder& operator=(const OperatorsFolder&) = delete;
 
-  /// Writes the file of an operator. The first call removes the manifest of an earlier export.
+  /// Writes the file of an operator under its partial name.
   void add(const CaseOperator& one);
-  /// Writes operators.h5 and the manifest, and keeps the files.
+  /// Writes operators.h5 and the manifest, and gives all files their names.
   void finish(const OperatorsHead& head, const Provenance& provenance);
 
  private:
-  std::string next(const std::string& name);  // the path of the next file
-  std::string path_;
-  bool force_, made_, finished_ = false;
-  std::vector<std::string> written_;
-  std::string program_;  // name and version, for remarks
+  OutputFile& open(const std::string& name);
+  std::filesystem::path path_;
+  bool force_, made_;
+  std::deque<OutputFile> files_;  // those of the operators, operators.h5 and the manifest
+  std::string program_;           // name and version, for remarks
   std::unique_ptr<hdf5::File> hdf5_;
   std::string tables_;  // of the manifest
 };
