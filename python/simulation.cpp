@@ -111,7 +111,8 @@ Case case_of(const std::string& path, const Packing* packing, const std::optiona
     override_case(spec, key, value);
   }
   check_dynamics(spec);
-  for (const auto& [key, value] : settings) require_effect(*spec.dynamics, key, key);
+  if (subdomains) require_effect(spec, "partition.", "subdomains");
+  for (const auto& [key, value] : settings) require_effect(spec, key, key);
   if (packing == nullptr) return resolve(std::move(spec));
   spec.packing = PackingFile{"packing"};
   Case one{.spec = std::move(spec), .packing = *packing};

@@ -36,18 +36,10 @@ struct Options {
 // Throws Error for a parameter without effect. On one subdomain, which has no interface, a note does: a loop over
 // numbers of subdomains may begin with 1.
 void require_effect(const GivenParameters::One& given, const CaseSpec& spec) {
-  const Dynamics& dynamics = *spec.dynamics;
-  const bool of_cell = given.key.starts_with("contacts.period_");
-  if (given.key.starts_with("contacts.") && !of_cell)
-    fail("{}: expected a parameter of the motion, met one of the linear study alone", given.option);
-  const bool one_subdomain = subdomains(spec.partition) == 1;
-  if (given.key.starts_with("partition.") && !decomposes(dynamics.solver.algorithm) && !one_subdomain)
-    fail("{}: expected --algorithm {} with it, met {}, which does not decompose", given.option,
-         algorithms_with(StepPart::subdomains), to_string(dynamics.solver.algorithm));
-  if (!of_cell) nscdd::require_effect(dynamics, given.key, given.option);
-  Dynamics undivided = dynamics;
+  nscdd::require_effect(spec, given.key, given.option);
+  Dynamics undivided = *spec.dynamics;
   undivided.solver.algorithm = StepAlgorithm::nlgs;
-  if (!has_effect(undivided, given.key) && one_subdomain)
+  if (!has_effect(undivided, given.key) && subdomains(spec.partition) == 1)
     note("{}: without effect on one subdomain, which has no interface", given.option);
 }
 

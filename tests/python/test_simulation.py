@@ -187,6 +187,8 @@ def test_a_callback_ends_a_run():
     (dict(settings={"dynamics.step_size": 1}), "dynamics.step_size: no such parameter"),
     (dict(settings={"solver.eta": 1.0}), "solver.eta: expected solver.algorithm"),
     (dict(subdomains="2 by 2"), "subdomains: expected"),
+    (dict(subdomains=(2, 1)), "subdomains: expected solver.algorithm .*met nlgs, which does not decompose"),
+    (dict(settings={"contacts.tolerance": 1e-3}), "contacts.tolerance: expected a parameter of the motion"),
 ])
 def test_errors(arguments, words):
     with pytest.raises(nscdd.Error, match=words):

@@ -4,31 +4,8 @@
 #include "core/fail.hpp"
 #include "simulation/simulation.hpp"
 
-#include <fmt/ranges.h>
-
 namespace nscdd {
 namespace {
-
-// Overrides a field of a section. Throws Error naming its fields for another key.
-template <class Parameters>
-void override_section(std::string_view section, Parameters& parameters, std::string_view key, std::string_view path,
-                      std::string_view value) {
-  if (override_field(parameters, key, value, path)) return;
-  std::vector<std::string> known;
-  for (const FieldDescription& field : describe_fields(parameters))
-    known.push_back(fmt::format("{}.{}", section, field.key));
-  fail("{}: no such parameter in this case; expected one of {}{}", path, fmt::join(known, ", "),
-       suggestion(path, known));
-}
-
-// The optional field of Masses as a struct with `fields`.
-struct MassFields {
-  double density;
-  template <class Self, class Visitor>
-  static void fields(Self& self, Visitor&& visit) {
-    visit("density", self.density, Field{.description = "surface density", .unit = "kg/m^2", .above = 0});
-  }
-};
 
 // The points of contacts as a packing with their midpoints.
 std::pair<Packing, ContactNetwork> geometry_of(const Matrix& points) {
@@ -56,14 +33,6 @@ Partition partition_of_problem(const Partitioner& partitioner, const ReferencePr
         path, subdomains(partitioner));
   };
   return distribute(partitioner, geometry, [&]() -> const ReferenceProblem& { return problem; });
-}
-
-// "file:line: ", as far as known.
-std::string place(const CaseSpec& spec, std::string_view key) {
-  if (spec.source.empty()) return {};
-  const auto line = spec.lines.find(key);
-  if (key.empty() || line == spec.lines.end()) return spec.source + ": ";
-  return fmt::format("{}:{}: ", spec.source, line->second);
 }
 
 std::string grain_key(std::size_t k) { return fmt::format("prescribed[{}].grain", k); }
@@ -141,83 +110,6 @@ Model without_parts(const Case& one, const Monitor& monitor) try {
 
 }  // namespace
 
-std::string where(const CaseSpec& spec, std::string_view key) { return place(spec, key).append(key); }
-
-Error located(const CaseSpec& spec, const Error& error) { return Error(place(spec, error.key()) + error.what()); }
-
-void override_case(CaseSpec& spec, std::string_view path, std::string_view value) {
-  const auto dot = path.find('.');
-  const std::string_view section = path.substr(0, dot);
-  const std::string_view key = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
-  if (std::holds_alternative<ContactProblemFile>(spec.packing) && section != "partition")
-    fail("{}: this case is a contact problem; expected only partition.*", path);
-  const auto set = [&](auto& parameters) { override_section(section, parameters, key, path, value); };
-  const auto dynamics = [&]() -> Dynamics& {
-    if (spec.dynamics) return *spec.dynamics;
-    fail("{}: expected a case with a section [dynamics], met one without", path);
-  };
-  const auto packing = [&] {
-    auto* generator = std::get_if<Generator>(&spec.packing);
-    if (generator == nullptr)
-      fail("{}: the packing of this case is {} and has no parameters", path,
-           std::holds_alternative<PackingFile>(spec.packing) ? "a file" : "settled");
-    std::visit(set, *generator);
-  };
-  const auto masses = [&] {
-    MassFields fields{spec.masses.density};
-    set(fields);
-    spec.masses = {MassModel::density, fields.density};
-  };
-  const std::vector<std::pair<std::string, std::function<void()>>> sections{
-      {"packing", packing},
-      {"contacts", [&] { set(spec.contacts); }},
-      {"masses", masses},
-      {"partition", [&] { std::visit(set, spec.partition); }},
-      {"loads", [&] { set(spec.loads); }},
-      {"interaction", [&] { set(dynamics().interaction); }},
-      {"dynamics", [&] { set(dynamics().time); }},
-      {"solver", [&] { set(dynamics().solver); }}};
-  std::vector<std::string> known;
-  for (const auto& one : sections) known.push_back(one.first);
-  const auto found = std::ranges::find(known, section);
-  if (found == known.end())
-    fail("{}: no such parameter; expected one of {}.*{}", path, fmt::join(known, ".*, "), suggestion(section, known));
-  sections[at(found - known.begin())].second();
-  spec.lines.erase(std::string(path));  // the value is no longer that of the file
-}
-
-std::string to_toml(const CaseSpec& spec) {
-  const auto lines = [](const auto& parameters) { return field_lines(parameters); };
-  const std::string partition = "\n[partition]\n" + std::visit(lines, spec.partition);
-  std::string text = fmt::format("title = {}\n\n", field_text(spec.title));
-  if (const auto* problem = std::get_if<ContactProblemFile>(&spec.packing))
-    return text + fmt::format("[problem]\nfile = {}\n", field_text(problem->path)) + partition;
-  text += "[packing]\n";
-  if (const auto* file = std::get_if<PackingFile>(&spec.packing)) {
-    text += fmt::format("file = {}\n", field_text(file->path));
-  } else if (const auto* settled = std::get_if<SettledFrom>(&spec.packing)) {
-    text += fmt::format("settled = {}\n", field_text(settled->name));
-  } else {
-    const Generator& generator = std::get<Generator>(spec.packing);
-    const auto name = std::visit([](const auto& parameters) { return parameters.name; }, generator);
-    text += fmt::format("generator = \"{}\"\n{}", name, std::visit(lines, generator));
-  }
-  text += "\n[contacts]\n" + field_lines(spec.contacts);
-  if (spec.masses.model) {
-    text += fmt::format("\n[masses]\nmodel = \"{}\"\n", to_string(*spec.masses.model));
-    if (spec.masses.model == MassModel::density) text += fmt::format("density = {}\n", spec.masses.density);
-  }
-  text += partition;
-  if (!spec.loads.none()) text += "\n[loads]\n" + field_lines(spec.loads);
-  for (const auto& [grain, velocity, spin] : spec.prescribed) {
-    text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", grain, field_text(velocity));
-    if (spin != std::array<double, 3>{})
-      text += fmt::format("spin = {}\n", velocity.size() == 2 ? field_text(spin[2]) : field_text(Components(spin)));
-  }
-  if (spec.dynamics) text += to_toml(*spec.dynamics);
-  return text;
-}
-
 std::optional<Index> dimension_of(const Case& one) {
   if (const auto* generator = std::get_if<Generator>(&one.spec.packing)) return dimension(*generator);
   return one.packing.size() > 0 ? std::optional(one.packing.dimension()) : std::nullopt;
@@ -235,18 +127,6 @@ Packing packing_of(const Case& one, const Monitor& monitor) {
 void require_geometry(const Model& model, std::string_view what) {
   if (!model.has_geometry())
     fail("{}: {}: expected a packing, met a contact problem, which has no geometry", model.name, what);
-}
-
-void check_dynamics(const CaseSpec& spec) {
-  if (!spec.dynamics) fail("case {}: expected a section [dynamics], met none", spec.name);
-  subdomains(spec.partition);
-  const StepSolver& solver = spec.dynamics->solver;
-  const Interaction& interaction = spec.dynamics->interaction;
-  if (is_contact_solver(solver.algorithm) && !opens(contact_law(interaction, spec.dynamics->time.step, 1)))
-    throw Error("solver.algorithm", fmt::format("expected {} with law {}, met {}{}", algorithms_with(StepPart::sweeps),
-                                                to_string(interaction.law), to_string(solver.algorithm),
-                                                solver.algorithm == StepSolver{}.algorithm ? ", the default" : ""));
-  check(solver);
 }
 
 Simulation simulation_of(const Case& one, const Monitor& monitor) try {
