@@ -90,7 +90,6 @@ TEST_CASE("case file: a missing section or value") {
 TEST_CASE("case file: a value out of bounds") {
   check_spoilt("grains = 4", "grains = 0", {"bad.toml:4", "packing.grains", ">= 1", "met 0"});
   check_spoilt("grains = 4", "grains = 99999999999", {"bad.toml:4", "packing.grains"});
-  check_spoilt("radius = 0.5", "radius = -0.5", {"bad.toml:5", "packing.radius", "> 0", "-0.5"});
   check_spoilt("radius = 0.5", "radius = 0", {"bad.toml:5", "packing.radius", "> 0"});
   check_spoilt("radius = 0.5", "radius = nan", {"bad.toml:5", "packing.radius", "finite", "nan"});
   check_spoilt("radius = 0.5", "radius = inf", {"bad.toml:5", "packing.radius", "finite", "inf"});
@@ -98,7 +97,6 @@ TEST_CASE("case file: a value out of bounds") {
   check_spoilt("density = 2.5", "density = -2.5", {"bad.toml:10", "masses.density", "> 0"});
   check_spoilt("density = 2.5", "density = nan", {"bad.toml:10", "masses.density", "nan"});
   check_spoilt("[2, 1]", "[0, 1]", {"bad.toml:12", "partition.grid", ">= 1"});
-  check_spoilt("[2, 1]", "[-2, 1]", {"bad.toml:12", "partition.grid", ">= 1"});
   check_spoilt("[2, 1]", "[100000, 100000]", {"partition.grid", "100000 x 100000"});
   check_spoilt("grid = [2, 1]", "metis = 0", {"bad.toml:12", "partition.metis", ">= 1"});
   check_spoilt("[-1.0, 0.0]", "[nan, 0.0]", {"bad.toml:15", "velocity", "finite"});

@@ -32,14 +32,20 @@ void require_same(const Contraction& b, const Dense& x, const Dense& y, double t
   CHECK(radius.value == doctest::Approx(eigenvalues.cwiseAbs().maxCoeff()).epsilon(tolerance));
 }
 
-}  // namespace
-
-TEST_CASE("linear law: (10)-(11) and (20)-(24) against the one operator") {
+// Calls `check` with every problem, its literal formulas and its operators.
+template <class Check>
+void for_every_problem(const Check& check) {
   for (const Case& one : every_problem()) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
-    const LiteralFormulas literal(model.parts);
-    const InterfaceFamily family(model.parts);
+    check(model, LiteralFormulas(model.parts), InterfaceFamily(model.parts));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("linear law: (10)-(11) and (20)-(24) against the one operator") {
+  for_every_problem([](const Model&, const LiteralFormulas& literal, const InterfaceFamily& family) {
     for (const double epsilon : {0.0, 1e-3, 0.1, 1.0, 30.0}) {
       CAPTURE(epsilon);
       require_same({family.at(infinity), family.at(epsilon)}, literal.x(), literal.y(epsilon), 1e-10);
@@ -48,31 +54,23 @@ TEST_CASE("linear law: (10)-(11) and (20)-(24) against the one operator") {
         require_same({family.at(eta), family.at(epsilon)}, literal.x_eta(eta), literal.y(epsilon, eta), 1e-9);
       }
     }
-  }
+  });
 }
 
 TEST_CASE("nonsmooth case: (31) and (34)-(36) against the one operator") {
-  for (const Case& one : every_problem()) {
-    CAPTURE(one.spec.name);
-    const Model model = build(one);
+  for_every_problem([](const Model& model, const LiteralFormulas& literal, const InterfaceFamily& family) {
     const std::vector<char> active = active_contacts(model.problem, rigid_impulses(model.problem));
-    const LiteralFormulas literal(model.parts);
     const InterfaceOperator system = InterfaceFamily(restrict_contacts(model.parts, active)).at(0);
-    const InterfaceFamily family(model.parts);
     require_same({family.at(infinity), system}, literal.x(), literal.y_bar(active), 1e-10);
     for (const double eta : {0.1, 1.0, 7.0}) {
       CAPTURE(eta);
       require_same({family.at(eta), system}, literal.x_eta(eta), literal.y_bar(active, eta), 1e-9);
     }
-  }
+  });
 }
 
 TEST_CASE("Woodbury: Y_eps = X - X_eps and Y_eps,eta = X_eta - X_eps") {
-  for (const Case& one : every_problem()) {
-    CAPTURE(one.spec.name);
-    const Model model = build(one);
-    const LiteralFormulas literal(model.parts);
-    const InterfaceFamily family(model.parts);
+  for_every_problem([](const Model&, const LiteralFormulas& literal, const InterfaceFamily& family) {
     for (const double epsilon : {1e-3, 1.0, 30.0}) {
       CHECK((literal.x() - literal.y(epsilon) - family.at(epsilon).dense()).norm() <
             1e-11 * literal.x().norm() + 1e-14);
@@ -82,5 +80,5 @@ TEST_CASE("Woodbury: Y_eps = X - X_eps and Y_eps,eta = X_eta - X_eps") {
     // the rigid limit is the limit
     CHECK((family.at(0).dense() - family.at(1e-9).dense()).norm() < 1e-6 * literal.x().norm() + 1e-14);
     CHECK((literal.x() - literal.y(0.0) - family.at(0).dense()).norm() < 1e-10 * literal.x().norm() + 1e-14);
-  }
+  });
 }
