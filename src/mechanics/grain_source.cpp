@@ -10,10 +10,10 @@ void release_grains(GranularSystem& system, GranularState& state) {
     if (next == system.driven_by.end()) continue;
     const auto grain = next - system.driven_by.begin();
     bool occupied = false;
-    for (Index i = 0; i < system.grains() && state.step > 0 && !occupied; ++i) {
+    for (Index i = 0; i < system.grains() && !occupied; ++i) {
       if (system.waits(i)) continue;
       const double touch = system.radius[at(i)] + system.radius[at(grain)];
-      const double near = system.moves(i) ? std::max(source->distance, touch) : touch;
+      const double near = system.moves(i) && state.step > 0 ? std::max(source->distance, touch) : touch;
       occupied = system.length(system.apart(source->point, centre_of(state, at(i)))) <= near;
     }
     if (occupied) continue;

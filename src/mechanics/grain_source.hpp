@@ -5,8 +5,8 @@
 
 namespace nscdd {
 
-/// Releases the next grain of every source (Boundary::source) whose point is free, in the first state whether it is or
-/// not: no centre of a grain that impulses move is within GrainSource::distance, and no grain at all would be touched.
+/// Releases the next grain of every source (Boundary::source) whose point is free: no grain would be touched, and
+/// behind the first state no centre of a grain that impulses move is within GrainSource::distance.
 /// The grain, which waited as a driven one, is at rest at the point then, and free. Grains leave in the order of their
 /// numbers.
 void release_grains(GranularSystem& system, GranularState& state);
