@@ -120,8 +120,7 @@ Action declare_coarse(Command& command) {
   declare_contacts(command, options->contacts);
   command.add("--preconditioner LIST", options->preconditioner,
               "X, X_eta, X_eta_active, lumped, dirichlet [dirichlet], and bddc by nscdd-mpi; X_eta: eta = 10 epsilon, "
-              "on all contacts or on "
-              "those of X_epsilon");
+              "on all contacts or on those of X_epsilon");
   command.add("--scaling LIST", options->scaling,
               "weights of shared grains: multiplicity, stiffness, deluxe [multiplicity,deluxe]; with lumped, dirichlet "
               "and bddc");
@@ -129,8 +128,7 @@ Action declare_coarse(Command& command) {
               "none, rigid, geneo [none,geneo]; with dirichlet, and without rigid with bddc");
   command.add("--kappa NUMBER", options->parameters.kappa,
               "condition number that geneo shall keep [30]; its threshold is N_n / kappa, N_n the most subdomains that "
-              "share grains "
-              "with one, itself included");
+              "share grains with one, itself included");
   command.add("--threshold NUMBER", options->parameters.threshold, "threshold of geneo instead");
   command.add("--counts", options->parameters.counts, "ranks and counts only, without spectra");
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");

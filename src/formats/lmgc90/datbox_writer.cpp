@@ -52,8 +52,7 @@ DatboxWriter::DatboxWriter(const Simulation& first)
     if (!space_ && wall.round() && wall.radius < 0)
       fail(
           "LMGC90: boundary '{}': expected a cylinder in the plane with grains inside, met one with grains outside, "
-          "which "
-          "is a driven grain there",
+          "which is a driven grain there",
           system.boundaries[at(wall.boundary)].name);
   double mass = 0, size = 0;
   Vector3 low = Vector3::Constant(infinity), high = -low;
