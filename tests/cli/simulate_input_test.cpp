@@ -96,9 +96,9 @@ TEST_CASE_FIXTURE(Session, "simulate: a case without [solver] is solved by auto,
   refused("--gauss-seidel-sweeps 1",
           "--gauss-seidel-sweeps: expected solver.algorithm nlgs, generic, enriched or schwarz");
   refused("--eta 30W", "--eta: expected solver.algorithm enriched");
-  refused(
-      "--subdomains 2x1",
-      "--subdomains: expected solver.algorithm generic, enriched, schwarz, accelerated, two_stage_newton or two_stage_admm");
+  refused("--subdomains 2x1",
+          "--subdomains: expected solver.algorithm generic, enriched, schwarz, accelerated, two_stage_newton or "
+          "two_stage_admm");
   const std::string divided = answer(
       "simulate new.toml --steps 3 --algorithm generic --criterion zeta --tolerance "
       "1e-3 --iterations 100000 -o generic.h5");
