@@ -17,8 +17,10 @@ class GreedyColours {
  public:
   explicit GreedyColours(Index nodes) : words_(1, std::vector<Word>(at(nodes))) {}
 
-  /// The least colour that no contact of the block has marked at the nodes `seen`; marks it at `marked`.
-  Index take_least(std::span<const Index> seen, std::span<const Index> marked, Index block = 0) {
+  /// The least colour that no contact of the block has marked at the nodes `seen`; marks it at `marked`. The loops over
+  /// two nodes are unrolled.
+  template <class Nodes, class Marked>
+  [[gnu::always_inline]] Index take_least(const Nodes& seen, const Marked& marked, Index block = 0) {
     for (std::size_t word = 0;; ++word) {
       if (word == words_.size()) words_.emplace_back(words_.front().size());
       std::uint64_t all = 0;

@@ -40,7 +40,7 @@ std::vector<Index> colours_of(const LocalFrictionProblem& problem, Index block) 
   GreedyColours taken(problem.contacts());
   std::vector<Index> colours;
   for (Index c = 0; c < problem.contacts(); ++c)
-    colours.push_back(taken.take_least(coupled[at(c)], {&c, 1}, c / block));
+    colours.push_back(taken.take_least(coupled[at(c)], std::array{c}, c / block));
   return colours;
 }
 

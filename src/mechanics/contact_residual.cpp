@@ -19,11 +19,11 @@ ContactStatus status_under(const Law&, const GrainContact<D>& c) {
 
 template <class Law, int D>
 void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVelocities<D> v) {
-  const LocalVector<D> r = c.impulse, shifted{r.n + c.pull, r.t};
+  const LocalVector<D> r = c.impulse, shifted{r.n + c.pull, r.t}, velocity = relative_velocity(c, v) + c.bias;
   LocalVector<D> next, change, here, there;
   double inverse_n = 0;
   with_delassus(c, [&](const auto& w) {
-    next = law_at(law, c.pull).impulse(c.impulse - w.solve(relative_velocity(c, v) + c.bias), w, c.friction);
+    next = law_at(law, c.pull).impulse(c.impulse - w.solve(velocity), w, c.friction);
     change = w.apply(next - r);
     here = w.apply(r);
     there = w.apply(next);
@@ -40,14 +40,11 @@ void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVe
   sum.loaded += carries(mean);
   sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
   sum.scale_velocity += (squared(here) + squared(there)) / 2;
-  if constexpr (!Law::opens) {
-    sum.natural_map += squared(next - r);
-  } else {
-    const LocalVector<D> velocity = relative_velocity(c, v) + c.bias;
+  if constexpr (Law::opens)
     sum.natural_map += squared(natural_map(shifted, velocity, c.friction, inverse_n));
-  }
-  if (!carries(r)) return;
-  ++sum.active;
+  else
+    sum.natural_map += squared(next - r);
+  sum.active += carries(r);
   const ContactStatus status = status_under(law, c);
   sum.stick += status == ContactStatus::stick;
   sum.slide += slides(status);
@@ -81,17 +78,37 @@ double natural_map_scale(double maps, double impulses, double alone, double mome
 }
 
 template <int D>
-ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> free) {
-  const LocalVector<D> alone = with_delassus(contact, [&](const auto& w) {
-    const LocalVector<D> stop = -1.0 * w.solve(relative_velocity(contact, free) + contact.bias);
-    return std::visit([&](const auto& one) { return law_at(one, contact.pull).impulse(stop, w, contact.friction); },
-                      law);
+std::vector<double> speeds_of(GrainVelocities<D> v) {
+  std::vector<double> speeds(v.size());
+  std::ranges::transform(v, speeds.begin(), [](const GrainVelocity<D>& one) {
+    return std::sqrt(squared_velocity(one)) + std::sqrt(squared_rim(one));
   });
-  const double speed = meeting_speed(contact, free), mass = inverse_normal_delassus(contact);
-  return {.alone = squared(LocalVector<D>{alone.n + contact.pull, alone.t}),
-          .momenta = speed * speed * mass * mass,
-          .speeds = speed * speed,
-          .energies = speed * speed * mass};
+  return speeds;
+}
+
+template <int D>
+std::vector<ImpulseScale> impulse_scales(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
+                                         GrainVelocities<D> free, const std::vector<Index>& part_of, Index parts) {
+  const std::vector<double> speeds = speeds_of<D>(free);
+  std::vector<ImpulseScale> scales(at(parts));
+  const auto under = [&](const auto& one) {
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const GrainContact<D>& c = contacts[k];
+      ImpulseScale& scale = scales[at(part_of[k])];
+      const double speed = speeds[static_cast<std::size_t>(c.a)] + speeds[static_cast<std::size_t>(c.b)];
+      with_delassus(c, [&](const auto& w) {
+        const LocalVector<D> stop = -1.0 * w.solve(relative_velocity(c, free) + c.bias);
+        const LocalVector<D> alone = law_at(one, c.pull).impulse(stop, w, c.friction);
+        const double mass = w.inverse_normal();
+        scale.alone += squared(LocalVector<D>{alone.n + c.pull, alone.t});
+        scale.momenta += speed * speed * mass * mass;
+        scale.speeds += speed * speed;
+        scale.energies += speed * speed * mass;
+      });
+    }
+  };
+  std::visit(under, law);
+  return scales;
 }
 
 ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
@@ -145,8 +162,12 @@ ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& contact) {
   return std::visit([&](const auto& one) { return status_under(one, contact); }, law);
 }
 
-template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>);
-template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>);
+template std::vector<double> speeds_of<2>(GrainVelocities<2>);
+template std::vector<double> speeds_of<3>(GrainVelocities<3>);
+template std::vector<ImpulseScale> impulse_scales(const ContactLaw&, const std::vector<GrainContact<2>>&,
+                                                  GrainVelocities<2>, const std::vector<Index>&, Index);
+template std::vector<ImpulseScale> impulse_scales(const ContactLaw&, const std::vector<GrainContact<3>>&,
+                                                  GrainVelocities<3>, const std::vector<Index>&, Index);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<2>&, GrainVelocities<2>);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<3>&, GrainVelocities<3>);
 template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<2>>&, GrainVelocities<2>);

@@ -29,18 +29,14 @@ inline constexpr double rounding_of_sums = 1e-14;
 double natural_map_scale(double maps, double impulses, double alone, double momenta, bool squared = false,
                          double believed = infinity);
 
-/// Sum of the speeds of both bodies of a contact, rims included, m/s.
+/// Speed of each body with that of its rim, m/s.
 template <int D>
-double meeting_speed(const GrainContact<D>& contact, GrainVelocities<D> v) {
-  const auto speed = [](const GrainVelocity<D>& one) {
-    return std::sqrt(squared_velocity(one)) + std::sqrt(squared_rim(one));
-  };
-  return speed(v[static_cast<std::size_t>(contact.a)]) + speed(v[static_cast<std::size_t>(contact.b)]);
-}
+std::vector<double> speeds_of(GrainVelocities<D> v);
 
-/// Contribution of a contact to the scale of its step, at the velocities V_free.
+/// The scale of a step at the velocities V_free, in parts: contact k contributes to part_of[k].
 template <int D>
-ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> free);
+std::vector<ImpulseScale> impulse_scales(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
+                                         GrainVelocities<D> free, const std::vector<Index>& part_of, Index parts);
 
 /// How well impulses and velocities obey the contact law: sums over contacts, which add up over subdomains.
 struct ContactResidual {

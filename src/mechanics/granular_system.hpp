@@ -72,8 +72,8 @@ struct GranularSystem {
   /// Whether grain a and grain or wall b are of different bodies, at least one of which impulses can move, and of
   /// colours that touch.
   bool may_touch(Index a, Index b) const {
-    const Index k = boundary_of(a);
-    if (!(moves(a) || moves(b)) || (k >= 0 && k == boundary_of(b)) || waits(a) || waits(b)) return false;
+    const Index k = boundary_of(a), l = boundary_of(b);
+    if ((k >= 0 || l >= 0) && (!(moves(a) || moves(b)) || k == l || waits(a) || waits(b))) return false;
     const PairRule* const rule = pairs.of(a, b);
     return rule == nullptr || rule->touch;
   }

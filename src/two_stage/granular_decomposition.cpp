@@ -115,10 +115,12 @@ auto unknowns_of_copies(const GranularDecomposition<D>& parts) {
 template <int D>
 ImpulseScale GranularDecomposition<D>::scale_of(const StepProblem<D>& problem, const Partition& partition,
                                                 const Processes& processes) {
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(4, partition.subdomains);
-  for (std::size_t c = 0; c < problem.contacts.size(); ++c) {
-    const ImpulseScale one = impulse_scale<D>(problem.law, problem.contacts[c], problem.free);
-    sums.col(partition.subdomain_of_contact[c]) += Eigen::Vector4d(one.alone, one.momenta, one.speeds, one.energies);
+  Eigen::MatrixXd sums(4, partition.subdomains);
+  const auto scales = impulse_scales<D>(problem.law, problem.contacts, problem.free, partition.subdomain_of_contact,
+                                        partition.subdomains);
+  for (Index e = 0; e < partition.subdomains; ++e) {
+    const ImpulseScale& own = scales[at(e)];
+    sums.col(e) << own.alone, own.momenta, own.speeds, own.energies;
   }
   const Vector sum = processes.sum_of_parts(std::move(sums));
   return {.alone = sum[0], .momenta = sum[1], .speeds = sum[2], .energies = sum[3]};
