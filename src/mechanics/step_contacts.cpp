@@ -13,8 +13,8 @@ namespace {
 // Below it the normal when contacts are found is off by at most half of this, rad.
 constexpr double far_in_a_step = 0.5;
 
-// Throws Error if a grain moves too far in the step, at the velocity V^- + h M^-1 F.
-void check_move(const StepStart& start, Index grain, const GrainMotion& v) {
+// The speed of a grain at the velocity V^- + h M^-1 F, m/s. Throws Error if it moves too far in the step.
+double checked_speed(const StepStart& start, Index grain, const GrainMotion& v) {
   const auto& [system, state, interaction, scheme] = start;
   const auto finite = [](double number) { return std::isfinite(number); };
   const auto numbers = [d = at(system.dimension)](const Place& a) {
@@ -23,8 +23,8 @@ void check_move(const StepStart& start, Index grain, const GrainMotion& v) {
   const Place centre = centre_of(state, at(grain));
   if (!std::ranges::all_of(centre, finite))
     fail("{}: expected a finite position, met ({}) m", body_name(system, grain), numbers(centre));
-  const double move = scheme.step * system.length(velocity_of(v)), far = largest_move * system.radius[at(grain)];
-  if (move <= far && std::isfinite(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])) return;
+  const double speed = system.length(velocity_of(v)), far = largest_move * system.radius[at(grain)];
+  if (scheme.step * speed <= far && std::isfinite(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])) return speed;
   const std::string expected = fmt::format(
       "{}: expected to move by at most {} of its radii in a step, met a velocity of ({}) m/s and a step of "
       "{} s",
@@ -41,17 +41,15 @@ class ContactSearch {
     const std::vector<double>& radius = system_.radius;
     double fastest = 0;
     for (Index i = 0; i < system_.grains(); ++i) {
-      const GrainMotion v = motion_of(i);
-      check_move(start, i, v);
-      const double speed = system_.length(velocity_of(v));
+      const double speed = checked_speed(start, i, motion_of(i));
       fastest = std::max(fastest, speed);
       if (system_.is_boundary(i)) considered_.boundary_speed = std::max(considered_.boundary_speed, speed);
     }
-    pulls_ =
-        std::visit([](const auto& law) { return law.pulls; }, contact_law(start.interaction, start.scheme.step, 1));
+    const ContactLaw law = contact_law(start.interaction, start.scheme.step, 1);
+    std::visit([&](const auto& one) { pulls_ = one.pulls, opens_ = one.opens; }, law);
     // Bodies that hold each other are found even if the alert distance is shorter.
     const double range = start.interaction.cohesion_range;
-    const double held = !pulls_ ? 0 : range >= 0 ? range : touching_gap * std::ranges::max(radius);
+    const double held = !pulls_ && opens_ ? 0 : range >= 0 ? range : touching_gap * std::ranges::max(radius);
     const double alert = alert_distance(system_, start.scheme);
     alert_ = std::max(alert, held);
     if (system_.pairs.bonds()) bond_distance_ = alert;
@@ -78,27 +76,23 @@ class ContactSearch {
   void visit_pairs() {
     const double range = path_.followed() ? std::max(foreseen_, path_.reach) : foreseen_;  // bodies may have parted
     const bool flat = where_.z.empty(), periodic = system_.period.any();
-    for_each_near_pair({where_.x, where_.y, where_.z}, system_.radius, system_.period, 1, range, [&](Index a, Index b) {
+    const Places places{where_.x, where_.y, where_.z};
+    const std::span<const double> radius = system_.radius;
+    for_each_near_pair(places, radius, system_.period, 1, range, [=, this](Index a, Index b) {
       const std::size_t i = at(a), j = at(b);
-      if (!periodic) {  // most of these pairs are too far apart
-        const double x = where_.x[j] - where_.x[i], y = where_.y[j] - where_.y[i];
-        const double z = flat ? 0 : where_.z[j] - where_.z[i];
-        const double near = system_.radius[i] + system_.radius[j] + range;
-        if (x * x + y * y + z * z > near * near) return;
-      }
-      visit_pair(a, b, range);
+      Place apart{places.x[j] - places.x[i], places.y[j] - places.y[i], flat ? 0 : places.z[j] - places.z[i]};
+      if (periodic) apart = system_.period.shortest(apart);
+      const double square = dot(apart, apart), near = radius[i] + radius[j] + range;
+      if (square <= near * near) visit_pair(a, b, apart, square);  // most of these pairs are too far apart
     });
   }
 
   // Apart from the loop over all pairs, which then needs few registers.
-  [[gnu::noinline]] void visit_pair(Index a, Index b, double range) {
-    const Place from = where_.centre(at(a));
-    Place to = where_.centre(at(b)), apart = system_.apart(from, to);
-    if (system_.period.any()) to = moved_along(from, 1, apart);
-    const double touch = system_.radius[at(a)] + system_.radius[at(b)];
-    const double near = touch + range, in_reach = touch + foreseen_;
-    const double square = dot(apart, apart);
-    if (square > near * near || !system_.may_touch(a, b)) return;
+  [[gnu::noinline]] void visit_pair(Index a, Index b, Place apart, double square) {
+    if (!system_.may_touch(a, b)) return;
+    const bool periodic = system_.period.any();
+    const Place from = where_.centre(at(a)), to = periodic ? moved_along(from, 1, apart) : where_.centre(at(b));
+    const double touch = system_.radius[at(a)] + system_.radius[at(b)], in_reach = touch + foreseen_;
     const double distance = std::sqrt(square);
     if (!(distance > 0)) return visit_concentric(a, b, touch);
     Place half;
@@ -106,7 +100,7 @@ class ContactSearch {
       half[k] = (from[k] + to[k]) / 2;
       apart[k] /= distance;
     }
-    if (system_.period.any()) half = moved_along(half, 1, system_.period.into_cell(half));
+    if (periodic) half = moved_along(half, 1, system_.period.into_cell(half));
     visit_if_near({a, b, apart, half, distance - touch}, square <= in_reach * in_reach);
   }
 
@@ -131,9 +125,11 @@ class ContactSearch {
   // `in_reach`: whether they may come near in this step, not only on the path.
   void visit_if_near(StepContact c, bool in_reach) {
     const double gap = c.gap, step = start_.scheme.step;
-    const auto [overlap, met] = Passage::of(path_, c.a, c.b, gap);
-    if (overlap) considered_.deep.push_back(*overlap);
-    if (met) return visit({c.a, c.b, *met, c.point, std::min(gap, 0.0)});
+    if (gap < 0 || path_.followed()) {
+      const auto [overlap, met] = Passage::of(path_, c.a, c.b, gap);
+      if (overlap) considered_.deep.push_back(*overlap);
+      if (met) return visit({c.a, c.b, *met, c.point, std::min(gap, 0.0)});
+    }
     if (gap > alert_ && !bonded(c)) {
       const Place move = difference(velocity_of_second(c), velocity_of(motion_of(c.a)));
       if (gap + step * dot(c.normal, move) > alert_) return;
@@ -178,10 +174,10 @@ class ContactSearch {
 
   void visit(const StepContact& c) {
     if (!moves_apart(c)) return;
-    // Under a condition on the velocity a contact acts once it touches: the predicted gap would swallow the impact.
-    if (start_.interaction.on_velocity() && c.gap > 0 && !(pulls_ && hold(system_, start_.interaction, c)) &&
-        !bonded(c))
-      return;
+    // Under a condition on the velocity a contact acts once it touches: the predicted gap would swallow the impact. So
+    // does one that never opens: it would pull over the gap.
+    const bool on_touch = start_.interaction.on_velocity() || !opens_, holds = pulls_ || !opens_;
+    if (on_touch && c.gap > 0 && !(holds && hold(system_, start_.interaction, c)) && !bonded(c)) return;
     ++considered_.number;
     if (c.b >= system_.grains() && system_.is_boundary(c.b))
       considered_.boundary_speed = std::max(considered_.boundary_speed, system_.length(velocity_of_second(c)));
@@ -193,7 +189,7 @@ class ContactSearch {
   const std::function<void(const StepContact&)>& visit_;
   const Path path_ = Path::to_contacts(start_);
   const Configuration& where_ = path_.places.back();
-  bool pulls_ = false;                        // of the law
+  bool pulls_ = false, opens_ = true;         // of the law
   std::optional<double> bond_distance_ = {};  // m, see bond_of; none without bonds
   double alert_ = 0, foreseen_ = 0;  // largest gaps of contacts, m: at any velocity, and at the velocities of the step
   ConsideredContacts considered_;

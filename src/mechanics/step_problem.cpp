@@ -56,14 +56,16 @@ GrainContact<D> solver_contact(const StepStart& start, const StepContact& c, con
   const GrainVelocity<D>&a = problem.free[at(bodies[0])], &b = problem.free[at(bodies[1])];
   const Interaction& interaction = start.interaction;
   const double correction = start.scheme.penetration_correction;
-  GrainContact<D> k{.a = static_cast<std::int32_t>(bodies[0]),
-                    .b = static_cast<std::int32_t>(bodies[1]),
-                    .normal = narrowed<D>(c.normal),
-                    .inverse_mass_a = a.inverse_mass,
-                    .inverse_mass_b = b.inverse_mass,
-                    .bias = {c.gap > 0 ? c.gap / problem.h : std::max(correction * c.gap / problem.h, -push), {}},
-                    .friction = problem.rubs ? friction_of(start, c, slid) : 0,
-                    .levers = std::move(levers)};
+  GrainContact<D> k{
+      .a = static_cast<std::int32_t>(bodies[0]),
+      .b = static_cast<std::int32_t>(bodies[1]),
+      .normal = narrowed<D>(c.normal),
+      .inverse_mass_a = a.inverse_mass,
+      .inverse_mass_b = b.inverse_mass,
+      .bias = {c.gap > 0 ? (problem.opens ? c.gap / problem.h : 0) : std::max(correction * c.gap / problem.h, -push),
+               {}},
+      .friction = problem.rubs ? friction_of(start, c, slid) : 0,
+      .levers = std::move(levers)};
   if (k.levers != nullptr && !k.levers->rubs()) k.friction = 0;
   if (interaction.on_velocity() || problem.tangential_bias) {
     const PairRule* const rule = start.system.pairs.of(c.a, c.b);
@@ -132,8 +134,9 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   StepProblem<D> problem;
   problem.h = scheme.step;
   set_scale(problem, interaction, 1);
-  const auto [rubs, pulls, pull] =
-      std::visit([](const auto& law) { return std::tuple(law.rubs, law.pulls, law.pull()); }, problem.law);
+  const auto [opens, rubs, pulls, pull] =
+      std::visit([](const auto& law) { return std::tuple(law.opens, law.rubs, law.pulls, law.pull()); }, problem.law);
+  problem.opens = opens;
   problem.friction = rubs ? interaction.friction_of(false, true) : 0;
   problem.boundary_friction = rubs ? interaction.friction_of(true, true) : 0;
   problem.pulls = pulls;

@@ -19,6 +19,7 @@ struct StepProblem {
   double scale = 0;                            ///< W, the mean of the W_nn of the contacts, 1/kg; 0 without contacts
   double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one, see friction_of
   bool tangential_bias = false;                ///< contacts have a bias_t (tangential restitution)
+  bool opens = true;                           ///< impulses are unilateral
   bool rubs = true;                            ///< contacts have a tangential impulse
   bool own_frictions = false;                  ///< contacts have frictions of their own, by colours and statuses
   bool pulls = false;                          ///< the law pulls: contacts that touch have a pull

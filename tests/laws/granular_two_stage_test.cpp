@@ -315,6 +315,7 @@ TEST_CASE("a step that starts from the impulses and the gluing of another is whe
 TEST_CASE("conjugate gradients glue a linear step of n interface unknowns in n iterations") {
   Dynamics dynamics = shaking("linear_viscous", Variant{.name = "", .sweeps = 300, .method = "conjugate_gradient"});
   dynamics.interaction.epsilon = 1;
+  dynamics.time.step = 1e-5;  // disks touch
   PreparedStep<2> step = prepare_solution(shaken_lattice(4, 4, dynamics, {2, 1}));
   const Index n = step.iteration.parts().interface_size();
   REQUIRE(n >= 9);

@@ -173,6 +173,7 @@ Simulation linear_lattice(std::array<Index, 2> grid, Index sweeps, double omega)
   Dynamics dynamics = by_schwarz(sweeps, omega);
   dynamics.interaction.law = "linear_viscous";
   dynamics.interaction.epsilon = Flexibility{linear_flexibility};
+  dynamics.time.step = 1e-5;  // disks touch
   return shaken_lattice(4, 3, dynamics, grid);
 }
 
