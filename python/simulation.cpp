@@ -129,8 +129,10 @@ std::shared_ptr<Run> simulated(const std::string& path, const Packing* packing,
   return work.run(threads, [&] {
     Simulation simulation = simulation_of(one);
     auto run = std::make_shared<Run>();
-    const auto system = std::make_shared<const GranularSystem>(simulation.system);
+    auto system = std::make_shared<const GranularSystem>(simulation.system);
     const auto step_at = [&](const Simulation& now, Row report) {
+      if (now.system.driven_by != system->driven_by)  // a source has released a grain
+        system = std::make_shared<const GranularSystem>(now.system);
       return Step{system, std::make_shared<const GranularState>(now.state), std::move(report)};
     };
     RunSinks sinks;

@@ -4,6 +4,7 @@
 #include "app/run_summary.hpp"
 #include "formats/case/case_file.hpp"
 #include "formats/lmgc90/record.hpp"
+#include "formats/trajectory/trajectory.hpp"
 #include "study/linear/inspection.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
@@ -44,7 +45,8 @@ std::optional<fs::path> known_file(const std::string& name, const fs::path& file
 }
 
 std::string joined(const std::vector<std::string>& names) {
-  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+  return names.empty() ? "none; NSCDD_DATA names the folder that holds them"
+                       : fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::optional<fs::path> cache_folder() {
@@ -106,7 +108,7 @@ Packing simulate_to_the_end(const Case& one) {
   if (failed(outcome.end)) fail("case '{}': cannot be settled: {}", one.spec.name, outcome.reason);
   if (outcome.end == RunEnd::completed && one.spec.dynamics->time.rest_speed > 0)
     note("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.spec.name, simulation.state.step,
-         mean_speed(simulation.system, totals.last.energy.kinetic));
+         totals.last.mean_speed);
   if (const std::string words = lack_of_room(totals); !words.empty()) note("case '{}': {}", one.spec.name, words);
   return free_grains(simulation.system, simulation.state, packing.size());
 }
@@ -199,12 +201,17 @@ std::vector<std::string> known_names(const std::string& kind) {
 }
 
 std::string find_case(const std::string& name) {
+  if (holds_trajectory(name))
+    fail(
+        "{}: expected a case, met a trajectory: nscdd report draws it, nscdd export --fclib STEP writes the contact "
+        "problem of a step",
+        name);
   if (is_there(name) || record_at(name)) return name;
   if (const auto file = known_file(name, fs::path("cases") / (name + ".toml"))) return file->string();
   const std::vector<std::string> known = known_names("cases");
   fail(
-      "case '{}': expected a case file (.toml), a packing file (.csv, .h5) or one of the known cases ({}), met no such "
-      "file{}",
+      "case '{}': expected a case file (.toml), a packing file (.csv, .h5 or .txt), a folder of LMGC90, a contact "
+      "problem or one of the known cases ({}), met no such file{}",
       name, joined(known), suggestion(name, known));
 }
 

@@ -3,6 +3,7 @@
 #include "app/run_summary.hpp"
 #include "app/shared_work.hpp"
 #include "formats/case/case_file.hpp"
+#include "formats/lmgc90/vloc_rloc.hpp"
 
 namespace nscdd::app {
 namespace {
@@ -138,6 +139,16 @@ std::vector<double> features(const Simulation& simulation, const std::string& ca
   return {text.begin(), text.end()};
 }
 
+// A first step with static friction does not know which contacts slid before.
+void note_statuses_unread(const std::string& path, const CaseSpec& spec) {
+  if (!holds_datbox(path) || !spec.dynamics) return;
+  const bool two = spec.dynamics->interaction.static_friction >= 0 ||
+                   std::ranges::any_of(spec.dynamics->pairs,
+                                       [](const PairSpec& one) { return one.rule.static_friction.has_value(); });
+  if (const std::string statuses = vloc_rloc_of_datbox(path); two && !statuses.empty())
+    note("{}: its statuses are not read: static friction holds at all contacts of the first step", statuses);
+}
+
 int run(const Options& options, const Context& context) {
   const Processes& all = context.machine.processes;
   const ThreadLimit limit = options.limits.apply(context.machine);
@@ -150,6 +161,7 @@ int run(const Options& options, const Context& context) {
     const std::string path = find_case(options.name);
     CaseSpec found = spec_of_file(path, true);
     apply(options, found);
+    if (all.first()) note_statuses_unread(path, found);
     require_shared(found, context.machine);
     if (std::holds_alternative<PackingFile>(found.packing))
       found = one.emplace(resolved(found)).spec;  // with its clumps
@@ -167,7 +179,7 @@ int run(const Options& options, const Context& context) {
     if (!options.restart) return start;
     take_up(start, options.files.output);
     found = run_so_far(options.files.output);
-    for (const double kinetic : found->kinetic) speeds.push_back(mean_speed(start.system, kinetic));
+    speeds = found->speeds;
     return start;
   });
   if (!all.alone()) require_same(features(simulation, to_toml(spec), options), spec.name, all);
@@ -210,10 +222,11 @@ Action declare_simulate(Command& command) {
   const Option* convergence = &command.add("--convergence FILE", options->files.convergence,
                                            "also a table of the iterations of every step, - for standard output; with "
                                            "--restart the rows of the steps taken now are added to it");
-  Option& every = command.add("--convergence-every", options->files.convergence_every,
-                              "rows of every Nth iteration; without it of about ten per decade (1, 2, 3, 4, 6, 7, 8, "
-                              "10, 13, ...), because a row costs several sweeps. The last of a step always has one",
-                              {.minimum = 1, .maximum = 1e9});
+  Option& every =
+      command.add("--convergence-every", options->files.convergence_every,
+                  "rows of every Nth iteration, without it of ten per decade; 1, 2, 3, 4, 6, 7, 8, 10, 13, ..., "
+                  "because a row costs several sweeps. The last of a step always has one",
+                  {.minimum = 1, .maximum = 1e9});
   every.needs = convergence;
   CountsTable::declare(command, options->counts);
   command.preset("--save-every", options->files.save_every, "keep every Nth step; the last one is always kept",

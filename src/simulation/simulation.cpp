@@ -109,8 +109,9 @@ std::optional<RunOutcome> advance(Simulation& simulation, const RunSinks& sinks,
   } catch (const Error& error) {  // grains would pass each other before its end
     return broke_down(error.what());
   }
+  report.mean_speed = mean_speed(simulation.system, report.energy.kinetic);
   if (sinks.step) sinks.step(simulation, solved, report);
-  speeds.push_back(mean_speed(simulation.system, report.energy.kinetic));
+  speeds.push_back(report.mean_speed);
   if (nscdd::report(sinks.monitor, simulation.state.step, simulation.dynamics.time.steps)) return std::nullopt;
   return RunOutcome{RunEnd::stopped};
 }

@@ -73,6 +73,7 @@ struct StepReport {
   Index factorisations = 0;        ///< by contact solvers; a matrix cut into subdomains counts once
   Index interface_systems = 0;     ///< solved by the two-stage Newton method; a refinement counts as one
   Index interface_iterations = 0;  ///< of Stage 2 in all of them
+  double mean_speed = 0;           ///< sqrt(2 kinetic energy / mass of what is free), m/s
   double setup_seconds = 0, solve_seconds = 0;
 
   bool no_room = false;   ///< contacts keep closing although impulses grew, see no_room in solved_step.cpp

@@ -123,6 +123,154 @@ velocity = [0, 0, 0.5]
         nscdd.Packing([0], [0], [1], clump=[0.5])
 
 
+def test_clumps_begin_with_the_mean_of_the_loads(tmp_path):
+    """D (x - centre) of a single sphere, and the mean over a clump by mass."""
+    x = np.array([[0, 0, 0], [0.15, 0, 0.02], [2, 1, 0.2]])
+    radius = np.array([0.1, 0.12, 0.1])
+    (tmp_path / "c.txt").write_text("#format x_y_z_r_clumpId\n" + "".join(
+        f"{one[0]} {one[1]} {one[2]} {r} {clump}\n" for one, r, clump in zip(x, radius, (0, 0, -1))))
+    (tmp_path / "c.toml").write_text("""[packing]
+file = "c.txt"
+[masses]
+density = 1000
+[partition]
+grid = [1, 1]
+[loads]
+compression = [1, 2, 3]
+shear = 0.5
+[dynamics]
+steps = 1
+gravity = [0, 0, 0]
+""")
+    step = nscdd.simulate(tmp_path / "c.toml").last
+    single = np.array([step.velocity_x[2], step.velocity_y[2], step.velocity_z[2]])
+    rates = np.array([[-1, 0.5, 0], [0.5, -2, 0], [0, 0, -3]])
+    mass = radius**3
+    centre = x[2] - np.linalg.solve(rates, single)
+    assert np.all(centre > x.min(axis=0)) and np.all(centre < x.max(axis=0))
+    mean = mass[:2] @ (x[:2] - centre) / mass[:2].sum() @ rates
+    np.testing.assert_allclose(step.body_velocities[0], [*mean, 0, 0, 0], rtol=1e-12, atol=1e-15)
+
+
+def test_grains_that_a_source_releases_are_free(tmp_path):
+    (tmp_path / "rain.csv").write_text("x,y,radius\n0.4,3,0.1\n0.7,3,0.1\n1.0,3,0.1\n")
+    (tmp_path / "rain.toml").write_text("""[packing]
+file = "rain.csv"
+[partition]
+grid = [1, 1]
+[dynamics]
+step = 0.001
+steps = 600
+[[boundary]]
+name = "source"
+shape = "grains"
+first = 0
+last = -1
+release = [0.47, 1.5]
+release_distance = 0.25
+""")
+    seen = []
+    run = nscdd.simulate(tmp_path / "rain.toml", callback=seen.append)
+    assert list(seen[0].driven_by) == [-1, 0, 0] and list(run.last.driven_by) == [-1, -1, -1]
+    speeds = run.last.velocity_x**2 + run.last.velocity_y**2
+    assert run.last.report["kinetic"] == pytest.approx(speeds.sum() / 2, rel=1e-12)  # 1 kg each
+    for k, free in ((0, 1), (599, 3)):
+        assert run.steps["mean_speed"][k] == pytest.approx(np.sqrt(2 * run.steps["kinetic"][k] / free), rel=1e-12)
+
+
+def test_a_run_that_comes_to_rest_after_a_release_has_the_same_end_in_pieces(tmp_path):
+    """The mean speed falls where the second grain is released: only slow steps after that count."""
+    (tmp_path / "two.csv").write_text("x,y,radius\n0,0,0.1\n1,0,0.1\n")
+    (tmp_path / "rest.toml").write_text("""[packing]
+file = "two.csv"
+[partition]
+grid = [1, 1]
+[dynamics]
+step = 0.01
+steps = 200
+gravity = [0, 0]
+rest_speed = 0.17
+[[prescribed]]
+grain = 0
+velocity = [0.2, 0]
+[[boundary]]
+name = "source"
+shape = "grains"
+first = 1
+last = 1
+release = [0, 0]
+release_distance = 0.2
+""")
+
+    def steps_of(*pieces):
+        for k, number in enumerate(pieces):
+            subprocess.run([os.environ["NSCDD_PROGRAM"], "simulate", "rest.toml", "-o", f"{len(pieces)}.h5", "--steps",
+                            str(number), *(["--restart"] if k else [])], cwd=tmp_path, check=True, capture_output=True)
+        with h5py.File(tmp_path / f"{len(pieces)}.h5") as file:
+            return len(file["summary/step"])
+
+    whole = steps_of(200)
+    assert 105 < whole < 200 and steps_of(103, whole - 1, 200) == whole
+
+
+def test_force_chains_of_a_periodic_cell_reach_the_nearest_image(tmp_path):
+    (tmp_path / "row.csv").write_text("x,y,radius\n" + "".join(f"{0.1 + 0.2 * k},0,0.1\n" for k in range(4)))
+    (tmp_path / "row.toml").write_text("""[packing]
+file = "row.csv"
+[contacts]
+period_x = 0.8
+[partition]
+grid = [1, 1]
+[dynamics]
+step = 0.001
+steps = 10
+gravity = [0, 0]
+[[prescribed]]
+grain = 3
+velocity = [1.0, 0]
+""")
+    (tmp_path / "study.toml").write_text("""title = "chains"
+[[table]]
+name = "chains"
+observable = "force_chains"
+cases = ["row.toml"]
+steps = [0]
+""")
+    subprocess.run([os.environ["NSCDD_PROGRAM"], "run", ".", "--output", "out"], cwd=tmp_path, check=True,
+                   capture_output=True)
+    path = next((tmp_path / "out").rglob("chains.csv"))
+    table = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    ends = np.abs([table["x_b"] - table["x_a"], table["y_b"] - table["y_a"]])
+    assert ends.shape[1] > 1 and np.any(table["x_a"] < 0.15)
+    np.testing.assert_allclose(ends[0], 0.2, rtol=1e-9)
+    np.testing.assert_allclose(ends[1], 0, atol=1e-12)
+
+
+def test_a_law_without_opening_acts_where_bodies_touch(tmp_path):
+    """A disk falls freely until then, whatever the distance within which contacts are looked for."""
+    ends = set()
+    for alert in (0.0, 0.05, 0.3):
+        text = FALL.replace('"coulomb"\nfriction = 0.3', '"linear_viscous"\nepsilon = 1e-3')
+        (tmp_path / "fall.toml").write_text(text.replace("theta = 0.5", f"theta = 0.5\nalert = {alert}"))
+        steps = []
+        nscdd.simulate(tmp_path / "fall.toml", settings={"dynamics.steps": 60, "solver.algorithm": "nlgs"},
+                       callback=steps.append)
+        free = [step for step in steps if step.y[0] > -1.5]
+        assert len(free) > 50
+        for step in free[:-1]:
+            assert step.velocity_y[0] == pytest.approx(-10 * step.time, rel=1e-12)
+        assert max(step.report["kinetic"] for step in steps) <= 10 * 1.6  # m g times the fall
+        ends.add(tuple(steps[-1].y))
+    assert len(ends) == 1
+
+
+def test_statuses_of_contacts_that_hold_without_an_impulse(tmp_path):
+    text = FALL.replace('friction = 0.3', 'friction = 0.3\ncohesion = 5').replace('"coulomb"', '"cohesive"')
+    (tmp_path / "hold.toml").write_text(text.replace("[0.0, -10.0]", "[0.0, 0.0]").replace("-2.0]", "-0.5]"))
+    run = nscdd.simulate(tmp_path / "hold.toml", settings={"dynamics.steps": 2})
+    assert list(run.steps["stick"]) == [1, 1] and list(run.steps["active"]) == [0, 0]
+
+
 def test_bodies_in_the_plane(tmp_path):
     """A body that spins freely: its angle is spin times time."""
     (tmp_path / "s.toml").write_text(FALL.replace("grains = 1", "grains = 2") + """[[boundary]]

@@ -136,7 +136,10 @@ std::optional<FreeBody> read_body(StrictTable& section, BoundaryNumbers& numbers
   for (const toml::node& node : *names) {
     const auto name = node.value<std::string>();
     if (!name) section.fail(&node, "free", expected, StrictTable::describe(node));
-    section.located("free", [&] { body.directions[position_of(*name, names_of(BodyDirection{}), "free")] = true; });
+    bool& direction =
+        body.directions[section.located("free", [&] { return position_of(*name, names_of(BodyDirection{}), "free"); })];
+    if (std::exchange(direction, true))
+      section.fail(&node, "free", "each direction once", field_text(*name) + " again");
   }
   section.require_keys({"mass", "centre"});
   section.read("mass", body.mass, Field{.unit = "kg", .above = 0});

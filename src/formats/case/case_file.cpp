@@ -108,7 +108,7 @@ ColourSpec read_colour(StrictTable section) {
   return spec;
 }
 
-PairSpec read_pair(StrictTable section, const Interaction& interaction) {
+PairSpec read_pair(StrictTable section, const Dynamics& dynamics, bool effects_wanted) {
   PairSpec spec;
   section.require_keys({"colours"});
   const toml::node* found = section.node("colours");
@@ -127,13 +127,33 @@ PairSpec read_pair(StrictTable section, const Interaction& interaction) {
   read("static_friction", spec.rule.static_friction, 100);
   read("restitution", spec.rule.restitution, 1);
   read("tangential_restitution", spec.rule.tangential_restitution, 1);
-  if (spec.rule.restitution && !interaction.on_velocity())
+  if (spec.rule.restitution && !dynamics.interaction.on_velocity())
     section.fail("restitution", "interaction.signorini = \"velocity\" with it", "\"gap\"");
-  for (const char* key : {"friction", "static_friction", "restitution", "tangential_restitution"})
-    if (spec.rule.bond && section.has(key)) section.fail(key, "none with bond = true", "one");
+  bool given = spec.rule.bond || !spec.rule.touch;
+  for (const char* key : {"friction", "static_friction", "restitution", "tangential_restitution"}) {
+    if (!section.has(key)) continue;
+    given = true;
+    if (spec.rule.bond) section.fail(key, "none with bond = true", "one");
+    if (!spec.rule.touch) section.fail(key, "none with touch = false", "one");
+    if (effects_wanted && std::string_view(key) != "restitution")
+      require_effect(dynamics, fmt::format("interaction.{}", key), section.where(key), false);
+  }
   if (spec.rule.bond && !spec.rule.touch) section.fail("bond", "touch = true with it", "false");
+  if (!given && effects_wanted)
+    section.fail("touch", "a friction, a restitution, touch = false or bond = true", "a pair without a rule");
   section.finish();
   return spec;
+}
+
+// Whether a boundary has an initial velocity along a direction in which it is driven.
+bool starts_driven(const BoundarySpec& spec) {
+  if (!spec.motion.initial) return false;
+  if (!spec.body) return true;
+  const auto& [x, y, spin, z, spin_x, spin_y] = *spec.motion.initial;
+  const std::array<double, 6> along{x, y, z, spin_x, spin_y, spin};
+  for (std::size_t k = 0; k < along.size(); ++k)
+    if (along[k] != 0 && !spec.body->directions[k]) return true;
+  return false;
 }
 
 // The sections [dynamics] and, only with it, [interaction], [solver] and [[boundary]].
@@ -159,13 +179,15 @@ std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
     const BoundarySpec spec = read_boundary(boundary);
     if (std::ranges::count(dynamics.boundaries, spec.name, &BoundarySpec::name) > 0)
       boundary.fail("name", "each name once", fmt::format("{} again", field_text(spec.name)));
-    if (effects_wanted && spec.motion.initial && !spec.body &&
-        dynamics.time.boundary_instant == BoundaryInstant::middle)
+    if (effects_wanted && dynamics.time.boundary_instant == BoundaryInstant::middle && starts_driven(spec))
       boundary.fail("initial_velocity", "dynamics.boundary_instant = \"end\" with it", "\"middle\", the default");
     dynamics.boundaries.push_back(spec);
   }
   for (const StrictTable& colour : root.tables("colour")) dynamics.colours.push_back(read_colour(colour));
-  for (const StrictTable& pair : root.tables("pair")) dynamics.pairs.push_back(read_pair(pair, dynamics.interaction));
+  for (const StrictTable& pair : root.tables("pair"))
+    dynamics.pairs.push_back(read_pair(pair, dynamics, effects_wanted));
+  if (effects_wanted && dynamics.pairs.empty() && !dynamics.colours.empty())
+    root.fail("colour", "a section [[pair]] with it", "none");
   return dynamics;
 }
 
@@ -219,6 +241,18 @@ CaseSpec parse_case(std::string_view text, const std::string& file, bool of_traj
 
 CaseSpec read_case(const std::string& path) { return parse_case(read_text(path), path); }
 
+namespace {
+
+// What is no input of the program.
+std::string what_is_met(const std::filesystem::path& path, const std::string& text) {
+  if (std::filesystem::is_directory(path)) return "a folder without it";
+  if (!std::filesystem::exists(path)) return "no such file";
+  if (text.empty()) return fmt::format("a name that ends with '{}'", path.extension().string());
+  return fmt::format("the first line {}", field_text(text.substr(0, std::min<std::size_t>(text.find('\n'), 60))));
+}
+
+}  // namespace
+
 CaseSpec spec_of_file(const std::string& path, bool moving) {
   const bool record = record_at(path).has_value();  // a contact problem, and the initial state of a case that moves
   if (holds_datbox(path) && (moving || !record)) return case_of_datbox(path, moving);
@@ -241,8 +275,8 @@ CaseSpec spec_of_file(const std::string& path, bool moving) {
     if (!packing && !siconos)
       fail(
           "{}: expected a case file (.toml), a packing file (.csv, .h5 or .hdf5, or .txt with lines 'x y radius'), a "
-          "folder with BODIES.DAT or a contact problem (.hdf5, .dat or Vloc_Rloc.INI)",
-          path);
+          "folder with BODIES.DAT or a contact problem (.hdf5, .dat or Vloc_Rloc.INI), met {}",
+          path, what_is_met(path, text));
     problem = !packing;
   }
   if (problem)

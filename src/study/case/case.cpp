@@ -53,6 +53,27 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
   return prescribed;
 }
 
+// Bodies of grains that are free along all directions start with the mean velocity of their grains, by mass, unless
+// they have one of their own.
+void set_bodies(GranularScene& start, Index grains, const std::vector<GrainMotion>& motions) {
+  const GranularSystem& system = start.system;
+  std::vector<double> mass(system.boundaries.size(), 0);
+  std::vector<Place> momentum(mass.size(), Place{});
+  for (std::size_t i = 0; i < at(grains); ++i) {
+    if (system.driven_by[i] < 0) continue;
+    const auto k = at(system.driven_by[i]);
+    mass[k] += system.mass[i];
+    momentum[k] = moved_along(momentum[k], system.mass[i], velocity_of(motions[i]));
+  }
+  for (const Index k : system.free_bodies) {
+    const Boundary& boundary = system.boundaries[at(k)];
+    if (boundary.motion.initial || mass[at(k)] == 0 || !boundary.body->wholly_free(system.dimension)) continue;
+    const auto& [x, y, z] = momentum[at(k)];
+    const double m = mass[at(k)];
+    start.state.body_velocities[at(k)] = {.x = x / m, .y = y / m, .z = z / m};
+  }
+}
+
 // Free grains start with the arriving velocities of the linear study.
 void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   const ContactNetwork none{
@@ -73,6 +94,7 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
     std::ranges::copy(spinning.spin, motions[at(spinning.grain)].begin() + 3);
   for (Index i = 0; i < packing.size(); ++i)
     if (start.system.free(i) && !released(i)) set_motion(start.state, at(i), motions[at(i)], 1);
+  set_bodies(start, packing.size(), motions);
 }
 
 // `contacts = {}` would keep their memory.

@@ -14,10 +14,11 @@ void override_section(std::string_view section, Parameters& parameters, std::str
                       std::string_view value) {
   if (override_field(parameters, key, value, path)) return;
   std::vector<std::string> known;
-  for (const FieldDescription& field : describe_fields(parameters))
-    known.push_back(fmt::format("{}.{}", section, field.key));
-  fail("{}: no such parameter in this case; expected one of {}{}", path, fmt::join(known, ", "),
-       suggestion(path, known));
+  for (const FieldDescription& field : describe_fields(parameters)) known.push_back(field.key);
+  std::string nearest = suggestion(key, known);
+  if (!nearest.empty()) nearest.insert(nearest.find(" mean ") + 6, fmt::format("{}.", section));
+  fail("{}: no such parameter in this case; expected one of {}.{}{}", path, section,
+       fmt::join(known, fmt::format(", {}.", section)), nearest);
 }
 
 // The optional field of Masses as a struct with `fields`.
@@ -33,7 +34,7 @@ struct MassFields {
 std::string place(const CaseSpec& spec, std::string_view key) {
   if (spec.source.empty()) return {};
   const auto line = spec.lines.find(key);
-  if (key.empty() || line == spec.lines.end()) return spec.source + ": ";
+  if (key.empty() || line == spec.lines.end() || line->second == 0) return spec.source + ": ";
   return fmt::format("{}:{}: ", spec.source, line->second);
 }
 
@@ -81,7 +82,7 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
   if (found == known.end())
     fail("{}: no such parameter; expected one of {}.*{}", path, fmt::join(known, ".*, "), suggestion(section, known));
   sections[at(found - known.begin())].second();
-  spec.lines.erase(std::string(path));  // the value is no longer that of the file
+  spec.lines[std::string(path)] = 0;  // the value is stated, but no longer that of the file
 }
 
 std::string to_toml(const CaseSpec& spec) {

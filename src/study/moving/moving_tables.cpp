@@ -119,9 +119,11 @@ void chains_in(const ObservedCase& work, const Simulation& simulation, const Sin
     const auto& place = step.problem.geometry[k];
     if (c.impulse.n == 0 && norm(c.impulse.t) == 0) continue;
     const bool wall = place.b >= simulation.system.grains();
-    sink({work.one.spec.name, state.step, centre_of(state, at(place.a)),
-          wall ? place.point : centre_of(state, at(place.b)), c.impulse.n, tangential(c.impulse),
-          status_of(step.problem.law, c), step.partition.subdomain_of_contact[k]});
+    const Place from = centre_of(state, at(place.a));
+    Place to = wall ? place.point : centre_of(state, at(place.b));
+    if (simulation.system.period.any()) to = moved_along(from, 1, simulation.system.apart(from, to));
+    sink({work.one.spec.name, state.step, from, to, c.impulse.n, tangential(c.impulse), status_of(step.problem.law, c),
+          step.partition.subdomain_of_contact[k]});
   }
 }
 
