@@ -96,13 +96,23 @@ UnilateralImpulses project_on_cone(const SparseMatrix& b, const Vector& point, c
   return result;
 }
 
+// H^T V, whose rounding is 0: no contact feels velocities that move all of its bodies alike.
+Vector separation_speeds(const ReferenceProblem& problem) {
+  constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
+  Vector speeds = problem.h.transpose() * problem.arriving_velocity;
+  const Vector terms = problem.h.cwiseAbs().transpose() * problem.arriving_velocity.cwiseAbs();
+  for (Index c = 0; c < speeds.size(); ++c)
+    if (std::abs(speeds[c]) <= rounding * terms[c]) speeds[c] = 0;
+  return speeds;
+}
+
 }  // namespace
 
 RigidImpulses rigid_impulses(const ReferenceProblem& problem) {
   RigidImpulses result;
   const SparseMatrix b = scaled_connectivity(problem.inertia, problem.h);  // M^-1/2 H
   const Vector load = -(problem.inertia.cwiseSqrt().cwiseProduct(problem.arriving_velocity));
-  const Vector right = -(problem.h.transpose() * problem.arriving_velocity);
+  const Vector right = -separation_speeds(problem);
   result.impulses = Vector::Zero(problem.contacts());
   if (problem.contacts() == 0) return result;
   if (problem.contacts() <= dense_impulse_limit) {
@@ -115,7 +125,10 @@ RigidImpulses rigid_impulses(const ReferenceProblem& problem) {
     result.unique = sparse_rank(problem.h).value == problem.contacts();
     result.impulses = minimum_norm_least_squares(b, load);
   }
-  if (right.norm() > 0) result.residual = (b.transpose() * (b * result.impulses) - right).norm() / right.norm();
+  if (right.isZero(0))
+    result.impulses.setZero();
+  else
+    result.residual = (b.transpose() * (b * result.impulses) - right).norm() / right.norm();
   return result;
 }
 
@@ -130,6 +143,13 @@ std::vector<char> active_contacts(const ReferenceProblem& problem, const RigidIm
 UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const UnilateralOptions& options,
                                        const Monitor& monitor) {
   const Index contacts = problem.contacts();
+  if (separation_speeds(problem).isZero(0)) {
+    UnilateralImpulses none;
+    none.impulses = none.separation = Vector::Zero(contacts);
+    none.status.assign(at(contacts), UnilateralStatus::idle);
+    none.velocities = problem.arriving_velocity;
+    return none;
+  }
   SparseMatrix b = scaled_connectivity(problem.inertia, problem.h);
   Vector root(contacts);  // sqrt(W_ii)
   for (Index c = 0; c < contacts; ++c) root[c] = b.col(c).norm();

@@ -97,6 +97,18 @@ PencilEnds schwarz_ends(const Contraction& b, Index kernel) {
   return ends;
 }
 
+// The largest over the smallest inertia of a copy.
+double ratio_of_masses(const Decomposition& parts) {
+  double largest = 0, inverse = 0;
+  for (const Subdomain& one : parts.subdomains) {
+    if (one.inertia.size() == 0) continue;
+    largest = std::max(largest, one.inertia.maxCoeff());
+    inverse = std::max(inverse, 1 / one.inertia.minCoeff());
+  }
+  const Processes& processes = parts.interface.processes();
+  return processes.maximum(largest) * processes.maximum(inverse);
+}
+
 }  // namespace
 
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
@@ -128,9 +140,12 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   PencilEnds ends = ends_of(wanted);
   const auto uncertain = [&] { return moved_by(tilt, 1 - ends.low[0], b); };
   const auto largest = [&] { return std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])}); };
-  const auto margin = [&] {  // backward errors of LAPACK grow with the size and with the largest eigenvalue
-    return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest()) +
-           lost_to_rounding(b) * (1 + largest()) + uncertain();
+  // Backward errors of LAPACK grow with the size, and those of X_0 with the spread of masses.
+  const bool rigid = b.system.flexibility() == 0 && !b.schwarz();
+  const double backward = static_cast<double>(n) * 2.3e-16, lost = lost_to_rounding(b);
+  const double by_masses = rigid ? backward * std::sqrt(ratio_of_masses(b.system.decomposition())) : 0;
+  const auto margin = [&] {
+    return std::max(ends.residual, backward * largest()) + (lost + by_masses) * (1 + largest()) + uncertain();
   };
   if (options.certify && ends.failure.empty() &&
       uncertain() <= options.tolerance * largest())  // until the lists hold all copies of both ends
@@ -145,6 +160,15 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   result.high.assign(ends.high.begin(), ends.high.begin() + listed);
   result.mode_min = root.asDiagonal() * ends.low_vectors.col(0);
   result.mode_max = root.asDiagonal() * ends.high_vectors.col(0);
+  // Where these or a small eta cost many digits of the assembled pencil, products that are not assembled show it.
+  const auto off = [&](double mu, const Vector& mode) {
+    const auto [lambda, bound] = rayleigh(
+        mode, [&](const Vector& x) { return b.system.apply(x); }, b.preconditioner);
+    return std::abs(1 - mu - lambda) + bound;
+  };
+  constexpr double many = 100;
+  if (rigid && (lost > many * options.tolerance || by_masses > options.tolerance))
+    ends.residual = std::max({ends.residual, off(ends.low[0], result.mode_min), off(ends.high[0], result.mode_max)});
   result.residual = ends.residual + uncertain();
   result.converged = accurate(result, options.tolerance);
   if (options.certify && result.converged) {  // neither Sturm counts nor the QR iteration miss an eigenvalue

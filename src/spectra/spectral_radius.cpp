@@ -19,7 +19,8 @@ LinearMap watched(LinearMap map, const std::function<void()>& checkpoint) {
   };
 }
 
-// lambda of (S, P) from its vector, with its residual bound: infinite if solutions with P do not reproduce right sides.
+}  // namespace
+
 std::pair<double, double> rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p) {
   const Vector sx = s(x), px = p.apply(x);
   const double norm = x.dot(px);
@@ -28,6 +29,8 @@ std::pair<double, double> rayleigh(const Vector& x, const LinearMap& s, const In
   const bool solved = (p.apply(y) - r).norm() <= 0.1 * r.norm();
   return {lambda, solved ? std::sqrt(std::max(0.0, r.dot(y)) / norm) : infinity};
 }
+
+namespace {
 
 SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
   const Index n = b.rows(), unit_multiplicity = b.system.nullity();

@@ -19,6 +19,30 @@ PACKINGS = [
     pytest.param(lambda: bed(90, seed), (2, 2), id=f"deposit {seed}") for seed in (1, 2)
 ]
 
+# Of very unequal masses: a ratio of 2e7 and 3e14.
+MASSES_2E7 = """x,y,radius,mass
+0.0,0.0,0.31552658804700734,2643.848691028663
+-0.962004843918247,-0.7359183410853992,0.8956831891873316,0.00011263808137920897
+0.6417605361032832,-0.7990380255447814,0.709323816629732,0.0004153279572931889
+-0.05577351818797381,-1.6578325148184159,0.39705845532818407,0.11634369466261944
+0.9474630547715756,-2.2382123911474574,0.7619602771223897,8.30154548579616
+2.311392225065493,-2.004397245018161,0.621864966229573,0.0070081407566831
+2.864843688864664,-0.7916380649429036,0.7112116825938379,0.0020792713788491714
+-0.605319239318911,0.8385204396900643,0.7186532363876232,1298.1903505876874
+2.8694040878098854,0.44472007119027324,0.5251548641960866,0.007622570414314897
+"""
+MASSES_3E14 = """x,y,radius,mass
+0.0,0.0,0.6073600408265791,3.737954723945994e-07
+0.8562324159850323,-1.0491768757847804,0.7468578393038958,1.425033122978048e-08
+-0.8025088850635692,-1.3148190635777097,0.9330196787728897,4244637.379740468
+0.4455966649965943,-2.6042866573455523,0.8615538470176847,104.1273385865001
+2.1898021921145814,-2.1034731346458297,0.9531271457046839,6.247601837250767e-08
+-1.1643893023084533,-3.007830964371663,0.7982361465213637,0.4469645054876375
+-1.0665005722372212,0.05344496735799514,0.4604788211363192,0.0006661387690475709
+-1.993356907334165,-0.0150655553237347,0.4689061139833877,43355.54679441781
+-2.279754057801171,-1.0176817536956482,0.5738127210979436,7.869660541592231e-08
+"""
+
 
 def close(found, expected, tolerance=1e-9):
     np.testing.assert_allclose(found, expected, rtol=tolerance, atol=tolerance)
@@ -229,3 +253,71 @@ def test_the_scheme_schwarz_is_block_jacobi_on_all_contacts():
     assert abs(nscdd.mode(b).shares.sum() - 1) < 1e-10
     with pytest.raises(nscdd.Error, match="eta: expected none with scheme schwarz"):
         nscdd.contraction(parts, epsilon, 0.3, scheme="schwarz")
+
+
+def test_the_residual_holds_what_small_flexibilities_and_unequal_masses_lose():
+    """0 <= mu < 1 where eta is above epsilon; an eigenvalue of B is within the residual of each end."""
+    parts = nscdd.decompose(nscdd.generate("strip", grains=1200), (4, 1))
+    found = nscdd.spectral_radius(nscdd.contraction(parts, 0, "1e-12W"))
+    assert found.eigenvalue_min < -1e-5 and not found.converged
+
+
+
+def test_unequal_masses_widen_intervals_and_show_in_residuals(tmp_path):
+    """Ends of B_0 of nine disks, from 100 digits of arithmetic."""
+    for text, eta, exact, end in ((MASSES_2E7, np.inf, 0.483974026010119, "min"),
+                                  (MASSES_3E14, 9.603861436189502e-06, 0.00894721851049, "max")):
+        (tmp_path / "masses.csv").write_text(text)
+        parts = nscdd.decompose(nscdd.read_packing(tmp_path / "masses.csv"), (2, 1))
+        found = nscdd.spectral_radius(nscdd.contraction(parts, 0, eta), certify=True)
+        low, high = getattr(found, f"interval_{end}")
+        assert abs(getattr(found, f"subdominant_{end}") - exact) <= found.residual + 1e-12
+        assert not found.certified or low <= exact <= high
+        assert found.certified == (eta == np.inf)
+
+
+def test_velocities_that_move_all_grains_alike_load_no_contact():
+    packing = nscdd.Packing(np.arange(4.0), np.zeros(4), np.full(4, 0.5), mass=[1, 3, 7, 11])
+    turned = 0.3 + np.arange(4.0)
+    rest = nscdd.Packing(np.cos(1.1) * turned, np.sin(1.1) * turned, np.full(4, 0.5), mass=[1, 3, 7, 11])
+    for grains, velocities in ((packing, {k: (0.1, 0.7) for k in range(4)}),
+                               (rest, {k: (-0.7 * rest.y[k], 0.7 * rest.x[k]) for k in range(4)})):
+        parts = nscdd.decompose(grains, (2, 1), prescribed=velocities)
+        for kind in ("active", "unilateral"):
+            assert not nscdd.chosen_contacts(parts, kind).any()
+    pushed = nscdd.decompose(packing, (2, 1), prescribed={0: (0.1, 0.7), 1: (0.1 - 1e-9, 0.7), 2: (0.1, 0.7)})
+    assert nscdd.chosen_contacts(pushed, "unilateral").any()
+
+
+def test_impulses_within_the_tolerance_of_the_solution_carry_nothing(tmp_path):
+    """A disk pushed against one of four supports: the same contacts carry however the plane is turned."""
+    for angle in (0, 0.1, 0.3, 0.5, 1.1):
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        h = np.zeros((3, 8))
+        for k, place in enumerate(((1, 0), (0, 1), (-1, 0), (0, -1))):
+            x, y = turn @ place
+            for j, (u, v) in enumerate(((-x, -y), (y, -x))):
+                h[:, 2 * k + j] = u, v, x * v - y * u
+        problem = nscdd.ContactProblem.of_bodies(2 * np.eye(3), h, [*(turn @ [1.0, 0]), 0], np.zeros(8), 0.3)
+        nscdd.write_contact_problem(tmp_path / f"{angle}.hdf5", problem)
+        carrying = nscdd.chosen_contacts(nscdd.read_case(tmp_path / f"{angle}.hdf5", "metis:2"), "frozen")
+        assert list(carrying.reshape(4, 2).any(axis=1)) == [True, False, False, False]
+
+
+def test_a_grid_over_a_periodic_cell_does_not_depend_on_the_order_of_grains(tmp_path):
+    x, y = np.meshgrid(np.arange(6.0), np.arange(4.0))
+    grains = np.column_stack([x.ravel(), y.ravel(), np.full(24, 0.5)])
+    seen = []
+    for k, order in enumerate((np.arange(24), np.arange(24)[::-1], np.random.default_rng(1).permutation(24))):
+        np.savetxt(tmp_path / f"{k}.csv", grains[order], delimiter=",", header="x,y,radius", comments="")
+        (tmp_path / f"{k}.toml").write_text(f"""[packing]
+file = "{k}.csv"
+[contacts]
+period_x = 6
+[partition]
+grid = [2, 1]
+""")
+        parts = nscdd.read_case(tmp_path / f"{k}.toml")
+        seen.append((parts.interface_size, nscdd.spectral_radius(nscdd.contraction(parts, 0.1)).value))
+    assert {size for size, _ in seen} == {seen[0][0]} and seen[0][0] > 0
+    close([value for _, value in seen], seen[0][1], 1e-12)

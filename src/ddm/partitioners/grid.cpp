@@ -65,7 +65,14 @@ std::function<Index(const std::array<double, 3>&)> subdomain_of_midpoint(const G
 Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network) {
   Partition result{.subdomains = subdomains(partitioner), .subdomain_of_contact = {}};
   const auto cell_of = subdomain_of_midpoint(partitioner, packing);
-  for (const Contact& contact : network.contacts) result.subdomain_of_contact.push_back(cell_of(contact.midpoint));
+  // In a periodic cell midpoints are moved into the one that begins at the lowest centre, whichever grain comes first.
+  const double low_x = network.contacts.empty() ? 0 : std::ranges::min(packing.x),
+               low_y = network.contacts.empty() ? 0 : std::ranges::min(packing.y);
+  for (const Contact& contact : network.contacts) {
+    auto [x, y, z] = contact.midpoint;
+    const auto steps = network.period.into_cell({x - low_x, y - low_y, 0});
+    result.subdomain_of_contact.push_back(cell_of({x + steps[0], y + steps[1], z}));
+  }
   return result;
 }
 

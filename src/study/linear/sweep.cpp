@@ -95,7 +95,9 @@ bool unique_impulses(const ReferenceProblem& problem, const std::vector<Unilater
 template <int D>
 ContactChoice frozen_contacts(const GlobalFrictionProblem& global, const std::string& name) {
   const LocalFrictionProblem problem = reduce(global, name);
-  const FrictionSolution solution = solve_friction(problem);
+  const FrictionSolverOptions how;
+  const FrictionSolution solution = solve_friction(problem, how);
+  const double least = how.tolerance * (problem.size() > 0 ? solution.impulses.cwiseAbs().maxCoeff() : 0);
   ContactChoice choice{.active = std::vector<char>(at(problem.size()), 0),
                        .impulses = solution.impulses,
                        .rule = "sticking and sliding in the solution with friction",
@@ -104,7 +106,7 @@ ContactChoice frozen_contacts(const GlobalFrictionProblem& global, const std::st
   for (Index c = 0; c < problem.contacts(); ++c) {
     const double rho = 1 / problem.w.coeff(D * c, D * c);
     const LocalVector<D> moved = component<D>(solution.impulses, c) - rho * component<D>(solution.state.velocities, c);
-    const ContactStatus status = contact_status(moved, problem.friction[c]);
+    const ContactStatus status = moved.n <= least ? ContactStatus::open : contact_status(moved, problem.friction[c]);
     const Index columns = status == ContactStatus::open ? 0 : status == ContactStatus::stick ? D : 1;
     std::fill_n(choice.active.begin() + D * c, columns, char{1});
   }
@@ -117,7 +119,9 @@ void set_exact(SweepResult& result, const SpectralRadius& plain, double toleranc
   const bool computed = plain.solver != "none";
   // The optimal relaxation is 2 / (lambda_min + lambda_max) over the eigenvalues lambda = 1 - mu outside the kernel.
   if (!result.point.relaxation)
-    result.point.relaxation = computed ? 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max) : 1.0;
+    result.point.relaxation = computed && std::isfinite(plain.subdominant_min)
+                                  ? 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max)
+                                  : 1.0;
   result.radius = relaxed(plain, *result.point.relaxation, tolerance);
   const SpectralRadius& radius = result.radius;
   // With the optimal relaxation both ends are equal and opposite: rounding must not choose.
