@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.hpp"
 #include "core/fail.hpp"
+#include "core/text.hpp"
 #include "files/output_file.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
@@ -53,6 +54,13 @@ void write(const ContactProblem& problem, const std::string& path, const Frictio
   if (solution != nullptr && solution->impulses.size() != file.dimension() * file.contacts())
     fail("solution: expected that of a problem of {} contacts, met {}", file.contacts(),
          solution->impulses.size() / file.dimension());
+  if (solution != nullptr && solution->status != FrictionStatus::not_finite) {
+    constexpr double rounding = 1e-6;
+    const auto local = problem.reduced();
+    const Vector &r = solution->impulses, &u = solution->state.velocities;
+    if (!((local->w * r + local->q - u).norm() <= rounding * (u.norm() + local->q.norm() + (local->w * r).norm())))
+      fail("solution: expected u = W r + q of this problem, met that of another one");
+  }
   if (has_siconos_name(path)) {
     if (solution != nullptr)
       fail("{}: expected .h5 or .hdf5 for a solution: .dat of Siconos has no place for it", path);
@@ -89,9 +97,9 @@ py::dict arrays_of(const std::shared_ptr<const FclibFile>& file, const FclibSolu
 
 py::dict info_of(const FclibInfo& info) {
   py::dict found;
-  if (info.title) found["title"] = *info.title;
-  if (info.description) found["description"] = *info.description;
-  if (info.math_info) found["math_info"] = *info.math_info;
+  if (info.title) found["title"] = printable(*info.title);
+  if (info.description) found["description"] = printable(*info.description);
+  if (info.math_info) found["math_info"] = printable(*info.math_info);
   return found;
 }
 

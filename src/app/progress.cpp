@@ -49,9 +49,22 @@ struct ProgressBar {
 
 constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
 
-volatile std::sig_atomic_t requested = 0;  // a signal handler can reach nothing that is not global
+volatile std::sig_atomic_t requested = 0;     // a signal handler can reach nothing that is not global
+volatile std::sig_atomic_t requested_at = 0;  // s
 
-void request(int) { requested = 1; }
+// A second signal has its usual effect, unless it comes with the first: `timeout` sends two.
+void request(int signal) {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  const auto second = static_cast<std::sig_atomic_t>(now.tv_sec);
+  if (requested == 0) {
+    requested_at = second;
+    requested = 1;
+  } else if (second > requested_at + 1) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
+}
 
 }  // namespace
 
@@ -77,7 +90,7 @@ Interruption::Interruption(Processes processes) : processes_(std::move(processes
     struct sigaction action {
     }, before{};
     action.sa_handler = request;
-    action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);  // the second signal has its usual effect
+    action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
     sigaction(signal, nullptr, &before);
     if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);

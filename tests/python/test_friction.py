@@ -182,9 +182,64 @@ def test_a_solution_is_written_and_another_program_reads_it(tmp_path):
     stopped = problem.solve(solver="nlgs", maximum_sweeps=1, tolerance=1e-14)
     nscdd.write_contact_problem(path, back, stopped, force=True)
     again = nscdd.read_contact_problem(path)
-    assert again.solution is None and len(again.guesses) == 1
+    np.testing.assert_array_equal(again.solution["r"], found.impulses)  # that of the file stays
+    assert len(again.guesses) == 1
     np.testing.assert_array_equal(again.guesses[0]["r"], stopped.impulses)
     assert again.solve(solver="nlgs", guess=found.impulses).sweeps < again.solve(solver="nlgs").sweeps
+
+
+def square_problem():
+    """M, H, f, w of two disks, one beside the other on a floor: H is square."""
+    h = np.zeros((6, 6))
+    for contact, normal, bodies in ((0, (0, 1), (0,)), (1, (0, 1), (1,)), (2, (1, 0), (1, 0))):
+        for k, direction in enumerate((normal, (-normal[1], normal[0]))):
+            for body, sign in zip(bodies, (1, -1)):
+                h[3 * body:3 * body + 2, 2 * contact + k] = sign * np.array(direction)
+                h[3 * body + 2, 2 * contact + k] = -0.5 * k
+    return np.diag([1, 1, 0.125] * 2), h, np.array([0.3, -1, 0, -0.2, -1, 0.1]), np.zeros(6)
+
+
+def write_triplets(path, mass, h, f, w, rows, columns):
+    """As a file of FCLIB whose rows and columns have these names."""
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        group = file.create_group("fclib_global")
+        group["spacedim"] = np.array([2], "i4")
+        for name, matrix in (("M", mass), ("H", h)):
+            found, part = scipy.sparse.coo_matrix(matrix), group.create_group(name)
+            for key, number in zip(("m", "n", "nzmax", "nz"), (*matrix.shape, found.nnz, found.nnz)):
+                part[key] = np.array([number], "i4")
+            part[rows], part[columns], part["x"] = found.row, found.col, found.data
+        for name, values in (("f", f), ("w", w), ("mu", np.full(len(w) // 2, 0.3))):
+            group[f"vectors/{name}"] = values
+        group["info/title"] = np.bytes_(b"\xe9t\xe9")
+
+
+def test_triplets_that_fit_in_either_order_are_those_of_rigid_bodies(tmp_path):
+    """Siconos writes (i, p) where FCLIB documents (p, i); a square H fits both."""
+    mass, h, f, w = square_problem()
+    assert np.abs(h - h.T).max() > 0
+    for rows, columns in (("p", "i"), ("i", "p")):
+        write_triplets(tmp_path / "square.h5", mass, h, f, w, rows, columns)
+        problem = nscdd.read_contact_problem(tmp_path / "square.h5")
+        np.testing.assert_array_equal(problem.H.toarray(), h)
+        assert problem.info["title"] == r"\xE9t\xE9"
+    write_triplets(tmp_path / "odd.h5", mass, h + np.triu(np.ones((6, 6))), f, w, "p", "i")
+    with pytest.raises(nscdd.Error, match="odd.h5.*H: expected triplets that fit in one order only"):
+        nscdd.read_contact_problem(tmp_path / "odd.h5")
+
+
+def test_a_limit_of_time_keeps_what_was_found(tmp_path):
+    """`timeout` sends two signals at once: the first one asks, the second one must not kill."""
+    nscdd.write_contact_problem(tmp_path / "p.hdf5", nscdd.ContactProblem.of_bodies(*random_problem(250, 3), 0.3))
+    for attempt in range(2):
+        path = tmp_path / f"{attempt}.hdf5"
+        ended = subprocess.run(["timeout", "1.5", os.environ["NSCDD_PROGRAM"], "solve", tmp_path / "p.hdf5", "--solver",
+                                "nlgs", "--tolerance", "1e-30", "--maximum-sweeps", "1000000000", "-o", path],
+                               capture_output=True, text=True)
+        assert ended.returncode == 124 and "interrupted after" in ended.stderr
+        assert len(nscdd.read_contact_problem(path).guesses) == 1
 
 
 def test_errors_of_files(tmp_path):
@@ -196,6 +251,7 @@ def test_errors_of_files(tmp_path):
             ((tmp_path / "p.hdf5", problem), "p.hdf5.*force"),
             ((tmp_path / "p.dat", problem, found), "has no place for it"),
             ((tmp_path / "p.csv", problem), "p.csv"),
+            ((tmp_path / "q.hdf5", nscdd.ContactProblem(2 * np.eye(2), [-1, 0], 0.3), found), "expected u = W r . q"),
             ((tmp_path / "q.hdf5", problem, other), "expected that of a problem of 1 contacts, met 2")):
         with pytest.raises(nscdd.Error, match=words):
             nscdd.write_contact_problem(*arguments)

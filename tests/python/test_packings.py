@@ -425,3 +425,20 @@ def test_messages_show_bytes_that_are_no_text(tmp_path):
     (tmp_path / "wide.csv").write_bytes("x,y,radius\n0,0,1\n".encode("utf-16"))
     with pytest.raises(nscdd.Error, match="expected UTF-8, met UTF-16"):
         nscdd.read_packing(tmp_path / "wide.csv")
+
+
+@pytest.mark.parametrize("name, text, words", [
+    ("none", None, "met no such file"),
+    ("a.xyz", "4\n", "met a name that ends with '.xyz'"),
+    ("dump.txt", "ITEM: TIMESTEP\n0\n", 'met the first line "ITEM: TIMESTEP"'),
+    ("bad.toml", "[packings]\n[partition]\ngrid = [1, 1]\n",
+     r"expected a section \[packing\], met none; sections here: \[packings\], \[partition\]"),
+    ("order.txt", "#format r_x_y_z\n0.5 0 0 0.4\n0.5 1 0 0.6\n", "order.txt:2: .*the format 'r_x_y_z' of YADE"),
+])
+def test_what_is_no_case_is_told(tmp_path, name, text, words):
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    with pytest.raises(nscdd.Error, match=words):
+        nscdd.read_case(tmp_path / name)
+    with pytest.raises(TypeError, match="subdomains: expected .*met 4"):
+        nscdd.decompose(nscdd.Packing([0, 1], [0, 0], [0.5, 0.5]), subdomains=4)

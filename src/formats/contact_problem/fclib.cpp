@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "files/csv.hpp"
-#include "files/hdf5_file.hpp"
+#include "formats/contact_problem/fclib_matrices.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 
 namespace nscdd {
@@ -9,106 +9,14 @@ namespace {
 
 using hdf5::Group;
 
-constexpr std::int64_t largest_index = std::numeric_limits<int>::max();
 constexpr const char* problem_groups[] = {"fclib_local", "fclib_global", "fclib_global_rolling"};
 constexpr std::pair<const char*, std::optional<std::string> FclibInfo::*> info_texts[] = {
     {"title", &FclibInfo::title}, {"description", &FclibInfo::description}, {"math_info", &FclibInfo::math_info}};
-
-Vector vector_of(const Group& group, const std::string& name) {
-  const std::vector<double> values = group.numbers<double>(name);
-  return Eigen::Map<const Vector>(values.data(), count(values));
-}
-
-void require_length(const Group& group, const std::string& name, Index met, Index expected) {
-  if (met != expected) fail("{}: expected {} numbers, met {}", group.of(name), expected, met);
-}
 
 Vector numbers_of(const Group& group, const std::string& name, Index expected) {
   Vector values = vector_of(group, name);
   require_length(group, name, values.size(), expected);
   return values;
-}
-
-// The position of the first index outside 0 ... bound - 1, or the size of `indices` if there is none.
-Index first_outside(const std::vector<std::int64_t>& indices, std::int64_t bound) {
-  return std::ranges::find_if(indices, [=](std::int64_t i) { return i < 0 || i >= bound; }) - indices.begin();
-}
-
-bool all_inside(const std::vector<std::int64_t>& indices, std::int64_t bound) {
-  return first_outside(indices, bound) == count(indices);
-}
-
-void require_inside(const Group& group, const std::string& name, const std::vector<std::int64_t>& indices,
-                    std::int64_t bound) {
-  const Index k = first_outside(indices, bound);
-  if (k < count(indices))
-    fail("{}: expected indices in 0..{}, met {} at position {}", group.of(name), bound - 1, indices[at(k)], k);
-}
-
-using Triplets = std::vector<Eigen::Triplet<double>>;
-
-// nz >= 0: entry k lies at (p_k, i_k), or at (i_k, p_k) if only that fits the matrix.
-Triplets triplet_entries(const Group& group, std::int64_t rows, std::int64_t columns, Index entries) {
-  auto p = group.numbers<std::int64_t>("p"), i = group.numbers<std::int64_t>("i");
-  const Vector x = vector_of(group, "x");
-  require_length(group, "p", count(p), entries);
-  require_length(group, "i", count(i), entries);
-  if (x.size() < entries) require_length(group, "x", x.size(), entries);  // may be longer, of length nzmax
-  const bool documented = all_inside(p, rows) && all_inside(i, columns);
-  if (!documented && all_inside(p, columns) && all_inside(i, rows)) std::swap(p, i);
-  require_inside(group, "p", p, rows);
-  require_inside(group, "i", i, columns);
-  Triplets found;
-  for (Index k = 0; k < entries; ++k) found.emplace_back(static_cast<int>(p[at(k)]), static_cast<int>(i[at(k)]), x[k]);
-  return found;
-}
-
-// nz = -1 (lines are columns) or -2 (rows): line k holds entries p_k ... p_(k+1) - 1 at i within the line.
-Triplets compressed_entries(const Group& group, std::int64_t lines, std::int64_t width, Index nzmax, bool by_columns) {
-  const auto p = group.numbers<std::int64_t>("p"), i = group.numbers<std::int64_t>("i");
-  const Vector x = vector_of(group, "x");
-  require_length(group, "p", count(p), lines + 1);
-  require_length(group, "i", count(i), nzmax);
-  require_length(group, "x", x.size(), nzmax);
-  if (p.front() != 0) fail("{}: expected 0 at position 0, met {}", group.of("p"), p.front());
-  for (Index k = 1; k < count(p); ++k)
-    if (p[at(k)] < p[at(k - 1)] || p[at(k)] > nzmax)
-      fail("{}: expected numbers that ascend to {} at most, met {} at position {}", group.of("p"), nzmax, p[at(k)], k);
-  require_inside(group, "i", i, width);
-  Triplets found;
-  for (Index line = 0; line < lines; ++line)
-    for (Index k = p[at(line)]; k < p[at(line + 1)]; ++k) {
-      const auto inner = static_cast<int>(i[at(k)]), outer = static_cast<int>(line);
-      found.emplace_back(by_columns ? inner : outer, by_columns ? outer : inner, x[k]);
-    }
-  return found;
-}
-
-std::int64_t size_of(const Group& group, const std::string& name) {
-  const std::int64_t size = group.integer(name);
-  if (size < 0 || size >= largest_index)
-    fail("{}: expected a number from 0 to {}, met {}", group.of(name), largest_index - 1, size);
-  return size;
-}
-
-SparseMatrix read_matrix(const Group& parent, const std::string& name) {
-  const Group group = parent.group(name);
-  const std::int64_t rows = size_of(group, "m"), columns = size_of(group, "n");
-  const std::int64_t nz = group.integer("nz"), nzmax = size_of(group, "nzmax");
-  Triplets entries;
-  if (nz == -1) {
-    entries = compressed_entries(group, columns, rows, nzmax, true);
-  } else if (nz == -2) {
-    entries = compressed_entries(group, rows, columns, nzmax, false);
-  } else if (nz >= 0 && nz <= nzmax) {
-    entries = triplet_entries(group, rows, columns, nz);
-  } else {
-    fail("{}: expected -1 (by columns), -2 (by rows) or a number of triplets up to nzmax = {}, met {}", group.of("nz"),
-         nzmax, nz);
-  }
-  SparseMatrix matrix(rows, columns);
-  matrix.setFromTriplets(entries.begin(), entries.end());  // sums duplicate entries, as CSparse does
-  return matrix;
 }
 
 // D and the number of contacts. Throws Error for problems with members other than contacts.
@@ -150,7 +58,7 @@ GlobalFrictionProblem read_global(const Group& group) {
   problem.w = numbers_of(vectors, "w", dimension * contacts);
   problem.friction = numbers_of(vectors, "mu", contacts);
   problem.mass = read_matrix(group, "M");
-  problem.h = read_matrix(group, "H");
+  problem.h = read_h(group, dimension);
   check(problem, group.path());
   return problem;
 }
@@ -182,25 +90,8 @@ std::vector<std::string> problems_in(const Group& root) {
   return found;
 }
 
-void write_integer(const Group& group, const std::string& name, Index value) {
-  const auto number = static_cast<std::int32_t>(value);
-  group.put<std::int32_t>(name, {&number, 1});
-}
-
 void write_numbers(const Group& group, const std::string& name, const Vector& values) {
   group.put<double>(name, {values.data(), at(values.size())});
-}
-
-void write_matrix(const Group& parent, const std::string& name, SparseMatrix matrix) {
-  matrix.makeCompressed();
-  const Group group = parent.make_group(name);
-  write_integer(group, "nzmax", matrix.nonZeros());
-  write_integer(group, "m", matrix.rows());
-  write_integer(group, "n", matrix.cols());
-  write_integer(group, "nz", -1);
-  group.put<std::int32_t>("p", {matrix.outerIndexPtr(), at(matrix.cols() + 1)});
-  group.put<std::int32_t>("i", {matrix.innerIndexPtr(), at(matrix.nonZeros())});
-  group.put<double>("x", {matrix.valuePtr(), at(matrix.nonZeros())});
 }
 
 template <class Value>
@@ -263,7 +154,15 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
   return result;
 }
 
-FclibFile read_fclib(const std::string& path) { return fclib_from_hdf5(read_text(path), path); }
+FclibFile read_fclib(const std::string& path) {
+  const std::string bytes = read_text(path);
+  if (!bytes.starts_with("\x89HDF"))
+    fail(
+        "{}: expected a contact problem, HDF5 of FCLIB (.hdf5), text of Siconos (.dat) or Vloc_Rloc.INI, met no HDF5 "
+        "file",
+        path);
+  return fclib_from_hdf5(bytes, path);
+}
 
 GlobalFrictionProblem read_global_problem(const std::string& path, Matrix* points) {
   FclibFile file = read_contact_problem(path);

@@ -161,7 +161,6 @@ FclibFile local_form(FclibFile file) {
 }
 
 FclibFile with_result(FclibFile file, const FrictionSolution& found) {
-  file.solution.reset();
   if (found.status == FrictionStatus::not_finite) return file;
   FclibSolution result{{}, found.state.velocities, found.impulses};
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))

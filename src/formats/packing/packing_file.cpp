@@ -141,7 +141,9 @@ Packing parse_text_packing(std::string_view text, const std::string& name) {
     if (columns.empty()) {
       first_line = lines.number();
       numbers = words.size();
-      if (lines.format() == clump_format ? numbers != 5 : numbers != 3 && numbers != 4)
+      const std::string_view format = lines.format();
+      const bool known = format.empty() || format == "x_y_r" || format == "x_y_z_r" || format == clump_format;
+      if (!known || (format == clump_format ? numbers != 5 : numbers != 3 && numbers != 4))
         refuse_columns(name, lines, numbers);
       columns = {find_column("x"), find_column("y"), find_column("z"), find_column("radius")};
       if (numbers == 3) columns.erase(columns.begin() + 2);
