@@ -112,7 +112,7 @@ def subdomains(given: Subdomains) -> str | np.ndarray:
     if isinstance(given, tuple) and len(given) in (2, 3):
         return "x".join(str(cells) for cells in given)
     numbers = np.asarray(given)
-    if numbers.dtype.kind not in "iu" or masked(given):
+    if numbers.ndim == 0 or numbers.dtype.kind not in "iu" or masked(given):
         raise TypeError("subdomains: expected (columns, rows) or (columns, rows, layers), a text such as 'metis:4', or "
                         f"an array of integers, met {given!r}")
     return numbers.astype(np.int64)

@@ -43,16 +43,6 @@ inline void take(std::string_view text, std::vector<std::string>& values, std::s
   values.emplace_back(text);
 }
 
-/// The accepted names of a choice; none for other values.
-template <class Value>
-std::vector<std::string> words_of(const Value&) {
-  return {};
-}
-template <Named Enum>
-std::vector<std::string> words_of(const Choice<Enum>&) {
-  return all_names<Enum>();
-}
-
 /// A value as the help shows it.
 template <class Value>
 std::string shown(const Value& value) {

@@ -112,7 +112,8 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
 StepRange parse_step_range(const std::string& text) {
   if (text.empty()) return {};
   std::vector<Index> numbers;
-  for (const std::string_view number : split(text, ':')) numbers.push_back(parse_integer(number, "--steps"));
+  for (const std::string_view number : split(text, ':'))
+    numbers.push_back(parse_integer(number, "--steps A, A:B or A:B:K"));
   const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0], numbers.size() > 2 ? numbers[2] : 1};
   if (numbers.size() > 3 || range.first < 0 || range.last < range.first || range.stride < 1)
     fail("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text);

@@ -105,9 +105,9 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
     for (const auto& [word, number] : numbers) all.push_back(fmt::format("{} {}", number, word));
     return fmt::format("{}", fmt::join(all, ", "));
   };
-  std::string text =
-      fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end), totals.steps,
-                  simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
+  std::string text = fmt::format("{}: {} {} in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end),
+                                 totals.steps, totals.steps == 1 ? "step" : "steps", simulation.state.step,
+                                 simulation.dynamics.time.steps, simulation.state.time);
   const StepAlgorithm algorithm = simulation.dynamics.solver.algorithm;
   const bool undivided = is_contact_solver(algorithm) && !decomposes(algorithm);  // the partition is unused
   text += fmt::format("{}s: {} free{}, {} driven; {} contacts, {}\n", shape_of_grains(system.dimension), free,

@@ -129,7 +129,7 @@ Action declare_coarse(Command& command) {
   command.add("--kappa NUMBER", options->parameters.kappa,
               "condition number that geneo shall keep [30]; its threshold is N_n / kappa, N_n the most subdomains that "
               "share grains with one, itself included");
-  command.add("--threshold NUMBER", options->parameters.threshold, "threshold of geneo instead");
+  command.add("--threshold NUMBER", options->parameters.threshold, "threshold of geneo, in place of that of --kappa");
   command.add("--counts", options->parameters.counts, "ranks and counts only, without spectra");
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
   command.add("--force", options->how.force, "replace existing outputs");

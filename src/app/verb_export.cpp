@@ -40,7 +40,7 @@ TrajectoryStep state_before(const Options& options) {
   std::vector<Index> possible = kept;
   for (Index& step : possible) ++step;
   fail(
-      "--fclib: {}: expected a step behind a state that is kept, so one of {}, met step {}; states are kept after "
+      "--fclib: {}: expected a step whose state before it is kept, so one of {}, met step {}; states are kept after "
       "steps {} (nscdd simulate --save-every 1 keeps all)",
       options.trajectory, step_ranges_text(possible), *options.step, step_ranges_text(kept));
 }
@@ -59,7 +59,10 @@ FclibInfo info_of(const Options& options, const TrajectoryHeader& header, const 
     *info.description +=
         options.subdomain
             ? fmt::format(" Bodies: free {}s of the subdomain's contacts, ascending, split masses.", shape)
-            : fmt::format(" Bodies: the free {}s, ascending.", shape);
+            : fmt::format(" Bodies: the free {}s, ascending{}.", shape,
+                          before.system.free_bodies.empty()
+                              ? ""
+                              : ", then bodies with free directions; their driven ones have no entries in H");
   if (solved) *info.description += " The solution is that of the run, as far as it converged.";
   const std::string_view frame = space ? "(n, t_1, t_2) per contact, tangents as docs/formats.md says"
                                        : "(n, t) per contact, t = n turned by 90 degrees";
@@ -213,7 +216,7 @@ Option& declare_operators(Command& command, OperatorsOptions& options) {
 Action declare_export(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("CASE", options->operators.one.name,
-                   "trajectory of nscdd simulate, .h5 or .hdf5; of --operators what nscdd sweep takes");
+                   "trajectory (.h5 or .hdf5), or with --operators what nscdd sweep takes");
   const Option* vtk = &command.add("--vtk FOLDER", options->steps.vtk,
                                    "write the kept steps there for ParaView: .vtp files, a .pvd collection");
   command.add("--vtkhdf FILE", options->steps.vtkhdf, "write the kept steps for ParaView into one file, .vtkhdf")
@@ -225,8 +228,7 @@ Action declare_export(Command& command) {
   Option* fclib =
       &command.add("--fclib", options->step, "write the contact problem of that step, from 1, as HDF5 of FCLIB");
   fclib->excludes = vtk;
-  command
-      .add("-o,--output FILE", options->output, "file of --fclib; FILE.dat is a text of Siconos, without the solution")
+  command.add("-o,--output FILE", options->output, "file of --fclib: .hdf5, or .dat of Siconos; that has no solution")
       .needs = fclib;
   command.add("--subdomain", options->subdomain, "of --fclib: the part of that subdomain, interface impulses as loads")
       .needs = fclib;

@@ -61,7 +61,7 @@ Action declare_generate(Command& command) {
       "SPEC", options->spec,
       "generator with its defaults (see nscdd list), case file (.toml), known case, or packing of another format");
   command.required("-o,--output FILE", options->output,
-                   "where the packing goes: .csv, .h5 or .hdf5; - for CSV on standard output");
+                   "where the packing goes: .csv, .h5 or .hdf5, or - for CSV on standard output");
   command.add("--set KEY=VALUE", options->settings,
               "a parameter of the generator, such as packing.grains=16, or masses.density");
   command.add("--force", options->force, "replace an existing output");

@@ -8,14 +8,15 @@ namespace {
 template <class Parameters>
 void print_fields(const std::string& section) {
   for (const FieldDescription& field : describe_fields(Parameters{}))
-    fmt::print("      {:<44} {} [{}{}{}]\n", section + field.key + " = " + field.value, field.description, field.type,
+    fmt::print("      {:<44} {} [{}{}{}]\n", section + field.key + " = " + field.value, field.description,
+               field.words.empty() ? field.type : fmt::format("{}", fmt::join(field.words, ", ")),
                field.unit == "1" ? "" : ", ", field.unit == "1" ? "" : field.unit);
 }
 
 template <class... Alternatives>
 void print_alternatives(const std::variant<Alternatives...>&, const std::string& section) {
   const auto print = [&]<class Alternative>(const Alternative&) {
-    fmt::print("  {:<12}{}\n", Alternative::name, Alternative::summary);
+    fmt::print("  {:<16}{}\n", Alternative::name, Alternative::summary);
     print_fields<Alternative>(section);
   };
   (print(Alternatives{}), ...);
@@ -44,7 +45,7 @@ int list() {
   print_fields<TimeStepping>("dynamics.");
   print_fields<StepSolver>("solver.");
   fmt::print("Observables of a study, observable = \"...\"\n");
-  for (const Observable* one : observables::all) fmt::print("  {:<20}{}\n", one->name, one->summary);
+  for (const Observable* one : observables::all) fmt::print("  {:<22}{}\n", one->name, one->summary);
   return 0;
 }
 

@@ -4,6 +4,7 @@
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
 #include "formats/lmgc90/record.hpp"
+#include "formats/trajectory/trajectory.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/contact_solvers/verdict.hpp>
 
@@ -193,6 +194,9 @@ int run(const Options& options, const Context& context) {
   check_options(options);
   FrictionSolverOptions solver = options.solver;
   if (!options.algorithms.empty()) solver.algorithm = options.algorithms.front();
+  if (holds_trajectory(options.file))
+    fail("{0}: expected a contact problem, met a trajectory: nscdd export {0} --fclib STEP writes that of a step",
+         options.file);
   const FclibFile file = read_contact_problem(options.file);
   const LocalFrictionProblem local = local_problem(file, options.file);
   require_moderate(local, options.file);
@@ -263,7 +267,7 @@ Action declare_solve(Command& command) {
   command.add("--verdict", options->verdict,
               "also decide, with proof, whether a solution exists; without it only where the solver fails");
   Option* const alone[] = {
-      &command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero"),
+      &command.preset("--guess", options->guess, "start from that guess of the file, 1 the first, or 0 from zero"),
       &command.add("--convergence FILE", options->convergence,
                    "write one row per residual there, as CSV, each when it is known"),
       &command.add(

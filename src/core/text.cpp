@@ -196,7 +196,10 @@ void check_bounds(double value, const Field& field, std::string_view key) {
 }
 
 std::string suggestion(std::string_view met, std::span<const std::string> known) {
+  constexpr std::size_t beginning = 5;
   if (met.size() > 64) return "";  // no slip of the finger
+  for (const std::string& name : known)
+    if (met.size() >= beginning && name.starts_with(met)) return fmt::format("; did you mean {}?", name);
   // A third of the letters may be wrong, and one of a short name.
   std::size_t nearest = std::max<std::size_t>(1, met.size() / 3) + 1;
   std::string_view found;

@@ -43,11 +43,20 @@ class StrictTable {
     static const toml::table empty;
     const toml::node* found = node(key);
     if (found == nullptr) {
-      if (required) nscdd::fail("{}: expected a section [{}], met none", location(nullptr), key_path(key));
+      if (required)
+        nscdd::fail("{}: expected a section [{}], met none{}", location(nullptr), key_path(key), sections());
       return {empty, file_, key_path(key)};
     }
     if (!found->is_table()) fail(key, fmt::format("a section [{}]", key_path(key)), describe(*found));
     return {*found->as_table(), file_, key_path(key)};
+  }
+
+  /// "; sections here: [a], [b]" of a table that has any.
+  std::string sections() const {
+    std::string names;
+    for (const auto& [key, value] : *table_)
+      if (value.is_table()) names.append(names.empty() ? "; sections here: [" : ", [").append(key.str()).append("]");
+    return names;
   }
 
   /// The tables [[key]]; none if the key is absent.

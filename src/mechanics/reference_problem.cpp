@@ -82,7 +82,8 @@ void require_arriving_velocity(const ReferenceProblem& problem) {
     throw Error(
         "active contacts: expected a prescribed velocity (a [[prescribed]] or [loads] table in the case, "
         "--prescribed GRAIN:VX:VY[:VZ] or --set loads.compression=CX,CY[,CZ]) that moves a grain, met none: nothing is "
-        "given, or all velocities given are zero, as those of loads are at the centre of mass");
+        "given, or all velocities given are zero, as those of loads are at the centre of mass; contacts 'all' need "
+        "none");
 }
 
 std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index contact) {

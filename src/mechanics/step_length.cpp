@@ -117,8 +117,10 @@ void check_overlaps(const StepStart& start, const std::vector<DeepOverlap>& foun
   sort_by_bodies(deep);
   for (const DeepOverlap& one : deep)
     if (!is_of_step(one, start))
-      fail("{} and {}: expected an overlap of at most {} of the smaller radius, met {} m", body_name(system, one.a),
-           body_name(system, one.b), largest_overlap, one.overlap);
+      fail("{} and {}: expected an overlap of at most {} of the smaller radius, {:.4g} m, met {:.4g} m{}",
+           body_name(system, one.a), body_name(system, one.b), largest_overlap,
+           largest_overlap * system.smaller_radius(one.a, one.b), one.overlap,
+           one.b < system.grains() ? "" : "; does the wall face its grains?");
   refuse(start, deep.front(), safe_step(start));
 }
 

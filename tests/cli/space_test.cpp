@@ -93,7 +93,7 @@ TEST_CASE_FIXTURE(Session, "space: a grid, a velocity or rates of two numbers ar
   check_refused(sweep + "--prescribed 3:1:0", {"fcc.toml: prescribed[0].velocity", "three numbers"});
   check_refused(sweep + "--set loads.compression=1,1", {"fcc.toml: loads.compression", "three numbers"});
   check_refused("sweep disks4 --epsilon 1 --csv - --subdomains 2x1x1", {"partition.grid", "two integers"});
-  CHECK(contains(answer("inspect fcc.toml --subdomains 1x1"), "1 subdomain(s)"));  // one cell is one
+  CHECK(contains(answer("inspect fcc.toml --subdomains 1x1"), "(empty interface: one subdomain;"));  // one cell is one
 }
 
 TEST_CASE_FIXTURE(LatticeSession, "space: tables of contacts, grains and modes have columns along z") {

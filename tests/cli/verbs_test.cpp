@@ -226,15 +226,14 @@ TEST_CASE_FIXTURE(Session, "sweep, optimum, modes and inspect say why an interfa
   for (int x = 0; x < 60; x += 10) pairs += std::to_string(x) + ",0,0.5\n" + std::to_string(x + 1) + ",0,0.5\n";
   file("pairs.csv", pairs);
   const std::string why =
-      "3 subdomain(s), no shared grain; the network has 6 separate pieces, and the partition cuts none of "
-      "them";
+      "3 subdomains, no shared grain; the network has 6 separate pieces, and the partition cuts none of them";
   CHECK(contains(answer("inspect pairs.csv --subdomains metis:3"), why));
   for (const std::string line : {"sweep pairs.csv --subdomains metis:3 --epsilon 1 --csv -",
                                  "modes pairs.csv --subdomains metis:3 --epsilon 1 --output slow",
                                  "optimum pairs.csv --subdomains metis:3 --contacts all --csv -"}) {
     ended(0, line, {why});
   }
-  CHECK(contains(answer("inspect disks12 --subdomains 1x1"), "1 subdomain(s), no shared grain)"));
+  CHECK(contains(answer("inspect disks12 --subdomains 1x1"), "(empty interface: one subdomain; --subdomains 2x1"));
 }
 
 TEST_CASE_FIXTURE(Session, "optimum: report and table, with a row per epsilon, agree") {

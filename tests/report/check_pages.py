@@ -534,7 +534,7 @@ def check_run_pages(browser, folder):
 
 def check_criterion(browser, folder):
     """The criterion of a run has a curve of its own and the line of its tolerance is called after that curve."""
-    for criterion, tolerance, name in (("quad_dv", "1e-2", "Quad/DV"), ("mean_dv_over_r", "1e-3", "mean DV over r"),
+    for criterion, tolerance, name in (("quad_dv", "1e-2", "Quad/DV"), ("mean_dv_over_r", "1e-3", "|mean DV over r|"),
                                        ("qm_16", "1e-1", "QM/16"), ("normal_change", "1e-3", "Σ|Δrₙ|/Σrₙ"),
                                        ("zeta", "1e-3", "ζ")):
         nscdd(folder, "simulate", "settle-1k", "--steps", "2", "--criterion", criterion, "--tolerance", tolerance,

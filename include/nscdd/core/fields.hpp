@@ -24,6 +24,7 @@ struct Field {
 /// A parameter as printed by `nscdd list` and recorded in result files.
 struct FieldDescription {
   std::string key, type, value, unit, description;
+  std::vector<std::string> words;  ///< the values of a Choice
 };
 
 /// Parses one number ("1e-3", "inf"). Throws Error naming `what` for any other text.
@@ -81,6 +82,16 @@ constexpr std::string_view field_type() {
   return "text";
 }
 
+/// The names that a Choice accepts; none for any other type.
+template <class Value>
+std::vector<std::string> words_of(const Value&) {
+  return {};
+}
+template <Named Enum>
+std::vector<std::string> words_of(const Choice<Enum>&) {
+  return all_names<Enum>();
+}
+
 /// Whether a number is finite and within the bounds of its field.
 bool in_bounds(double value, const Field& field);
 
@@ -118,7 +129,7 @@ std::vector<FieldDescription> describe_fields(const Parameters& parameters) {
   std::vector<FieldDescription> all;
   Parameters::fields(parameters, [&]<class Value>(std::string_view key, const Value& value, const Field& field) {
     all.push_back({std::string(key), std::string(field_type<Value>()), field_text(value), std::string(field.unit),
-                   std::string(field.description)});
+                   std::string(field.description), words_of(value)});
   });
   return all;
 }

@@ -70,8 +70,9 @@ void count_rattlers(const ContactNetwork& network, Inspection& result) {
 std::string why_empty(const Model& model) {
   if (model.parts.interface_size() > 0) return "";
   const Index subdomains = model.partition.subdomains, pieces = connected_pieces(model.problem);
-  std::string why = fmt::format("{} subdomain(s), no shared grain", subdomains);
-  if (subdomains > 1 && pieces > 1)
+  if (subdomains == 1) return "one subdomain; --subdomains 2x1 or metis:2 cuts the packing";
+  std::string why = fmt::format("{} subdomains, no shared grain", subdomains);
+  if (pieces > 1)
     why += fmt::format("; the network has {} separate pieces, and the partition cuts none of them", pieces);
   return why;
 }

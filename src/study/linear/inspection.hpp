@@ -43,7 +43,7 @@ inline constexpr Index ranks_up_to_by_default = 100'000;
 /// A case that moves gets the overlap tolerance of its simulation, unless it states one.
 Case with_overlaps_of_motion(Case one);
 
-/// Why the interface of a model is empty: "1 subdomain(s), no shared grain", and how many separate pieces the
+/// Why the interface of a model is empty: "3 subdomains, no shared grain", and how many separate pieces the
 /// partition leaves whole; "" if it is not empty.
 std::string why_empty(const Model& model);
 

@@ -15,7 +15,7 @@ function logTicks(low, high, length) {
       for (const f of factors) {
         const value = Number(`${f}e${n}`);
         if (value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9))
-          ticks.push([value, f === 1 ? power(n) : told(value, 1)]);
+          ticks.push([value, told(value, 1)]);
       }
     if (ticks.length >= 3) return ticks;
   }
@@ -64,7 +64,8 @@ function axisOf(values, kind, from, to, {range, widen, whole} = {}) {
 
 function drawMark(kind, x, y, colour) {
   if (kind === 'square') return element('rect', {x: x - 3, y: y - 3, width: 6, height: 6, fill: colour});
-  if (kind === 'triangle') return element('path', {d: `M${x},${y - 4}l4,7h-8z`, fill: colour});
+  if (kind === 'triangle' || kind === 'above')
+    return element('path', {class: kind, d: `M${x},${y - 4}l4,7h-8z`, fill: colour});
   return element('circle', {cx: x, cy: y, r: 3, fill: kind === 'open' ? '#fff' : colour, stroke: colour});
 }
 
@@ -97,12 +98,9 @@ function drawChart(holder, chart) {
   text(
       chart.y.label, 14, (top + height - bottom) / 2,
       {'text-anchor': 'middle', transform: `rotate(-90 14 ${(top + height - bottom) / 2})`});
-  for (const [value, words] of rules) {
-    if (value < y.low || value > y.high) continue;
+  const ruled = rules.filter(([value]) => value >= y.low && value <= y.high);
+  for (const [value] of ruled)
     line(left, y.place(value), width - right, y.place(value), '#8a1c00', {'stroke-dasharray': '2 3'});
-    const [px, anchor] = chart.rulesLeft ? [left + 8, 'start'] : [width - right - 4, 'end'];
-    text(words, px, y.place(value) - 4, {'text-anchor': anchor, 'font-size': 11, class: 'on-top'});
-  }
   for (const [value, words] of chart.places ?? []) {
     line(x.place(value), top, x.place(value), height - bottom, '#545454', {'stroke-dasharray': '7 3'});
     const near = x.place(value) > width - 120;
@@ -116,7 +114,11 @@ function drawChart(holder, chart) {
         {d, fill: 'none', stroke: series.colour, 'stroke-width': 2, 'stroke-dasharray': series.dash ?? 'none'}));
     if (shown.length <= 60 && series.mark)
       for (const p of shown)
-        svg.append(drawMark(p[1] > y.high ? 'triangle' : series.mark, x.place(p[0]), clipped(p[1]), series.colour));
+        svg.append(drawMark(p[1] > y.high ? 'above' : series.mark, x.place(p[0]), clipped(p[1]), series.colour));
+  }
+  for (const [value, words] of ruled) {
+    const [px, anchor] = chart.rulesLeft ? [left + 8, 'start'] : [width - right - 4, 'end'];
+    text(words, px, y.place(value) - 4, {'text-anchor': anchor, 'font-size': 11, class: 'on-top'});
   }
   if (chart.marker) {
     const [mx, my] = chart.marker, px = x.place(mx);
@@ -142,5 +144,7 @@ function drawChart(holder, chart) {
     if (mark) sample.append(drawMark(mark, 16, 6, colour));
     keys.append(element('li', {}, sample, name));
   }
+  if (svg.querySelector('.above'))
+    keys.append(element('li', {}, `▲ above ${told(y.high, 3)}, off the chart`));
   holder.replaceChildren(svg, keys);
 }

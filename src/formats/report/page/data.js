@@ -65,7 +65,7 @@ function toldBound(value, digits, way) {
 const least = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
 const most = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
 
-const plural = (n, one, many = one + 's') => `${n.toLocaleString('en')} ${n === 1 ? one : many}`;
+const plural = (n, one, many = one + 's') => `${n} ${n === 1 ? one : many}`;
 
 function fact(list, term, text) {
   list.append(element('dt', {}, term), element('dd', {}, text));

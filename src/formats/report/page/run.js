@@ -7,7 +7,7 @@ const indicators = [
   {column: 'gluing', name: 'gluing', colour: '#5c2a80', dash: '2 3', mark: 'open'},
   {column: 'interface_change', name: 'interface change', colour: '#00664c', dash: '9 3 2 3', mark: 'triangle'},
   {column: 'quad_dv', name: 'Quad/DV', colour: '#a0246e', dash: '12 3', mark: 'round'},
-  {column: 'mean_dv_over_r', name: 'mean DV over r', colour: '#545454', dash: '4 4', mark: 'square'},
+  {column: 'mean_dv_over_r', name: '|mean DV over r|', colour: '#545454', dash: '4 4', mark: 'square'},
   // Drawn only if it ends the iterations.
   {column: 'quad_dvr', name: 'Quad/DVR', colour: '#000000', mark: 'open', criterion: true},
   {column: 'qm_16', name: 'QM/16', colour: '#000000', mark: 'open', criterion: true},
@@ -122,6 +122,8 @@ function showRun() {
   const drawn = indicators.filter((one) => !one.criterion || one.column === solver.criterion);
   const tolerance = criterion ? [[solver.tolerance, `tolerance of ${criterion}`]] : [];
 
+  const size = (v) => (v === null ? null : Math.abs(v));  // mean DV over r has a sign
+
   function drawIterations(step) {
     const rows = (iterations.step ?? []).map((s, row) => (s === step ? row : -1)).filter((row) => row >= 0);
     byId('iterations').hidden = rows.length === 0;
@@ -133,10 +135,11 @@ function showRun() {
             'nscdd report --convergence FILE shows them here.';
     if (!rows.length) return;
     const series =
-        drawn.filter(({column}) => rows.some((row) => iterations[column][row] > 0))
-            .map(
-                (one) =>
-                    ({...one, points: rows.map((row) => [iterations.iteration[row], iterations[one.column][row]])}));
+        drawn.filter(({column}) => rows.some((row) => size(iterations[column][row]) > 0))
+            .map((one) => ({
+                   ...one,
+                   points: rows.map((row) => [iterations.iteration[row], size(iterations[one.column][row])])
+                 }));
     drawChart(byId('iterations'), {
       label: `Indicators over the iterations of step ${step}`,
       x: {kind: 'log', label: 'iteration'},
@@ -155,8 +158,8 @@ function showRun() {
       label: 'Indicators at the end of each step',
       x,
       y: {kind: 'log', label: 'indicator'},
-      series: drawn.filter(({column}) => summary[column].some((v) => v > 0))
-                  .map((one) => ({...one, points: overSteps(one.column)})),
+      series: drawn.filter(({column}) => summary[column].some((v) => size(v) > 0))
+                  .map((one) => ({...one, points: overSteps(one.column, size)})),
       marker,
       pick,
       rules: tolerance,
