@@ -47,9 +47,11 @@ class ContactSearch {
     }
     const ContactLaw law = contact_law(start.interaction, start.scheme.step, 1);
     std::visit([&](const auto& one) { pulls_ = one.pulls, opens_ = one.opens; }, law);
+    on_touch_ = start.interaction.on_velocity() || !opens_;
     // Bodies that hold each other are found even if the alert distance is shorter.
     const double range = start.interaction.cohesion_range;
-    const double held = !pulls_ && opens_ ? 0 : range >= 0 ? range : touching_gap * std::ranges::max(radius);
+    const double touch = touching_gap * std::ranges::max(radius);
+    const double held = pulls_ ? (range >= 0 ? range : touch) : opens_ ? 0 : touch;
     const double alert = alert_distance(system_, start.scheme);
     alert_ = std::max(alert, held);
     if (system_.pairs.bonds()) bond_distance_ = alert;
@@ -133,7 +135,7 @@ class ContactSearch {
     if (gap > alert_ && !bonded(c)) {
       const Place move = difference(velocity_of_second(c), velocity_of(motion_of(c.a)));
       if (gap + step * dot(c.normal, move) > alert_) return;
-      if (!start_.interaction.on_velocity() && c.b < system_.grains() &&
+      if (!on_touch_ && c.b < system_.grains() &&
           step * system_.length(move) > far_in_a_step * system_.smaller_radius(c.a, c.b)) {
         // The line of centres turns until they meet. Grains that miss each other are no contact.
         const Place line = system_.apart(where_.centre(at(c.a)), where_.centre(at(c.b)));
@@ -149,6 +151,11 @@ class ContactSearch {
       }
     }
     if (in_reach) visit(c);
+  }
+
+  bool holds(const StepContact& c) const {
+    if (pulls_) return hold(system_, start_.interaction, c);
+    return !opens_ && c.gap <= touching_gap * system_.smaller_radius(c.a, c.b);
   }
 
   // Whether impulses along the normal of a contact move one of its bodies: not so if both are driven along it.
@@ -176,8 +183,7 @@ class ContactSearch {
     if (!moves_apart(c)) return;
     // Under a condition on the velocity a contact acts once it touches: the predicted gap would swallow the impact. So
     // does one that never opens: it would pull over the gap.
-    const bool on_touch = start_.interaction.on_velocity() || !opens_, holds = pulls_ || !opens_;
-    if (on_touch && c.gap > 0 && !(holds && hold(system_, start_.interaction, c)) && !bonded(c)) return;
+    if (on_touch_ && c.gap > 0 && !holds(c) && !bonded(c)) return;
     ++considered_.number;
     if (c.b >= system_.grains() && system_.is_boundary(c.b))
       considered_.boundary_speed = std::max(considered_.boundary_speed, system_.length(velocity_of_second(c)));
@@ -190,6 +196,7 @@ class ContactSearch {
   const Path path_ = Path::to_contacts(start_);
   const Configuration& where_ = path_.places.back();
   bool pulls_ = false, opens_ = true;         // of the law
+  bool on_touch_ = false;                     // contacts act only where bodies touch
   std::optional<double> bond_distance_ = {};  // m, see bond_of; none without bonds
   double alert_ = 0, foreseen_ = 0;  // largest gaps of contacts, m: at any velocity, and at the velocities of the step
   ConsideredContacts considered_;
