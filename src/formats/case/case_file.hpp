@@ -19,6 +19,9 @@ CaseSpec read_case(const std::string& path);
 /// some of which are for the plane and others for space, and as check(BoundarySpec).
 BoundarySpec read_boundary(StrictTable section);
 
+/// Reads the sections [[colour]] and [[pair]]. With `effects_wanted` rules without effect are refused.
+void read_pairs(StrictTable& root, Dynamics& dynamics, bool effects_wanted);
+
 /// Reads a spin: one number in the plane, three in space. Returns that dimension, 0 without the key.
 Index read_spin(StrictTable& section, std::string_view key, std::array<double, 3>& spin);
 
