@@ -54,7 +54,8 @@ void write(const ContactProblem& problem, const std::string& path, const Frictio
   if (solution != nullptr && solution->impulses.size() != file.dimension() * file.contacts())
     fail("solution: expected that of a problem of {} contacts, met {}", file.contacts(),
          solution->impulses.size() / file.dimension());
-  if (solution != nullptr && solution->status != FrictionStatus::not_finite) {
+  if (solution != nullptr && solution->status != FrictionStatus::not_finite &&
+      solution->status != FrictionStatus::diverged) {
     constexpr double rounding = 1e-6;
     const auto local = problem.reduced();
     const Vector &r = solution->impulses, &u = solution->state.velocities;

@@ -27,8 +27,9 @@ int interrupted(fmt::format_string<Arguments...> format, Arguments&&... argument
   return 130;
 }
 
-/// Handles SIGINT (Ctrl-C) and SIGTERM while it lives: the first stops the work after the current row on all ranks, the
-/// second ends the program at once. Signals that are already ignored (nohup, background jobs) stay ignored.
+/// Handles SIGINT (Ctrl-C) and SIGTERM while it lives: the first stops the work after the current row on all ranks,
+/// another one that does not come with it (`timeout` sends two) ends the program at once. Signals that are already
+/// ignored (nohup, background jobs) stay ignored.
 class Interruption {
  public:
   explicit Interruption(Processes processes = {});

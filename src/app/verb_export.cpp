@@ -62,7 +62,7 @@ FclibInfo info_of(const Options& options, const TrajectoryHeader& header, const 
             : fmt::format(" Bodies: the free {}s, ascending{}.", shape,
                           before.system.free_bodies.empty()
                               ? ""
-                              : ", then bodies with free directions; their driven ones have no entries in H");
+                              : ", then bodies with free directions; driven directions have no entries in H");
   if (solved) *info.description += " The solution is that of the run, as far as it converged.";
   const std::string_view frame = space ? "(n, t_1, t_2) per contact, tangents as docs/formats.md says"
                                        : "(n, t) per contact, t = n turned by 90 degrees";

@@ -141,11 +141,11 @@ std::vector<double> features(const Simulation& simulation, const std::string& ca
 
 // A first step with static friction does not know which contacts slid before.
 void note_statuses_unread(const std::string& path, const CaseSpec& spec) {
-  if (!holds_datbox(path) || !spec.dynamics) return;
-  const bool two = spec.dynamics->interaction.static_friction >= 0 ||
-                   std::ranges::any_of(spec.dynamics->pairs,
-                                       [](const PairSpec& one) { return one.rule.static_friction.has_value(); });
-  if (const std::string statuses = vloc_rloc_of_datbox(path); two && !statuses.empty())
+  const auto differs = [](const PairSpec& one) { return one.rule.static_friction.has_value(); };
+  const bool two = spec.dynamics && (spec.dynamics->interaction.static_friction >= 0 ||
+                                     std::ranges::any_of(spec.dynamics->pairs, differs));
+  if (!two || !holds_datbox(path)) return;
+  if (const std::string statuses = vloc_rloc_of_datbox(path); !statuses.empty())
     note("{}: its statuses are not read: static friction holds at all contacts of the first step", statuses);
 }
 
@@ -161,7 +161,7 @@ int run(const Options& options, const Context& context) {
     const std::string path = find_case(options.name);
     CaseSpec found = spec_of_file(path, true);
     apply(options, found);
-    if (all.first()) note_statuses_unread(path, found);
+    if (all.first() && !options.restart) note_statuses_unread(path, found);
     require_shared(found, context.machine);
     if (std::holds_alternative<PackingFile>(found.packing))
       found = one.emplace(resolved(found)).spec;  // with its clumps
@@ -224,8 +224,8 @@ Action declare_simulate(Command& command) {
                                            "--restart the rows of the steps taken now are added to it");
   Option& every =
       command.add("--convergence-every", options->files.convergence_every,
-                  "rows of every Nth iteration, without it of ten per decade; 1, 2, 3, 4, 6, 7, 8, 10, 13, ..., "
-                  "because a row costs several sweeps. The last of a step always has one",
+                  "rows of every Nth iteration, without it about ten per decade; a row costs several sweeps. "
+                  "The last iteration of a step always has one",
                   {.minimum = 1, .maximum = 1e9});
   every.needs = convergence;
   CountsTable::declare(command, options->counts);

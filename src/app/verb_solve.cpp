@@ -162,7 +162,7 @@ void write_result(const FclibFile& file, const FrictionSolution& solution, const
   const FclibFile written = with_result(file, solution);
   if (solution.status == FrictionStatus::not_finite)
     note("{}: the impulses are not finite and are left out", options.output);
-  else if (!written.solution)
+  else if (solution.status != FrictionStatus::converged)
     note("{}: not converged: the impulses are written as guess {}, not as the solution", options.output,
          written.guesses.size());
   output.bytes(to_hdf5(written, provenance(context, {})));

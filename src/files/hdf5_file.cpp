@@ -211,10 +211,10 @@ File::File()
     : name_("HDF5"),
       id_(H5Fcreate("memory", H5F_ACC_TRUNC, without_times(H5P_FILE_CREATE), memory_access()), H5Fclose) {}
 
-File::File(std::string_view bytes, const std::string& name)
+File::File(std::string_view bytes, const std::string& name, std::string_view expected)
     : name_(name),
       id_(open_bytes(bytes), H5Fclose,
-          fmt::format("{}: expected an HDF5 file, met something else or a damaged one", name)) {}
+          fmt::format("{}: expected {}, met something else or a damaged one", name, expected)) {}
 
 File::File(const std::string& path, Access access, const std::string& failure)
     : name_(path), id_(open_path(path, access), H5Fclose, failure) {}

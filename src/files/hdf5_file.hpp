@@ -123,8 +123,9 @@ enum class Access {
 /// An open file, closed with everything in it by the destructor.
 class File {
  public:
-  File();                                                                    ///< new, in memory
-  File(std::string_view bytes, const std::string& name);                     ///< given by its bytes, for reading
+  File();  ///< new, in memory
+  File(std::string_view bytes, const std::string& name,
+       std::string_view expected = "an HDF5 file");                          ///< given by its bytes, for reading
   File(const std::string& path, Access access, const std::string& failure);  ///< on disk
 
   Group root() const { return {id_, "/", name_}; }

@@ -164,7 +164,8 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   const auto off = [&](double mu, const Vector& mode) {
     const auto [lambda, bound] = rayleigh(
         mode, [&](const Vector& x) { return b.system.apply(x); }, b.preconditioner);
-    return std::abs(1 - mu - lambda) + bound;
+    const double error = std::abs(1 - mu - lambda) + bound;
+    return std::isfinite(error) ? error : infinity;
   };
   constexpr double many = 100;
   if (rigid && (lost > many * options.tolerance || by_masses > options.tolerance))

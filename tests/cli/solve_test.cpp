@@ -165,7 +165,7 @@ TEST_CASE_FIXTURE(Session, "solve: bad input is refused, and nothing is overwrit
   check_refused("solve p.hdf5 --convergence x.h5 -o x.h5", {"the same twice"});
   check_refused("solve p.hdf5 -o -", {"-: expected the name of a file that ends in .h5"});
   check_refused("solve none.hdf5", {"none.hdf5"});
-  check_refused("solve cut.hdf5", {"cut.hdf5", "expected an HDF5 file"});
+  check_refused("solve cut.hdf5", {"cut.hdf5", "HDF5 of FCLIB"});
   check_refused("solve text.hdf5 -o new.hdf5", {"text.hdf5", "HDF5 of FCLIB"});
   check_refused("solve solid.hdf5", {"solid.hdf5: fclib_global/", "expected"});
   check_refused("solve outside.hdf5", {"fclib_global/H/i", "met 36 at position 2"});

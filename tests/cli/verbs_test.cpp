@@ -233,7 +233,7 @@ TEST_CASE_FIXTURE(Session, "sweep, optimum, modes and inspect say why an interfa
                                  "optimum pairs.csv --subdomains metis:3 --contacts all --csv -"}) {
     ended(0, line, {why});
   }
-  CHECK(contains(answer("inspect disks12 --subdomains 1x1"), "(empty interface: one subdomain; --subdomains 2x1"));
+  CHECK(contains(answer("inspect disks12 --subdomains 1x1"), "(empty interface: one subdomain; --subdomains metis:2,"));
 }
 
 TEST_CASE_FIXTURE(Session, "optimum: report and table, with a row per epsilon, agree") {

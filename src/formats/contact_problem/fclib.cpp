@@ -129,7 +129,8 @@ bool holds_fclib(std::string_view bytes, const std::string& name) {
 }
 
 FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
-  const hdf5::File file(bytes, name);
+  const hdf5::File file(bytes, name,
+                        "a contact problem: HDF5 of FCLIB (.hdf5), text of Siconos (.dat) or Vloc_Rloc.INI");
   const Group root = file.root();
   const std::vector<std::string> problems = problems_in(root);
   if (problems.size() != 1)
@@ -154,15 +155,7 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
   return result;
 }
 
-FclibFile read_fclib(const std::string& path) {
-  const std::string bytes = read_text(path);
-  if (!bytes.starts_with("\x89HDF"))
-    fail(
-        "{}: expected a contact problem, HDF5 of FCLIB (.hdf5), text of Siconos (.dat) or Vloc_Rloc.INI, met no HDF5 "
-        "file",
-        path);
-  return fclib_from_hdf5(bytes, path);
-}
+FclibFile read_fclib(const std::string& path) { return fclib_from_hdf5(read_text(path), path); }
 
 GlobalFrictionProblem read_global_problem(const std::string& path, Matrix* points) {
   FclibFile file = read_contact_problem(path);

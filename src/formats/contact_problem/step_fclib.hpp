@@ -24,7 +24,7 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
 FclibFile local_form(FclibFile file);
 
 /// The file with the impulses of a solver and the velocities of the bodies. Converged impulses become its solution.
-/// Others become its last guess, for a restart, and the file has no solution; those that are not finite are left out.
+/// Others become its last guess, for a restart, beside a solution that it has; those that are not finite are left out.
 FclibFile with_result(FclibFile file, const FrictionSolution& found);
 
 }  // namespace nscdd

@@ -87,7 +87,9 @@ class Lines {
     while (lines_.next()) {
       line_ = trimmed(lines_.line());
       if (!line_.empty() && line_.front() != '#') return true;
-      if (line_.starts_with(format_mark)) format_ = trimmed(line_.substr(format_mark.size()));
+      const bool ends =
+          line_.size() > format_mark.size() && (line_[format_mark.size()] == ' ' || line_[format_mark.size()] == '\t');
+      if (line_.starts_with(format_mark) && ends) format_ = trimmed(line_.substr(format_mark.size()));
     }
     return false;
   }
@@ -142,9 +144,12 @@ Packing parse_text_packing(std::string_view text, const std::string& name) {
       first_line = lines.number();
       numbers = words.size();
       const std::string_view format = lines.format();
-      const bool known = format.empty() || format == "x_y_r" || format == "x_y_z_r" || format == clump_format;
-      if (!known || (format == clump_format ? numbers != 5 : numbers != 3 && numbers != 4))
-        refuse_columns(name, lines, numbers);
+      const bool fits = format.empty()           ? numbers == 3 || numbers == 4
+                        : format == "x_y_r"      ? numbers == 3
+                        : format == "x_y_z_r"    ? numbers == 4
+                        : format == clump_format ? numbers == 5
+                                                 : false;
+      if (!fits) refuse_columns(name, lines, numbers);
       columns = {find_column("x"), find_column("y"), find_column("z"), find_column("radius")};
       if (numbers == 3) columns.erase(columns.begin() + 2);
     }

@@ -70,7 +70,7 @@ void count_rattlers(const ContactNetwork& network, Inspection& result) {
 std::string why_empty(const Model& model) {
   if (model.parts.interface_size() > 0) return "";
   const Index subdomains = model.partition.subdomains, pieces = connected_pieces(model.problem);
-  if (subdomains == 1) return "one subdomain; --subdomains 2x1 or metis:2 cuts the packing";
+  if (subdomains == 1) return "one subdomain; --subdomains metis:2, for example, cuts it";
   std::string why = fmt::format("{} subdomains, no shared grain", subdomains);
   if (pieces > 1)
     why += fmt::format("; the network has {} separate pieces, and the partition cuts none of them", pieces);
