@@ -15,10 +15,9 @@ void override_section(std::string_view section, Parameters& parameters, std::str
   if (override_field(parameters, key, value, path)) return;
   std::vector<std::string> known;
   for (const FieldDescription& field : describe_fields(parameters)) known.push_back(field.key);
-  std::string nearest = suggestion(key, known);
-  if (!nearest.empty()) nearest.insert(nearest.find(" mean ") + 6, fmt::format("{}.", section));
-  fail("{}: no such parameter in this case; expected one of {}.{}{}", path, section,
-       fmt::join(known, fmt::format(", {}.", section)), nearest);
+  const std::string before = fmt::format("{}.", section);
+  fail("{}: no such parameter in this case; expected one of {}{}{}", path, before, fmt::join(known, ", " + before),
+       suggestion(key, known, before));
 }
 
 // The optional field of Masses as a struct with `fields`.
