@@ -58,8 +58,8 @@ void write(const ContactProblem& problem, const std::string& path, const Frictio
       solution->status != FrictionStatus::diverged) {
     constexpr double rounding = 1e-6;
     const auto local = problem.reduced();
-    const Vector &r = solution->impulses, &u = solution->state.velocities;
-    if (!((local->w * r + local->q - u).norm() <= rounding * (u.norm() + local->q.norm() + (local->w * r).norm())))
+    const Vector &u = solution->state.velocities, wr = local->w * solution->impulses;
+    if (!((wr + local->q - u).norm() <= rounding * (u.norm() + local->q.norm() + wr.norm())))
       fail("solution: expected u = W r + q of this problem, met that of another one");
   }
   if (has_siconos_name(path)) {

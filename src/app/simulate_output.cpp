@@ -136,8 +136,7 @@ void require_same_start(const std::string& path, const GranularState& asked) {
 
 RunSoFar run_so_far(const std::string& path) {
   const std::string end = read_end(path);
-  return {path, read_summary(path, "iterations"),
-          has_summary(path, "mean_speed") ? read_summary(path, "mean_speed") : std::vector<double>(),
+  return {path, read_summary(path, "iterations"), read_summary(path, "mean_speed"),
           end.starts_with(to_string(RunEnd::broke_down)) || end.starts_with(to_string(RunEnd::impossible))};
 }
 

@@ -11,7 +11,7 @@ namespace nscdd::app {
 struct RunSoFar {
   std::string path;
   std::vector<double> iterations;  ///< of each completed step
-  std::vector<double> speeds;      ///< mean speed after each step, m/s; none before the first step
+  std::vector<double> speeds;      ///< mean speed after each step, m/s
   bool failed = false;             ///< in the next step, whose rows are in the table
 };
 RunSoFar run_so_far(const std::string& path);

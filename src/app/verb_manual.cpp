@@ -10,9 +10,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* exit_codes =
-    "0 done, 1 a check failed, solve did not converge, a run broke down or a curve is not proved, 2 bad input or "
-    "usage, "
-    "130 interrupted";
+    "0 done, 1 a check failed, solve did not converge, a run broke down or a curve is not proved, "
+    "2 bad input or usage, 130 interrupted";
 constexpr std::size_t columns = 100, name_columns = 30;
 
 std::string name_and_value(const Option& option) {

@@ -124,8 +124,8 @@ enum class Access {
 class File {
  public:
   File();  ///< new, in memory
-  File(std::string_view bytes, const std::string& name,
-       std::string_view expected = "an HDF5 file");                          ///< given by its bytes, for reading
+  /// Given by its bytes, for reading. `expected`: what the error names for anything else.
+  File(std::string_view bytes, const std::string& name, std::string_view expected = "an HDF5 file");
   File(const std::string& path, Access access, const std::string& failure);  ///< on disk
 
   Group root() const { return {id_, "/", name_}; }

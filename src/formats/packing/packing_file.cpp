@@ -87,9 +87,8 @@ class Lines {
     while (lines_.next()) {
       line_ = trimmed(lines_.line());
       if (!line_.empty() && line_.front() != '#') return true;
-      const bool ends =
-          line_.size() > format_mark.size() && (line_[format_mark.size()] == ' ' || line_[format_mark.size()] == '\t');
-      if (line_.starts_with(format_mark) && ends) format_ = trimmed(line_.substr(format_mark.size()));
+      if (line_.starts_with(format_mark) && line_.find_first_of(" \t") == format_mark.size())
+        format_ = trimmed(line_.substr(format_mark.size()));
     }
     return false;
   }
