@@ -184,12 +184,16 @@ def test_a_solution_is_written_and_another_program_reads_it(tmp_path):
     again = nscdd.read_contact_problem(path)
     np.testing.assert_array_equal(again.solution["r"], found.impulses)  # that of the file stays
     assert len(again.guesses) == 1
+    ended = subprocess.run([os.environ["NSCDD_PROGRAM"], "solve", path, "--solver", "nlgs", "--maximum-sweeps", "0",
+                            "-o", tmp_path / "kept.hdf5"], capture_output=True, text=True)
+    assert ended.returncode == 1 and "the impulses are written as guess 2" in ended.stderr
+    np.testing.assert_array_equal(nscdd.read_contact_problem(tmp_path / "kept.hdf5").solution["r"], found.impulses)
     np.testing.assert_array_equal(again.guesses[0]["r"], stopped.impulses)
     assert again.solve(solver="nlgs", guess=found.impulses).sweeps < again.solve(solver="nlgs").sweeps
 
 
 def square_problem():
-    """M, H, f, w of two disks, one beside the other on a floor: H is square."""
+    """M, H, f and w of two disks side by side on a floor. H is square."""
     h = np.zeros((6, 6))
     for contact, normal, bodies in ((0, (0, 1), (0,)), (1, (0, 1), (1,)), (2, (1, 0), (1, 0))):
         for k, direction in enumerate((normal, (-normal[1], normal[0]))):
@@ -203,7 +207,7 @@ def write_triplets(path, mass, h, f, w, rows, columns):
     """As a file of FCLIB whose rows and columns have these names."""
     import h5py
 
-    with h5py.File(path, "w") as file:
+    with h5py.File(path, "w", userblock_size=512) as file:  # as MATLAB does
         group = file.create_group("fclib_global")
         group["spacedim"] = np.array([2], "i4")
         for name, matrix in (("M", mass), ("H", h)):

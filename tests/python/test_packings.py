@@ -442,3 +442,8 @@ def test_what_is_no_case_is_told(tmp_path, name, text, words):
         nscdd.read_case(tmp_path / name)
     with pytest.raises(TypeError, match="subdomains: expected .*met 4"):
         nscdd.decompose(nscdd.Packing([0, 1], [0, 0], [0.5, 0.5]), subdomains=4)
+
+
+def test_a_remark_that_begins_like_a_format_is_none(tmp_path):
+    (tmp_path / "hand.txt").write_text("#formatted by hand\n0 0 0.5\n1 0 0.5\n")
+    assert list(nscdd.read_packing(tmp_path / "hand.txt").x) == [0, 1]

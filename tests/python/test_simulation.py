@@ -152,23 +152,27 @@ gravity = [0, 0, 0]
     np.testing.assert_allclose(step.body_velocities[0], [*mean, 0, 0, 0], rtol=1e-12, atol=1e-15)
 
 
-def test_grains_that_a_source_releases_are_free(tmp_path):
-    (tmp_path / "rain.csv").write_text("x,y,radius\n0.4,3,0.1\n0.7,3,0.1\n1.0,3,0.1\n")
-    (tmp_path / "rain.toml").write_text("""[packing]
-file = "rain.csv"
+def write_source(path, packing, dynamics, first, place, distance):
+    """A case whose grains from `first` on wait in a source."""
+    path.write_text(f"""[packing]
+file = "{packing}"
 [partition]
 grid = [1, 1]
 [dynamics]
-step = 0.001
-steps = 600
+{dynamics}
 [[boundary]]
 name = "source"
 shape = "grains"
-first = 0
+first = {first}
 last = -1
-release = [0.47, 1.5]
-release_distance = 0.25
+release = {list(place)}
+release_distance = {distance}
 """)
+
+
+def test_grains_that_a_source_releases_are_free(tmp_path):
+    (tmp_path / "rain.csv").write_text("x,y,radius\n0.4,3,0.1\n0.7,3,0.1\n1.0,3,0.1\n")
+    write_source(tmp_path / "rain.toml", "rain.csv", "step = 0.001\nsteps = 600", 0, (0.47, 1.5), 0.25)
     seen = []
     run = nscdd.simulate(tmp_path / "rain.toml", callback=seen.append)
     assert list(seen[0].driven_by) == [-1, 0, 0] and list(run.last.driven_by) == [-1, -1, -1]
@@ -181,26 +185,13 @@ release_distance = 0.25
 def test_a_run_that_comes_to_rest_after_a_release_has_the_same_end_in_pieces(tmp_path):
     """The mean speed falls where the second grain is released: only slow steps after that count."""
     (tmp_path / "two.csv").write_text("x,y,radius\n0,0,0.1\n1,0,0.1\n")
-    (tmp_path / "rest.toml").write_text("""[packing]
-file = "two.csv"
-[partition]
-grid = [1, 1]
-[dynamics]
-step = 0.01
+    write_source(tmp_path / "rest.toml", "two.csv", """step = 0.01
 steps = 200
 gravity = [0, 0]
 rest_speed = 0.17
 [[prescribed]]
 grain = 0
-velocity = [0.2, 0]
-[[boundary]]
-name = "source"
-shape = "grains"
-first = 1
-last = 1
-release = [0, 0]
-release_distance = 0.2
-""")
+velocity = [0.2, 0]""", 1, (0, 0), 0.2)
 
     def steps_of(*pieces):
         for k, number in enumerate(pieces):
@@ -247,7 +238,7 @@ steps = [0]
 
 
 def test_a_law_without_opening_acts_where_bodies_touch(tmp_path):
-    """A disk falls freely until then, whatever the distance within which contacts are looked for."""
+    """A disk falls freely until it touches the floor. Neither alert distance nor range of cohesion matter."""
     ends = set()
     for alert in (0.0, 0.05, 0.3):
         text = FALL.replace('"coulomb"\nfriction = 0.3', '"linear_viscous"\nepsilon = 1e-3')
@@ -261,7 +252,36 @@ def test_a_law_without_opening_acts_where_bodies_touch(tmp_path):
             assert step.velocity_y[0] == pytest.approx(-10 * step.time, rel=1e-12)
         assert max(step.report["kinetic"] for step in steps) <= 10 * 1.6  # m g times the fall
         ends.add(tuple(steps[-1].y))
+    cohesive = FALL.replace('"coulomb"', '"cohesive"').replace('friction = 0.3', 'cohesion = 5\ncohesion_range = 0.3')
+    (tmp_path / "fall.toml").write_text(cohesive)
+    run = nscdd.simulate(tmp_path / "fall.toml", settings={
+        "dynamics.steps": 60, "solver.algorithm": "nlgs", "interaction.law": "linear_viscous",
+        "interaction.epsilon": 1e-3})
+    ends.add(tuple(run.last.y))
     assert len(ends) == 1
+
+
+def test_a_law_without_opening_does_not_act_on_the_way_to_a_meeting(tmp_path):
+    """Disks 0.6 m apart that meet within the step: with the condition on the gap they would be stopped before."""
+    (tmp_path / "pair.csv").write_text("x,y,radius\n0,0,1\n2.6,0,1\n")
+    case = """[packing]
+file = "pair.csv"
+[partition]
+grid = [1, 1]
+[interaction]
+law = "LAW"
+[dynamics]
+step = 1
+steps = 1
+gravity = [0, 0]
+[[prescribed]]
+grain = 0
+velocity = [1.2, 0.7]
+"""
+    for law, pushed in (('linear_viscous"\nepsilon = "0.1W', False), ("frictionless", True)):
+        (tmp_path / "pair.toml").write_text(case.replace("LAW", law))
+        run = nscdd.simulate(tmp_path / "pair.toml", settings={"solver.algorithm": "nlgs"})
+        assert (run.steps["active"][0] > 0) == pushed, run.reason
 
 
 def test_statuses_of_contacts_that_hold_without_an_impulse(tmp_path):
