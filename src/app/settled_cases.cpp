@@ -130,6 +130,8 @@ void add_files(const CaseSpec& spec, std::vector<fs::path>& files) {
       std::ranges::copy(datbox_files(path), std::back_inserter(files));
     else
       files.push_back(path);
+    if (!file->forces.empty())
+      std::ranges::copy(datbox_files((folder / file->forces).string()), std::back_inserter(files));
   }
   if (const auto* file = std::get_if<ContactProblemFile>(&spec.packing)) {
     const std::string path = (folder / file->path).string();
@@ -155,11 +157,14 @@ Case settle(const CaseSpec& spec, const std::vector<fs::path>& open) {
   if (!start.spec.dynamics) fail("{}: expected a case with a section [dynamics] to settle, met one without", path);
   Case settled{spec};
   settled.settled_from = fmt::format("# case {}\n{}{}", start.spec.name, to_toml(start.spec), start.settled_from);
-  if (const auto* file = std::get_if<PackingFile>(&start.spec.packing))
+  if (const auto* file = std::get_if<PackingFile>(&start.spec.packing)) {
     settled.settled_from +=
         fmt::format("# content of {}: {} {} {} {}{}\n", file->path, fingerprint(start.packing.x),
                     fingerprint(start.packing.y), fingerprint(start.packing.radius), fingerprint(start.packing.mass),
                     start.packing.z.empty() ? "" : " " + fingerprint(start.packing.z));
+    if (!file->forces.empty())
+      settled.settled_from += fmt::format("# content of {}: {}\n", file->forces, fingerprint_of_forces(start));
+  }
   const auto cache = cache_folder();
   const std::string key = fingerprint(settled.settled_from + build_fingerprint());
   const fs::path entry = cache ? *cache / fmt::format("{}-{}.csv", start.spec.name, key) : fs::path();

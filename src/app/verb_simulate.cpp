@@ -3,7 +3,6 @@
 #include "app/run_summary.hpp"
 #include "app/shared_work.hpp"
 #include "formats/case/case_file.hpp"
-#include "formats/lmgc90/vloc_rloc.hpp"
 
 namespace nscdd::app {
 namespace {
@@ -139,16 +138,6 @@ std::vector<double> features(const Simulation& simulation, const std::string& ca
   return {text.begin(), text.end()};
 }
 
-// A first step with static friction does not know which contacts slid before.
-void note_statuses_unread(const std::string& path, const CaseSpec& spec) {
-  const auto differs = [](const PairSpec& one) { return one.rule.static_friction.has_value(); };
-  const bool two = spec.dynamics && (spec.dynamics->interaction.static_friction >= 0 ||
-                                     std::ranges::any_of(spec.dynamics->pairs, differs));
-  if (!two || !holds_datbox(path)) return;
-  if (const std::string statuses = vloc_rloc_of_datbox(path); !statuses.empty())
-    note("{}: its statuses are not read: static friction holds at all contacts of the first step", statuses);
-}
-
 int run(const Options& options, const Context& context) {
   const Processes& all = context.machine.processes;
   const ThreadLimit limit = options.limits.apply(context.machine);
@@ -161,7 +150,6 @@ int run(const Options& options, const Context& context) {
     const std::string path = find_case(options.name);
     CaseSpec found = spec_of_file(path, true);
     apply(options, found);
-    if (all.first() && !options.restart) note_statuses_unread(path, found);
     require_shared(found, context.machine);
     if (std::holds_alternative<PackingFile>(found.packing))
       found = one.emplace(resolved(found)).spec;  // with its clumps

@@ -2,7 +2,6 @@
 // A DATBOX of LMGC90: read as a packing and as a case that moves, equal to the case that it was written from.
 #include "formats/lmgc90/datbox.hpp"
 
-#include "files/hdf5_file.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 #include <nscdd/formats/packing_file.hpp>
@@ -155,35 +154,6 @@ TEST_CASE_FIXTURE(Session, "DATBOX: read wherever a packing is") {
   CHECK(read_packing(path("packing.csv")).x == packing.x);
   file("mine.toml", case_text("box/DATBOX", "2, 1"));
   CHECK(value(remarked("inspect mine.toml", remark), "contacts") == swept.text(0, "contacts"));
-}
-
-TEST_CASE_FIXTURE(Session, "DATBOX: a record of LMGC90's HDF5 file starts a run, and names a contact problem") {
-  write_box(*this, " --steps 1");
-  const std::size_t bodies = read_datbox(path("box")).bodies.size();
-  std::vector<double> state(6 * bodies);
-  state[1] = 2e-3;  // m
-  state[3] = 0.5;   // m/s
-  const std::vector<std::int32_t> visible(bodies, 1);
-  const auto scalar = [](const hdf5::Group& group, const char* name, auto value) {
-    group.put<decltype(value)>(name, std::span<const decltype(value)>(&value, 1));
-  };
-  file("box/lmgc90.h5", hdf5::new_file_bytes([&](const hdf5::Group& root) {
-         const hdf5::Group record = root.make_group("Evolution").make_group("ID_3");
-         scalar(record, "TPS", 0.25);
-         scalar(record, "dt", 0.005);
-         scalar(record, "NStep", std::int32_t{50});
-         record.make_group("RBDY2").put<double>("rdata", state, {.rows = bodies});
-         record.make_group("RBDY2").put<std::int32_t>("idata", visible, {.rows = bodies});
-       }));
-  answer("simulate box/lmgc90.h5:ID_3 --steps 1 -o from.h5");
-  const GranularState from = read_trajectory_step(path("from.h5"), 0).state;
-  const GranularState before = read_trajectory_step(path("run.h5"), 0).state;
-  CHECK(from.y[0] - before.y[0] == doctest::Approx(2e-3).epsilon(1e-3));
-  CHECK(from.velocity_x[0] == 0.5);
-  check_refused("simulate box/lmgc90.h5:ID_4 --steps 1 -o new.h5", {"Evolution", "ID_3 to ID_3", "met ID_4"});
-  check_refused("solve box/lmgc90.h5", {"box/lmgc90.h5:", "contacts", "met none"});
-  check_refused("inspect box/lmgc90.h5", {"box/lmgc90.h5:", "contacts", "met none"});
-  check_refused("solve box/lmgc90.h5:ID_3 -o box/lmgc90.h5 --force", {"box/lmgc90.h5", "would be lost"});
 }
 
 TEST_CASE_FIXTURE(Session, "export --lmgc90: places, velocities and forces obey Newton's law by the files alone") {

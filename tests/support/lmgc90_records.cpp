@@ -51,12 +51,14 @@ RecordArrays arrays_of(const DatboxTexts& texts, const std::string& contacts, co
   }
   const DatboxNetwork network = parse_vloc_rloc(contacts, "Vloc_Rloc.INI", moved);
   for (const DatboxContact& one : network.contacts) {
-    const auto cd = static_cast<std::int32_t>(one.candidate + 1), an = static_cast<std::int32_t>(one.antagonist + 1);
+    const auto from_1 = [](Index k) { return static_cast<std::int32_t>(k + 1); };
+    const std::int32_t cd = from_1(one.candidate), an = from_1(one.antagonist);
+    const std::int32_t cd_shape = from_1(one.candidate_shape), an_shape = from_1(one.antagonist_shape);
     const auto law = static_cast<std::int32_t>(std::ranges::find(laws, one.law) - laws.begin() + 1);
     const std::int32_t kind = moved.space() ? 2 : 1;
     const std::int32_t id = one.kind == "DKDKx" ? 1 : one.kind == "DKKDx" ? 2 : 7;  // as in mod_parameters.f90
     for (const std::int32_t number :
-         {id, 1, cd, an, kind, kind, cd, an, 3, 4, 1, 1, 1, 1, 1, 1, law, 0, one.slid ? 6 : 4, 0, 0, 0})
+         {id, 1, cd, an, kind, kind, cd, an, 3, 4, 9, 9, cd_shape, an_shape, 1, 1, law, 0, one.slid ? 6 : 4, 0, 0, 0})
       arrays.numbers.push_back(number);
     const auto n_second = [&](const Eigen::Vector3d& v) {  // (t, n), or (t, n, s)
       append(arrays.contacts, {v[1], v[0]});

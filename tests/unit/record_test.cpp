@@ -7,6 +7,7 @@
 #include "files/hdf5_file.hpp"
 #include "formats/case/case_file.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
+#include "formats/lmgc90/contact_forces.hpp"
 #include "formats/lmgc90/vloc_rloc.hpp"
 #include "formats/report/problem_report.hpp"
 
@@ -83,7 +84,7 @@ TEST_CASE("record: levers of disks, of hollow disks and of clusters are those of
   const auto add = [&](const std::string& kind, const std::string& candidate, const std::string& antagonist) {
     contacts += "$icdan  " + kind +
                 "        1\n cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus  iadj\n RBDY2      " +
-                candidate + "      1  iqsc1  RBDY2      " + antagonist + R"(      1  stick     1
+                candidate + "      1  iqsc1  RBDY2      " + antagonist + R"(  stick     1
                              rlt/H 0.4000000D+01  rln/H 0.1200000D+02  rls/H 0.0000000D+00
                              vlt = 0.1000000D+00  vln = 0.2000000D+00  vls = 0.0000000D+00
                              gapTT 0.5000000D+00
@@ -91,13 +92,22 @@ TEST_CASE("record: levers of disks, of hollow disks and of clusters are those of
                              coo1= 0.1000000D+01  coo2= 0.1750000D+01  coo3= 0.0000000D+00
 )";
   };
-  add("DKKDx", "1  DISKx", "2  xKSID");
-  add("DKKDx", "3  DISKb", "2  xKSID");
-  add("DKDKx", "1  DISKx", "3  DISKb");
+  add("DKKDx", "1  DISKx", "2  xKSID      1");
+  add("DKKDx", "3  DISKb", "2  xKSID      1");
+  add("DKDKx", "1  DISKx", "3  DISKb      2");
   RecordArrays arrays = arrays_of(texts, contacts, {"iqsc0", "other", "iqsc1"});
   arrays.step = 0.01;
   const FclibFile expected = problem_of_texts({texts, contacts});
-  check_same(read_contact_problem(write_run(folder, texts, {{"ID_1", arrays}})), expected);
+  const std::string run = write_run(folder, texts, {{"ID_1", arrays}});
+  check_same(read_contact_problem(run), expected);
+  const std::vector<RememberedImpulse> forces = read_contact_forces(run);
+  REQUIRE(forces.size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {  // the wall comes after the disk and the cluster
+    CHECK(std::pair(forces[k].a, forces[k].b) ==
+          std::array{std::pair(0L, 2L), std::pair(0L, 3L), std::pair(1L, 3L)}[k]);
+    CHECK(forces[k].impulse == std::array{12.0, -4.0, 0.0});
+    CHECK(!forces[k].slid);
+  }
   const Matrix h = std::get<GlobalFrictionProblem>(expected.problem).h.toDense();
   REQUIRE(h.rows() == 9);
   CHECK(h(2, 1) == doctest::Approx(0.25));             // -r n x t of the disk

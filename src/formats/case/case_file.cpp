@@ -5,6 +5,7 @@
 #include "files/csv.hpp"
 #include "files/strict_toml.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
+#include "formats/lmgc90/contact_forces.hpp"
 #include "formats/lmgc90/record.hpp"
 #include "formats/lmgc90/vloc_rloc.hpp"
 #include "simulation/clumps.hpp"
@@ -33,7 +34,9 @@ void read_packing_section(StrictTable section, CaseSpec& spec) {
   if (section.has("generator")) {
     spec.packing = read_generator(section);
   } else if (section.has("file")) {
-    section.read("file", spec.packing.emplace<PackingFile>().path);
+    auto& file = spec.packing.emplace<PackingFile>();
+    section.read("file", file.path);
+    section.read("forces", file.forces);
   } else {
     section.read("settled", spec.packing.emplace<SettledFrom>().name);
   }
@@ -254,12 +257,15 @@ Case resolve(CaseSpec spec) {
   const auto beside = [folder = std::filesystem::path(one.spec.source).parent_path()](const std::string& name) {
     return (folder / name).string();
   };
-  if (const auto* file = std::get_if<PackingFile>(&one.spec.packing))
+  if (const auto* file = std::get_if<PackingFile>(&one.spec.packing)) {
     one.packing = at_key(one.spec, "packing.file", [&] {
       const std::string path = beside(file->path);
       const bool moves = one.spec.dynamics.has_value() && holds_datbox(path);
       return moves ? datbox_packing(read_datbox(path), DatboxGrains::all) : read_packing(path);
     });
+    if (!file->forces.empty())
+      one.forces = at_key(one.spec, "packing.forces", [&] { return read_contact_forces(beside(file->forces)); });
+  }
   add_clumps(one);
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
     one.problem =

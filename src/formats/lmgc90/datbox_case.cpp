@@ -148,7 +148,8 @@ CaseSpec case_of_datbox(const std::string& path, bool moving) {
     spec.packing = ContactProblemFile{network};
     return spec;
   }
-  spec.packing = PackingFile{trimmed(path)};
+  const std::string folder(trimmed(path));
+  spec.packing = PackingFile{folder, moving && !vloc_rloc_of_datbox(folder).empty() ? folder : ""};
   spec.prescribed = moving_grains(datbox, moving ? DatboxGrains::all : DatboxGrains::free);
   spec.contacts.period_x = datbox.command.period_x.value_or(0);
   spec.contacts.period_y = datbox.command.period_y.value_or(0);

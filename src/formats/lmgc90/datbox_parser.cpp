@@ -234,7 +234,8 @@ bool holds_datbox(const std::string& path) {
 std::vector<std::string> datbox_files(const std::string& path) {
   std::vector<std::string> files;
   if (const auto record = record_at(path)) files.push_back(record->file);
-  for (const char* name : {"BODIES.DAT", "BULK_BEHAV.DAT", "TACT_BEHAV.DAT", "DRV_DOF.DAT", "DOF.INI", "COMMAND.DAT"})
+  for (const char* name :
+       {"BODIES.DAT", "BULK_BEHAV.DAT", "TACT_BEHAV.DAT", "DRV_DOF.DAT", "DOF.INI", "COMMAND.DAT", "Vloc_Rloc.INI"})
     if (const fs::path file = datbox_folder(path) / name; is_there(file)) files.push_back(file.string());
   return files;
 }

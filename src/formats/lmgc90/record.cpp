@@ -142,6 +142,8 @@ DatboxNetwork read_network(const RecordPlace& place, const Datbox& datbox) {
     contact.antagonist = one_of(whole(k, 7), count(datbox.bodies), contact.place, "bodies of BODIES.DAT");
     if (contact.candidate == contact.antagonist)
       refuse(contact.place, "expected two bodies, met body {} twice", contact.candidate + 1);
+    contact.candidate_shape = whole(k, 12) - 1;
+    contact.antagonist_shape = whole(k, 13) - 1;
     contact.law = laws[at(one_of(whole(k, 16), count(laws), contact.place, "laws of TACT_BEHAV.DAT"))];
     contact.slid = slides_in_record(whole(k, 18));
     const auto local = [&](std::size_t first) {  // (t, n) or (t, n, s)

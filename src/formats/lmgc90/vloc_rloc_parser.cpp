@@ -9,8 +9,8 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-// " RBDY2     11  POLYG      1  CDVER      2  iqsc1  RBDY2      1  POLYG ...": the law stands before the second body.
-// The status is after it: slifw, slibw, slide or Wslfw and Wslbw where the contact slides.
+// " RBDY2     11  POLYG      1  CDVER      2  iqsc1  RBDY2      1  POLYG      1 ...": the law stands before the second
+// body. The status is after it: slifw, slibw, slide or Wslfw and Wslbw where the contact slides.
 void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& contact) {
   const std::string kind = datbox_body_kind(datbox.dimension), line(lines.line());
   std::vector<std::string> words;
@@ -20,16 +20,22 @@ void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& c
   if (words[0] != kind || second - words.begin() < 4 || words.end() - second < 2)
     lines.refuse(fmt::format("expected two bodies {} with their numbers and a law between them", kind),
                  "'" + line + "'");
-  const auto body = [&](const std::string& word) {
+  const auto number_of = [](const std::string& word) {  // from 0, below it if there is none
     Index number = 0;
     const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (status != std::errc() || *end != '\0' || number < 1 || number > count(datbox.bodies))
+    return status == std::errc() && *end == '\0' ? number - 1 : -1;
+  };
+  const auto body = [&](const std::string& word) {
+    const Index number = number_of(word);
+    if (number < 0 || number >= count(datbox.bodies))
       lines.refuse(fmt::format("expected one of the {} bodies of BODIES.DAT", datbox.bodies.size()), "'" + word + "'");
-    return number - 1;
+    return number;
   };
   contact.candidate = body(words[1]);
+  contact.candidate_shape = number_of(words[3]);
   contact.law = *(second - 1);
   contact.antagonist = body(*(second + 1));
+  contact.antagonist_shape = words.end() - second > 3 ? number_of(*(second + 3)) : -1;
   contact.slid = std::any_of(second, words.end(), [](const auto& word) { return word.find("sl") != word.npos; });
   if (contact.candidate == contact.antagonist)
     lines.refuse("expected two bodies", fmt::format("body {} twice", contact.candidate + 1));

@@ -2,6 +2,7 @@
 #include "study/case/case.hpp"
 
 #include "core/fail.hpp"
+#include "core/text.hpp"
 #include "simulation/simulation.hpp"
 
 namespace nscdd {
@@ -97,6 +98,20 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   set_bodies(start, packing.size(), motions);
 }
 
+// The impulses of a step before the first, which had the same time step and these forces.
+void set_forces(const Case& one, Index grains, Simulation& simulation) {
+  const GranularSystem& system = simulation.system;
+  simulation.state.impulses = one.forces;
+  for (RememberedImpulse& each : simulation.state.impulses) {
+    for (double& component : each.impulse) component *= simulation.dynamics.time.step;
+    if (each.b >= grains) each.b += system.grains() - grains;  // behind the disks of boundaries
+    if (each.b >= system.grains() + count(system.walls))
+      throw Error("packing.forces",
+                  fmt::format("expected contacts of the {} grains and {} walls of this case, met more", grains,
+                              system.walls.size()));
+  }
+}
+
 // `contacts = {}` would keep their memory.
 void without_contacts(ContactNetwork& network) { std::vector<Contact>().swap(network.contacts); }
 
@@ -132,6 +147,16 @@ Model without_parts(const Case& one, const Monitor& monitor) try {
 
 }  // namespace
 
+std::string fingerprint_of_forces(const Case& one) {
+  std::vector<double> numbers;
+  for (const RememberedImpulse& each : one.forces) {
+    const auto& [x, y, z] = each.impulse;
+    numbers.insert(numbers.end(),
+                   {static_cast<double>(each.a), static_cast<double>(each.b), x, y, z, each.slid ? 1.0 : 0.0});
+  }
+  return fingerprint(std::span<const double>(numbers));
+}
+
 std::optional<Index> dimension_of(const Case& one) {
   if (const auto* generator = std::get_if<Generator>(&one.spec.packing)) return dimension(*generator);
   return one.packing.size() > 0 ? std::optional(one.packing.dimension()) : std::nullopt;
@@ -162,8 +187,10 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
     throw Error("solver.switch", "expected none or linear with spheres in space, met homogenised");
   GranularScene start = scene(packing, *one.spec.dynamics, one.spec.contacts.period());
   set_moving(one, packing, start);
+  const Index grains = packing.size();
   packing = {};  // frees its memory
   Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics, one.spec.partition};
+  set_forces(one, grains, simulation);
   if (switches_models(simulation)) simulation.state.models.resize(at(subdomains(simulation.partitioner)));
   check_next_step(simulation);
   return simulation;

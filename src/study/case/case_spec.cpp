@@ -93,6 +93,7 @@ std::string to_toml(const CaseSpec& spec) {
   text += "[packing]\n";
   if (const auto* file = std::get_if<PackingFile>(&spec.packing)) {
     text += fmt::format("file = {}\n", field_text(file->path));
+    if (!file->forces.empty()) text += fmt::format("forces = {}\n", field_text(file->forces));
   } else if (const auto* settled = std::get_if<SettledFrom>(&spec.packing)) {
     text += fmt::format("settled = {}\n", field_text(settled->name));
   } else {

@@ -10,7 +10,8 @@ namespace nscdd {
 
 /// Sources of the grains of a case other than a generator, named as in the case file.
 struct PackingFile {
-  std::string path;  ///< [packing] file = "..."
+  std::string path;         ///< [packing] file = "..."
+  std::string forces = {};  ///< [packing] forces = "...": contact forces from which the first step starts; empty: none
 };
 struct SettledFrom {
   std::string name;  ///< [packing] settled = "...": the free grains at the end of the simulation of that case

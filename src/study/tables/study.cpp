@@ -78,7 +78,10 @@ std::string file_text(const std::string& path, const std::string& content) {
 
 std::string case_text(const Case& one) {
   CaseSpec spec = one.spec;
-  if (auto* file = std::get_if<PackingFile>(&spec.packing)) file->path = file_text(file->path, content(one.packing));
+  if (auto* file = std::get_if<PackingFile>(&spec.packing)) {
+    file->path = file_text(file->path, content(one.packing));
+    if (!file->forces.empty()) file->forces = file_text(file->forces, fingerprint_of_forces(one));
+  }
   if (auto* file = std::get_if<ContactProblemFile>(&spec.packing))
     file->path = file_text(file->path, content(one.problem));
   if (auto* settled = std::get_if<SettledFrom>(&spec.packing))
