@@ -11,7 +11,7 @@
 namespace nscdd::python {
 namespace {
 
-using Shared = std::shared_ptr<Model>;
+using SharedModel = std::shared_ptr<Model>;
 using Settings = std::vector<std::pair<std::string, std::string>>;
 using VelocityGiven = std::variant<std::array<double, 2>, std::array<double, 3>>;
 using Prescribed = std::vector<std::pair<Index, VelocityGiven>>;
@@ -40,7 +40,7 @@ Partition partition_of(const Array<Index>& subdomain_of_contact, Index contacts)
 }
 
 // The model of a case cut as `subdomains` says: by a partitioner, or as every contact has it.
-Shared built(Case one, const std::optional<Subdomains>& subdomains, const py::object& progress) {
+SharedModel built(Case one, const std::optional<Subdomains>& subdomains, const py::object& progress) {
   const auto* given = subdomains ? std::get_if<Array<Index>>(&*subdomains) : nullptr;
   if (subdomains)
     one.spec.partition =
@@ -58,8 +58,8 @@ Shared built(Case one, const std::optional<Subdomains>& subdomains, const py::ob
   return built_model;
 }
 
-Shared decomposed(const Packing& packing, const Subdomains& subdomains, const Settings& settings,
-                  const Prescribed& prescribed, const std::string& name) {
+SharedModel decomposed(const Packing& packing, const Subdomains& subdomains, const Settings& settings,
+                       const Prescribed& prescribed, const std::string& name) {
   Case one;
   one.spec.name = name;
   one.spec.packing = PackingFile{"packing"};
@@ -71,26 +71,26 @@ Shared decomposed(const Packing& packing, const Subdomains& subdomains, const Se
   return built(std::move(one), subdomains, py::none());
 }
 
-Shared read(const std::string& path, const std::optional<Subdomains>& subdomains, const Settings& settings,
-            const py::object& progress) {
+SharedModel read(const std::string& path, const std::optional<Subdomains>& subdomains, const Settings& settings,
+                 const py::object& progress) {
   CaseSpec spec = spec_of_file(path);
   for (const auto& [key, value] : settings) override_case(spec, key, value);
   return built(resolve(std::move(spec)), subdomains, progress);
 }
 
-std::vector<Part> parts_of(const Shared& model) {
+std::vector<Part> parts_of(const SharedModel& model) {
   std::vector<Part> all;
   for (const Subdomain& one : model->parts.subdomains) all.push_back({{model, &one}, model});
   return all;
 }
 
-py::object gluing(const Shared& model) {
+py::object gluing(const SharedModel& model) {
   py::list all;
   for (const Part& part : parts_of(model)) all.append(sparse_view(model, part.subdomain->a));
   return py::module_::import("scipy.sparse").attr("hstack")(all, py::arg("format") = "csc");
 }
 
-std::string shown(const Model& model) {
+std::string shown_model(const Model& model) {
   return fmt::format(
       "<nscdd.Decomposition '{}' of {} grains and {} contacts into {} subdomains, {} interface unknowns>", model.name,
       model.grains(), model.contacts(), model.partition.subdomains, model.parts.interface_size());
@@ -121,7 +121,7 @@ void bind_subdomain(py::module_& module) {
       });
 }
 
-py::tuple chosen_contacts(const Shared& model, const std::string& contacts) {
+py::tuple chosen_contacts(const SharedModel& model, const std::string& contacts) {
   LongWork work;
   const auto choice = std::make_shared<ContactChoice>(
       work.run(0, [&, set = Choice<ContactSet>::parse(contacts, "contacts")] { return choose_contacts(*model, set); }));
@@ -134,20 +134,22 @@ py::tuple chosen_contacts(const Shared& model, const std::string& contacts) {
 void bind_decomposition(py::module_& module) {
   bind_subdomain(module);
   const auto of = [](auto member) { return [member](const Model& m) { return std::invoke(member, m); }; };
-  py::class_<Model, Shared>(module, "Decomposition",
-                            "A packing cut into subdomains: its contacts are distributed among them, and sum_E A_E V_E "
-                            "= 0 glues the copies of shared grains. Its matrices look at the memory of this object and "
-                            "cannot be written to.")
+  py::class_<Model, SharedModel>(
+      module, "Decomposition",
+      "A packing cut into subdomains: its contacts are distributed among them, and sum_E A_E V_E "
+      "= 0 glues the copies of shared grains. Its matrices look at the memory of this object and "
+      "cannot be written to.")
       .def_readonly("name", &Model::name, "the column `case` of tables")
       .def_property_readonly(
-          "packing", [](const Shared& m) { return std::shared_ptr<Packing>(m, &m->packing); }, "with its masses")
+          "packing", [](const SharedModel& m) { return std::shared_ptr<Packing>(m, &m->packing); }, "with its masses")
       .def_property_readonly(
-          "network", [](const Shared& m) { return std::shared_ptr<ContactNetwork>(m, &m->network); }, "its contacts")
+          "network", [](const SharedModel& m) { return std::shared_ptr<ContactNetwork>(m, &m->network); },
+          "its contacts")
       .def_property_readonly("grains", of(&Model::grains))
       .def_property_readonly("contacts", of(&Model::contacts))
       .def_property_readonly("subdomains", &parts_of, "the subdomains in their order; one of them may be empty")
       .def_property_readonly(
-          "subdomain_of_contact", [](const Shared& m) { return view(m, m->partition.subdomain_of_contact); },
+          "subdomain_of_contact", [](const SharedModel& m) { return view(m, m->partition.subdomain_of_contact); },
           "one per column of H")
       .def_property_readonly(
           "interface_size", [](const Model& m) { return m.parts.interface_size(); },
@@ -156,10 +158,10 @@ void bind_decomposition(py::module_& module) {
           "mean_w_nn", [](const Model& m) { return flexibility_scale(m); },
           "mean of W_nn over the contacts, 1/kg: the unit of flexibilities such as '0.1W'")
       .def_property_readonly(
-          "M", [](const Shared& m) { return diagonal_view(m, m->problem.inertia); },
+          "M", [](const SharedModel& m) { return diagonal_view(m, m->problem.inertia); },
           "M of the undivided packing, kg, d n x d n, diagonal")
       .def_property_readonly(
-          "H", [](const Shared& m) { return sparse_view(m, m->problem.h); },
+          "H", [](const SharedModel& m) { return sparse_view(m, m->problem.h); },
           "H of the undivided packing, d n x c: v = H^T V, and column of contact (a, b) is -n on a "
           "and +n on b")
       .def_property_readonly(
@@ -167,9 +169,9 @@ void bind_decomposition(py::module_& module) {
           "[A_1 A_2 ...]: A V = 0 glues the copies, V the velocities of all subdomains one after the "
           "other. This one is put together anew at each use")
       .def_property_readonly(
-          "arriving_velocity", [](const Shared& m) { return view(m, m->problem.arriving_velocity); },
+          "arriving_velocity", [](const SharedModel& m) { return view(m, m->problem.arriving_velocity); },
           "V^-, m/s, d n entries")
-      .def("__repr__", &shown);
+      .def("__repr__", &shown_model);
   module.def("decompose", &decomposed, py::arg("packing"), py::arg("subdomains"), py::arg("settings"),
              py::arg("prescribed"), py::arg("name"));
   module.def("read_case", &read, py::arg("path"), py::arg("subdomains"), py::arg("settings"), py::arg("progress"));

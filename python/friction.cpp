@@ -12,10 +12,10 @@
 namespace nscdd::python {
 namespace {
 
-using Shared = std::shared_ptr<FrictionSolution>;
+using SharedSolution = std::shared_ptr<FrictionSolution>;
 
-Shared solved(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const py::object& guess,
-              const py::object& callback, Index threads) {
+SharedSolution solved(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
+                      const py::object& guess, const py::object& callback, Index threads) {
   require_moderate(problem, "solve");
   const Vector start = guess.is_none() ? Vector() : vector(guess, "guess");
   if (!start.allFinite()) fail("guess: expected finite numbers, met others");
@@ -29,7 +29,7 @@ Shared solved(const LocalFrictionProblem& problem, const FrictionSolverOptions& 
                   [&] { return std::make_shared<FrictionSolution>(solve_friction(problem, options, start, observe)); });
 }
 
-std::string shown(const FrictionSolution& s) {
+std::string shown_solution(const FrictionSolution& s) {
   return fmt::format(
       "FrictionSolution(status='{}', residual={:.1e}, open={}, stick={}, slide={}, sweeps={}, factorisations={})",
       to_string(s.status), s.state.residual, s.state.open, s.state.stick, s.state.slide, s.sweeps, s.factorisations);
@@ -38,13 +38,14 @@ std::string shown(const FrictionSolution& s) {
 void bind_solution(py::module_& module) {
   using S = FrictionSolution;
   const auto of_state = [](auto member) { return [member](const S& s) { return s.state.*member; }; };
-  py::class_<S, Shared>(module, "FrictionSolution",
-                        "Impulses r of a contact problem and how well they solve it. Whether they do, `status` says.")
+  py::class_<S, SharedSolution>(
+      module, "FrictionSolution",
+      "Impulses r of a contact problem and how well they solve it. Whether they do, `status` says.")
       .def_property_readonly(
-          "impulses", [](const Shared& s) { return view(s, s->impulses); },
+          "impulses", [](const SharedSolution& s) { return view(s, s->impulses); },
           "r, N s: normal and tangential component of each contact in turn, in space both tangential ones")
       .def_property_readonly(
-          "velocities", [](const Shared& s) { return view(s, s->state.velocities); },
+          "velocities", [](const SharedSolution& s) { return view(s, s->state.velocities); },
           "u = W r + q, m/s, in the same order")
       .def_property_readonly(
           "status", [](const S& s) { return std::string(to_string(s.status)); },
@@ -68,7 +69,7 @@ void bind_solution(py::module_& module) {
       .def_readonly("factorisations", &S::factorisations, "sparse matrices factorised")
       .def_readonly("operations", &S::operations, "floating-point operations")
       .def_readonly("unsettled", &S::unsettled, "contacts whose status changed in the last 10 checks")
-      .def("__repr__", &shown);
+      .def("__repr__", &shown_solution);
 }
 
 void bind_verdict(py::module_& module) {

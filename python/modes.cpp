@@ -18,10 +18,10 @@ struct FoundMode {
     return {.epsilon = b.system.flexibility(), .eta = b.preconditioner.flexibility()};
   }
 };
-using Shared = std::shared_ptr<FoundMode>;
+using SharedMode = std::shared_ptr<FoundMode>;
 
-Shared found(const std::shared_ptr<Model>& model, const Contraction& b, const std::string& end,
-             const SpectralOptions& options, Index threads) {
+SharedMode found(const std::shared_ptr<Model>& model, const Contraction& b, const std::string& end,
+                 const SpectralOptions& options, Index threads) {
   LongWork work;
   const auto side = Choice<SpectrumSide>::parse(end, "end");
   const SpectralOptions watched = work.watched(options);
@@ -29,7 +29,7 @@ Shared found(const std::shared_ptr<Model>& model, const Contraction& b, const st
 }
 
 // V_E of each subdomain, a row per grain of it.
-py::list velocities_of(const Shared& shared) {
+py::list velocities_of(const SharedMode& shared) {
   py::list all;
   const Index d = shared->model->parts.dofs_per_grain();
   for (const Vector& v : shared->mode.velocities) all.append(view(shared, v).attr("reshape")(-1, d));
@@ -48,10 +48,10 @@ py::list table(const ResultColumns<Result>& columns, Rows&& hand_over) {
 void bind_modes(py::module_& module) {
   using M = FoundMode;
   const auto of = [](auto member) { return [member](const M& m) { return std::invoke(member, m.mode); }; };
-  const auto view_of = [](auto member) { return [member](const Shared& m) { return view(m, m->mode.*member); }; };
-  py::class_<M, Shared>(module, "Mode")
+  const auto view_of = [](auto member) { return [member](const SharedMode& m) { return view(m, m->mode.*member); }; };
+  py::class_<M, SharedMode>(module, "Mode")
       .def_property_readonly("spectrum",
-                             [](const Shared& m) { return std::shared_ptr<SpectralRadius>(m, &m->mode.spectrum); })
+                             [](const SharedMode& m) { return std::shared_ptr<SpectralRadius>(m, &m->mode.spectrum); })
       .def_property_readonly("end", [](const M& m) { return std::string(to_string(m.mode.side)); })
       .def_property_readonly("eigenvalue", of(&Mode::eigenvalue))
       .def_property_readonly("next", of(&Mode::next))

@@ -46,7 +46,7 @@ py::object clumps(const std::shared_ptr<Packing>& packing) {
   return view(packing, packing->clump);
 }
 
-std::string shown(const Packing& packing) {
+std::string shown_packing(const Packing& packing) {
   return fmt::format("<nscdd.Packing of {} {}, {} masses>", packing.size(),
                      packing.dimension() == 2 ? "disks" : "spheres", packing.mass.empty() ? "without" : "with");
 }
@@ -168,7 +168,7 @@ void bind_packing(py::module_& module) {
           "|d_i|^2 1 - d_i d_i^T) about its centre, k = 1/2, in space 2/5")
       .def_property_readonly("dimension", &Packing::dimension, "2 for disks in the plane, 3 for spheres in space")
       .def("__len__", [](const Packing& p) { return p.size(); })
-      .def("__repr__", &shown)
+      .def("__repr__", &shown_packing)
       .def(py::pickle(
           [](const Shared& p) {
             return py::make_tuple(view(p, p->x), view(p, p->y), view(p, p->radius), masses(p), depths(p), p->half_digit,

@@ -90,7 +90,7 @@ void bind_operators(py::module_& module) {
              py::arg("relaxation"), py::arg("scheme"));
 }
 
-std::string shown(const SpectralRadius& radius) {
+std::string shown_radius(const SpectralRadius& radius) {
   std::string text = fmt::format("SpectralRadius(value={}, eigenvalue_min={}, eigenvalue_max={}", radius.value,
                                  radius.eigenvalue_min, radius.eigenvalue_max);
   if (radius.unit_multiplicity > 0)
@@ -145,7 +145,7 @@ void bind_radius(py::module_& module) {
           "mode_max", [](const Shared& r) { return view(r, r->mode_max); },
           "interface impulses of subdominant_max; empty where unknown")
       .def("__float__", [](const R& r) { return r.value; })
-      .def("__repr__", &shown);
+      .def("__repr__", &shown_radius);
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ std::optional<fs::path> known_file(const std::string& name, const fs::path& file
   return std::nullopt;
 }
 
-std::string joined(const std::vector<std::string>& names) {
+std::string listed(const std::vector<std::string>& names) {
   return names.empty() ? "none; NSCDD_DATA names the folder that holds them"
                        : fmt::format("{}", fmt::join(names, ", "));
 }
@@ -217,7 +217,7 @@ std::string find_case(const std::string& name) {
   fail(
       "case '{}': expected a case file (.toml), a packing file (.csv, .h5 or .txt), a folder of LMGC90, a contact "
       "problem or one of the known cases ({}), met no such file{}",
-      name, joined(known), suggestion(name, known));
+      name, listed(known), suggestion(name, known));
 }
 
 std::string find_study(const std::string& name) {
@@ -229,7 +229,7 @@ std::string find_study(const std::string& name) {
     return file->parent_path().string();
   const std::vector<std::string> known = known_names("studies");
   fail("study '{}': expected a folder with a study.toml or one of the known studies ({}), met none{}", name,
-       joined(known), suggestion(name, known));
+       listed(known), suggestion(name, known));
 }
 
 Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs) {

@@ -8,7 +8,7 @@
 namespace nscdd::app {
 namespace {
 
-struct Options {
+struct CoarseOptions {
   CaseOptions one;
   Choice<ContactSet> contacts = ContactSet::all;
   std::string epsilon = "1e-6W,1e-4W,1e-2W", preconditioner, scaling, space, csv;
@@ -54,7 +54,7 @@ void print_row(const CoarseResult& result) {
                result.seconds);
 }
 
-StudyTable table_of(const Options& options, const Machine& machine) {
+StudyTable table_of(const CoarseOptions& options, const Machine& machine) {
   StudyTable work;
   work.name = "coarse";
   work.observable = &observables::coarse_space;
@@ -74,7 +74,7 @@ StudyTable table_of(const Options& options, const Machine& machine) {
   return work;
 }
 
-int run(const Options& options, const Context& context) {
+int run_coarse(const CoarseOptions& options, const Context& context) {
   const Machine& machine = context.machine;
   options.limits.limit_memory(machine.processes_here);
   if (options.parameters.counts) require_one_process(machine, "--counts");
@@ -113,7 +113,7 @@ int run(const Options& options, const Context& context) {
 }  // namespace
 
 Action declare_coarse(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CoarseOptions>();
   options->one.declare(command);
   command.preset("--epsilon SPEC", options->epsilon,
                  "flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); above 0");
@@ -142,7 +142,7 @@ Examples:
   nscdd coarse deposit --subdomains 4x4
   nscdd coarse hexagonal --subdomains 4x4 --coarse-space none,rigid,geneo --epsilon 1e-8W
   nscdd coarse deposit --set packing.grains=100000 --subdomains 8x8 --counts)";
-  return [options](const Context& context) { return run(*options, context); };
+  return [options](const Context& context) { return run_coarse(*options, context); };
 }
 
 }  // namespace nscdd::app

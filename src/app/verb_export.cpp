@@ -13,7 +13,7 @@
 namespace nscdd::app {
 namespace {
 
-// Options of `nscdd export CASE --operators FOLDER`.
+// ExportOptions of `nscdd export CASE --operators FOLDER`.
 struct OperatorsOptions {
   CaseOptions one;  // its name is the CASE of every export
   std::string folder, epsilon, eta = "inf";
@@ -23,7 +23,7 @@ struct OperatorsOptions {
   Limits limits;
 };
 
-struct Options {
+struct ExportOptions {
   OperatorsOptions operators;
   StepsOptions steps;
   std::string trajectory, output;
@@ -32,7 +32,7 @@ struct Options {
 };
 
 // The step before the exported one. If it is not kept, throws Error with the steps that follow a kept state.
-TrajectoryStep state_before(const Options& options) {
+TrajectoryStep state_before(const ExportOptions& options) {
   if (auto before = find_trajectory_step(options.trajectory, *options.step - 1)) return *std::move(before);
   const Index last = read_last_step(options.trajectory).state.step;
   std::vector<Index> kept = trajectory_steps(options.trajectory);
@@ -45,7 +45,7 @@ TrajectoryStep state_before(const Options& options) {
       options.trajectory, step_ranges_text(possible), *options.step, step_ranges_text(kept));
 }
 
-FclibInfo info_of(const Options& options, const TrajectoryHeader& header, const Simulation& before, bool solved) {
+FclibInfo info_of(const ExportOptions& options, const TrajectoryHeader& header, const Simulation& before, bool solved) {
   FclibInfo info;
   info.title = fmt::format("{}, step {}", name_of_case(options.trajectory, header), *options.step);
   if (options.subdomain) *info.title += fmt::format(", subdomain {}", *options.subdomain);
@@ -83,7 +83,7 @@ Provenance provenance_of(const Context& context, const TrajectoryHeader& header)
   return result;
 }
 
-void print_report(const Options& options, const FclibFile& file, const LocalFrictionProblem& local) {
+void print_report(const ExportOptions& options, const FclibFile& file, const LocalFrictionProblem& local) {
   fmt::print("title                {}\n", printable(*file.info.title));
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
     fmt::print("problem              global, {} velocities of bodies\n", global->mass.rows());
@@ -97,7 +97,8 @@ void print_report(const Options& options, const FclibFile& file, const LocalFric
     fmt::print("solution             none: step {} is not kept\n", *options.step);
 }
 
-FclibFile subdomain_file(const Options& options, const Simulation& before, const std::optional<TrajectoryStep>& after) {
+FclibFile subdomain_file(const ExportOptions& options, const Simulation& before,
+                         const std::optional<TrajectoryStep>& after) {
   if (!after)
     fail("--subdomain: {}: expected a step that is kept, for its interface impulses ({}), met step {}",
          options.trajectory, step_ranges_text(trajectory_steps(options.trajectory)), *options.step);
@@ -108,7 +109,7 @@ FclibFile subdomain_file(const Options& options, const Simulation& before, const
   }
 }
 
-int export_fclib(const Options& options, const Context& context) {
+int export_fclib(const ExportOptions& options, const Context& context) {
   require_no_input({options.output}, {options.trajectory});
   if (!has_siconos_name(options.output)) require_ending(options.output, hdf5_endings);
   const TrajectoryHeader header = read_trajectory_header(options.trajectory);
@@ -170,7 +171,7 @@ int export_operators(const OperatorsOptions& options, bool force, const Context&
   return 0;
 }
 
-int run(const Options& options, const Context& context) {
+int run_export(const ExportOptions& options, const Context& context) {
   const auto asked = std::ranges::count_if(std::array{options.steps.vtk, options.steps.vtkhdf, options.steps.lmgc90,
                                                       options.operators.folder},
                                            [](const std::string& name) { return !name.empty(); }) +
@@ -214,7 +215,7 @@ Option& declare_operators(Command& command, OperatorsOptions& options) {
 }  // namespace
 
 Action declare_export(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   command.required("CASE", options->operators.one.name,
                    "trajectory (.h5 or .hdf5), or with --operators what nscdd sweep takes");
   const Option* vtk = &command.add("--vtk FOLDER", options->steps.vtk,
@@ -249,7 +250,7 @@ Examples:
   nscdd export hexagonal --operators matrices --epsilon 1e-3 --eta 0.3)";
   return [options](const Context& context) {
     options->trajectory = options->operators.one.name;
-    return run(*options, context);
+    return run_export(*options, context);
   };
 }
 

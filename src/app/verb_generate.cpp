@@ -7,7 +7,7 @@
 namespace nscdd::app {
 namespace {
 
-struct Options {
+struct GenerateOptions {
   std::string spec, output;
   std::vector<std::string> settings;
   bool force = false;
@@ -32,7 +32,7 @@ PackingFormat output_format(const std::string& output) {
   return *format;
 }
 
-int run(const Options& options, const Context& context) {
+int run_generate(const GenerateOptions& options, const Context& context) {
   const PackingFormat format = output_format(options.output);
   CaseSpec spec = spec_of(options.spec);
   for (const std::string& setting : options.settings)
@@ -56,7 +56,7 @@ int run(const Options& options, const Context& context) {
 }  // namespace
 
 Action declare_generate(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<GenerateOptions>();
   command.required(
       "SPEC", options->spec,
       "generator with its defaults (see nscdd list), case file (.toml), known case, or packing of another format");
@@ -72,7 +72,7 @@ Examples:
   nscdd generate deposit --set packing.grains=500 --set packing.seed=7 -o bed.csv
   nscdd generate hexagonal --set packing.vacancies=0.1 -o -
   nscdd generate disks12 -o disks12.h5)";
-  return [options](const Context& context) { return run(*options, context); };
+  return [options](const Context& context) { return run_generate(*options, context); };
 }
 
 }  // namespace nscdd::app

@@ -7,7 +7,7 @@
 namespace nscdd::app {
 namespace {
 
-struct Options {
+struct InspectOptions {
   CaseOptions one;
   std::string histogram;
   bool ranks = false, force = false;
@@ -83,7 +83,7 @@ void print_geometry(const Inspection& found, Index dimension, bool periodic) {
                (40 * one.grains + most / 2) / most);
 }
 
-int run(const Options& options) {
+int run_inspect(const InspectOptions& options) {
   options.limits.limit_memory();
   if (options.histogram == "-") fail("--histogram: expected a file name, met -; standard output is for the report");
   const Case one = options.one.resolve({options.histogram});
@@ -106,7 +106,7 @@ int run(const Options& options) {
 }  // namespace
 
 Action declare_inspect(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InspectOptions>();
   options->one.declare(command);
   command.add("--ranks", options->ranks, "compute ranks however large the network is");
   command.add("--histogram FILE", options->histogram, "also write the sizes of the grains there, as CSV");
@@ -121,7 +121,7 @@ that its simulation accepts.)";
   // The rank of the whole packing takes nearly all of the time and is not shared: MPI rank 0 does the work.
   return [options](const Context& context) {
     const Processes& all = context.machine.processes;
-    return all.together([&] { return all.first() ? run(*options) : 0; });
+    return all.together([&] { return all.first() ? run_inspect(*options) : 0; });
   };
 }
 

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 constexpr const char* exit_codes =
     "0 done, 1 a check failed, solve did not converge, a run broke down or a curve is not proved, "
     "2 bad input or usage, 130 interrupted";
-constexpr std::size_t columns = 100, name_columns = 30;
+constexpr std::size_t page_columns = 100, name_columns = 30;
 
 std::string name_and_value(const Option& option) {
   std::string names = option.names;
@@ -47,8 +47,8 @@ std::string wrapped(const std::string& text, std::size_t width, std::size_t inde
 
 std::string option_line(const Option& option) {
   const std::string name = name_and_value(option);
-  const std::string text =
-      wrapped(option.help.substr(0, option.help.find("; ")) + remarks(option), columns - name_columns, name_columns);
+  const std::string text = wrapped(option.help.substr(0, option.help.find("; ")) + remarks(option),
+                                   page_columns - name_columns, name_columns);
   if (name.size() + 4 <= name_columns) return fmt::format("  {:<{}}{}\n", name, name_columns - 2, text);
   return fmt::format("  {}\n{}{}\n", name, std::string(name_columns, ' '), text);
 }
@@ -133,12 +133,12 @@ complete -o default -F _nscdd nscdd
                      names, branches);
 }
 
-struct Options {
+struct ManualOptions {
   std::string folder;
   bool force = false;
 };
 
-int run(const Options& options, const std::vector<Verb>& verbs) {
+int run_manual(const ManualOptions& options, const std::vector<Verb>& verbs) {
   const fs::path folder(options.folder);
   const auto write = [&](const fs::path& name, const std::string& text) {
     const fs::path path = folder / name;
@@ -184,13 +184,13 @@ std::string help_screen(const Verb& verb) {
 }
 
 Action declare_manual(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ManualOptions>();
   command.required("FOLDER", options->folder, "receives man1/*.1 and bash-completion/nscdd");
   command.add("--force", options->force, "replace existing files");
   command.footer = R"(An installation has these files in their places already.
 Examples:
   nscdd manual pages)";
-  return [options](const Context& context) { return run(*options, context.verbs); };
+  return [options](const Context& context) { return run_manual(*options, context.verbs); };
 }
 
 }  // namespace nscdd::app

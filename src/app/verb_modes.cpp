@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t interfaces_shown = 8;
 
-struct Options {
+struct ModesOptions {
   CaseOptions one;
   SpectralOptions spectral;
   Choice<ContactSet> contacts = ContactSet::all;
@@ -22,7 +22,7 @@ struct Options {
 };
 
 // `scale`: of relative flexibilities, 1/kg.
-ModeParameters parameters(const Options& options, const Machine& machine, double scale) {
+ModeParameters parameters(const ModesOptions& options, const Machine& machine, double scale) {
   ModeParameters result;
   result.epsilon = one_value(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
   result.eta = one_value(parse_eta(options.eta), scale, "--eta", options.eta);
@@ -105,7 +105,7 @@ void tell_doubts(const Model& model, const Mode& mode) {
   }
 }
 
-int run(const Options& options, const Machine& machine) {
+int run_modes(const ModesOptions& options, const Machine& machine) {
   if (options.output.empty() || options.output == "-" || options.output.back() == '/')
     fail("--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output);
   parameters(options, machine, 1);  // refused before the model is built
@@ -138,7 +138,7 @@ int run(const Options& options, const Machine& machine) {
 }  // namespace
 
 Action declare_modes(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ModesOptions>();
   options->one.declare(command, false);
   command.required("--epsilon NUMBER[W]", options->epsilon,
                    "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
@@ -159,7 +159,7 @@ A contact problem has no geometry to place a mode in and is refused.
 Examples:
   nscdd modes hexagonal --epsilon 1e-3 --output slow
   nscdd modes mine.csv --subdomains 3x2 --epsilon 1e-3 --eta 0.3 --end low --output low)";
-  return [options](const Context& context) { return run(*options, context.machine); };
+  return [options](const Context& context) { return run_modes(*options, context.machine); };
 }
 
 }  // namespace nscdd::app

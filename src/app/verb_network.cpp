@@ -6,7 +6,7 @@
 namespace nscdd::app {
 namespace {
 
-struct Options {
+struct NetworkOptions {
   CaseOptions one;
   std::string csv = "-", grains;
   Choice<ContactSet> contacts = ContactSet::active;
@@ -15,7 +15,7 @@ struct Options {
 };
 
 // A contact problem has no places of grains and no loads.
-int write_problem(const Options& options, const Model& model) {
+int write_problem(const NetworkOptions& options, const Model& model) {
   if (!options.grains.empty()) require_geometry(model, "--grains");
   CsvWriter csv(options.csv, options.force, headings(problem_contact_columns()));
   problem_contacts(model, [&](const ProblemContact& one) { csv.write(row(problem_contact_columns(), one)); });
@@ -23,7 +23,7 @@ int write_problem(const Options& options, const Model& model) {
   return 0;
 }
 
-int run(const Options& options) {
+int run_network(const NetworkOptions& options) {
   options.limits.limit_memory();
   const Model model = build(with_overlaps_of_motion(options.one.resolve({options.csv, options.grains})));
   if (!model.has_geometry()) return write_problem(options, model);
@@ -31,12 +31,12 @@ int run(const Options& options) {
   const ContactSet contacts = options.contacts;
   const ResultColumns<Link> columns = link_columns(contacts, model.problem.dimension);
   CsvWriter links(options.csv, options.force, headings(columns));
-  const ResultColumns<Grain> of_grains = grain_columns(model.problem.dimension);
+  const ResultColumns<PackingGrain> of_grains = grain_columns(model.problem.dimension);
   std::optional<CsvWriter> grains;
   if (!options.grains.empty()) grains.emplace(options.grains, options.force, headings(of_grains));
   const ContactChoice choice = nscdd::links(
       model, [&](const Link& link) { links.write(row(columns, link)); }, contacts);
-  if (grains) nscdd::grains(model, [&](const Grain& grain) { grains->write(row(of_grains, grain)); });
+  if (grains) nscdd::grains(model, [&](const PackingGrain& grain) { grains->write(row(of_grains, grain)); });
   links.finish();
   if (grains) grains->finish();
   if (model.problem.arriving_velocity.isZero(0))
@@ -50,7 +50,7 @@ int run(const Options& options) {
 }  // namespace
 
 Action declare_network(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<NetworkOptions>();
   options->one.declare(command);
   command
       .preset("--contacts", options->contacts,
@@ -69,7 +69,7 @@ Examples:
   nscdd network disks4
   nscdd network hexagonal --contacts unilateral --set loads.compression=1,1
   nscdd network mine.csv --subdomains 2x2 --prescribed 7:-1:0 --csv links.csv --grains grains.csv)";
-  return [options](const Context&) { return run(*options); };
+  return [options](const Context&) { return run_network(*options); };
 }
 
 }  // namespace nscdd::app

@@ -8,7 +8,7 @@
 namespace nscdd::app {
 namespace {
 
-struct Options {
+struct OptimumOptions {
   CaseOptions one;
   SpectralOptions spectral;
   Choice<ContactSet> contacts = ContactSet::active;
@@ -26,7 +26,7 @@ void print_report(const OptimumResult& result, DecompositionScheme scheme) {
   }
 }
 
-StudyTable table_of(const Options& options, const Machine& machine) {
+StudyTable table_of(const OptimumOptions& options, const Machine& machine) {
   StudyTable work;
   work.name = "optimum";
   work.observable = &observables::optimum;
@@ -39,7 +39,7 @@ StudyTable table_of(const Options& options, const Machine& machine) {
   return work;
 }
 
-int run(const Options& options, const Context& context) {
+int run_optimum(const OptimumOptions& options, const Context& context) {
   const Machine& machine = context.machine;
   options.limits.limit_memory(machine.processes_here);
   const StudyTable work = in_turn(machine.processes, [&] { return table_of(options, machine); });
@@ -79,7 +79,7 @@ int run(const Options& options, const Context& context) {
 }  // namespace
 
 Action declare_optimum(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<OptimumOptions>();
   options->one.declare(command);
   command.preset("--epsilon SPEC", options->epsilon,
                  "flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
@@ -96,7 +96,7 @@ beats the generic algorithm, and the same with the best relaxation. With schwarz
 Examples:
   nscdd optimum disks8                        the nonsmooth case, active contacts
   nscdd optimum disks8 --epsilon 0,1 --contacts all --csv -)";
-  return [options](const Context& context) { return run(*options, context); };
+  return [options](const Context& context) { return run_optimum(*options, context); };
 }
 
 }  // namespace nscdd::app

@@ -16,7 +16,7 @@ constexpr double bytes_of_steps = 8e6;  // default size of the steps of a run on
 
 constexpr const char* nothing_written = "{}: interrupted; nothing was written";
 
-struct Options {
+struct ReportOptions {
   CaseOptions one;
   SpectralOptions spectral;
   std::string epsilon = "0,1e-3:1e3:7W", eta = "1e-3:1e3:25W,inf", output, steps, convergence;
@@ -26,18 +26,18 @@ struct Options {
   Limits limits;
 };
 
-// Options of runs, and of runs and packings. All others are of packings.
+// ReportOptions of runs, and of runs and packings. All others are of packings.
 constexpr std::array<std::string_view, 2> of_runs{"--steps", "--convergence"};
 constexpr std::array<std::string_view, 3> of_both{"CASE", "-o,--output", "--force"};
 
-PackingReportParameters parameters(const Options& options, const Machine& machine) {
+PackingReportParameters parameters(const ReportOptions& options, const Machine& machine) {
   PackingReportParameters result;
   SweepParameters& sweep = result.sweep;
   sweep.spectral = spectra_on(machine, options.spectral);
   std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(options.epsilon);
   std::tie(sweep.eta, sweep.relative_eta) = parse_eta(options.eta);
   sweep.scheme = options.scheme;
-  if (sweep.schwarz() && options.eta == Options{}.eta) std::tie(sweep.eta, sweep.relative_eta) = parse_eta("inf");
+  if (sweep.schwarz() && options.eta == ReportOptions{}.eta) std::tie(sweep.eta, sweep.relative_eta) = parse_eta("inf");
   check_sweep(sweep, "--");
   for (auto* of_slider : {&sweep.epsilon, &sweep.eta}) sort_unique(*of_slider);
   std::set<ContactSet> sets;
@@ -66,7 +66,7 @@ void note_doubts(const PackingReport& report) {
   if (open > 0) note("{} point(s) did not converge: the page says at which", open);
 }
 
-int report_of_packing(const Options& options, const Context& context) {
+int report_of_packing(const ReportOptions& options, const Context& context) {
   const ThreadLimit limit = options.limits.apply(context.machine);
   PackingReportParameters wanted = parameters(options, context.machine);
   const Case one = options.one.resolve({options.output});
@@ -98,7 +98,7 @@ int report_of_packing(const Options& options, const Context& context) {
   return 0;
 }
 
-int report_of_run(const Options& options, const Context& context) {
+int report_of_run(const ReportOptions& options, const Context& context) {
   const std::string& path = options.one.name;
   require_no_input({options.output}, {path, options.convergence});
   require_writable(options.output, options.force);
@@ -120,7 +120,7 @@ int report_of_run(const Options& options, const Context& context) {
   return 0;
 }
 
-int run(const Options& options, const Command& command, const Context& context) {
+int run_report(const ReportOptions& options, const Command& command, const Context& context) {
   if (!options.output.ends_with(".html") && !options.output.ends_with(".htm"))
     fail("{}: expected a name that ends in .html, met another", options.output);
   const bool trajectory = holds_trajectory(options.one.name);
@@ -138,7 +138,7 @@ int run(const Options& options, const Command& command, const Context& context) 
 }  // namespace
 
 Action declare_report(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportOptions>();
   options->one.declare(command);
   command.options.front().help.insert(0, "trajectory of nscdd simulate (.h5), or ");
   command.required("-o,--output FILE", options->output, "the page, .html");
@@ -171,7 +171,7 @@ Examples:
   nscdd report mine.csv --subdomains 2x1 --epsilon 0,1e-2:1e2:3W --eta 1e-2:1e2:9W,inf -o mine.html
   nscdd simulate shear-1k --steps 5 -o shear5.h5 --convergence shear5.csv
   nscdd report shear5.h5 --convergence shear5.csv -o shear5.html)";
-  return [options, &command](const Context& context) { return run(*options, command, context); };
+  return [options, &command](const Context& context) { return run_report(*options, command, context); };
 }
 
 }  // namespace nscdd::app

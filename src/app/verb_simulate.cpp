@@ -14,7 +14,7 @@ struct ParameterOption {
   std::optional<std::string> value = {};
 };
 
-struct Options {
+struct SimulateOptions {
   std::string name, subdomains, counts;
   RunFiles files;
   std::vector<ParameterOption> parameters{
@@ -52,7 +52,7 @@ void set(CaseSpec& spec, const ParameterOption& parameter) try {
   fail("{}{}", parameter.option, text.substr(parameter.key.size()));
 }
 
-void apply(const Options& options, CaseSpec& spec) {
+void apply(const SimulateOptions& options, CaseSpec& spec) {
   if (!spec.dynamics) fail("{}: expected a case with a section [dynamics], met one without", options.name);
   GivenParameters given;
   given.add_partition(options.subdomains);
@@ -79,7 +79,7 @@ void require_not_beside(const std::string& output, const std::string& table) {
       fail("{}: expected another name, met one that is taken while {} is written", table, output);
 }
 
-void check_names(const Options& options) {
+void check_names(const SimulateOptions& options) {
   const RunFiles& files = options.files;
   require_ending(files.output, hdf5_endings);
   for (const std::string& table : {files.convergence, options.counts})
@@ -95,7 +95,8 @@ void check_names(const Options& options) {
   if (!files.convergence.empty()) require_writable(files.convergence, files.force);
 }
 
-int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunTotals& totals) {
+int close(const SimulateOptions& options, const Simulation& simulation, const RunOutcome& outcome,
+          const RunTotals& totals) {
   if (const std::string words = lack_of_room(totals); !words.empty()) note("{}: {}", options.files.output, words);
   if (outcome.end == RunEnd::stopped)
     return interrupted("{}: interrupted after {} of {} steps; --restart goes on with it", options.files.output,
@@ -120,7 +121,8 @@ void require_shared(const CaseSpec& spec, const Machine& machine) {
 }
 
 // A fingerprint of the start of the run and of its options, compared across ranks.
-std::vector<double> features(const Simulation& simulation, const std::string& case_text, const Options& options) {
+std::vector<double> features(const Simulation& simulation, const std::string& case_text,
+                             const SimulateOptions& options) {
   const auto& [system, state] = std::tie(simulation.system, simulation.state);
   std::vector<double> numbers;
   const auto add = [&](const auto& values) { numbers.insert(numbers.end(), values.begin(), values.end()); };
@@ -138,7 +140,7 @@ std::vector<double> features(const Simulation& simulation, const std::string& ca
   return {text.begin(), text.end()};
 }
 
-int run(const Options& options, const Context& context) {
+int run_simulate(const SimulateOptions& options, const Context& context) {
   const Processes& all = context.machine.processes;
   const ThreadLimit limit = options.limits.apply(context.machine);
   std::optional<Case> one;
@@ -195,7 +197,7 @@ int run(const Options& options, const Context& context) {
 }  // namespace
 
 Action declare_simulate(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateOptions>();
   command.required(
       "CASE", options->name,
       "case file (.toml) with [dynamics], a known case, a packing file, whose grains and clumps fall freely, a folder "
@@ -232,7 +234,7 @@ Examples:
   nscdd simulate shear-1k --algorithm enriched --eta 30W --gauss-seidel-sweeps 100 -o e.h5
   nscdd simulate shear-1k --steps 10 --convergence indicators.csv --convergence-every 1 -o ten.h5
   nscdd simulate shear-1k --steps 500 --restart -o shear.h5)";
-  return [options](const Context& context) { return run(*options, context); };
+  return [options](const Context& context) { return run_simulate(*options, context); };
 }
 
 }  // namespace nscdd::app

@@ -11,7 +11,7 @@
 namespace nscdd::app {
 namespace {
 
-struct Options {
+struct SolveOptions {
   std::string file, convergence, output, csv;
   std::vector<std::string> algorithms;
   FrictionSolverOptions solver;
@@ -50,7 +50,7 @@ ResultColumns<FrictionSolution> check_columns() {
        columns_of(&FrictionSolution::step, of_step)});
 }
 
-Vector starting_impulses(const FclibFile& file, const Options& options) {
+Vector starting_impulses(const FclibFile& file, const SolveOptions& options) {
   if (options.guess == 0) return {};
   if (options.guess < 0 || options.guess > count(file.guesses))
     fail("--guess: expected one of the {} guesses of {}, or 0 for none, met {}", file.guesses.size(), options.file,
@@ -152,7 +152,7 @@ void print_trouble(const LocalFrictionProblem& problem, const FrictionSolution& 
 }
 
 // Impulses that did not converge are written as a guess.
-void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options,
+void write_result(const FclibFile& file, const FrictionSolution& solution, const SolveOptions& options,
                   const Context& context, OutputFile& output) {
   if (has_siconos_name(options.output)) {
     note("{}: a file of Siconos holds only the problem; its solution goes into .h5 or .hdf5", options.output);
@@ -169,7 +169,7 @@ void write_result(const FclibFile& file, const FrictionSolution& solution, const
   output.finish();
 }
 
-void check_options(const Options& options) {
+void check_options(const SolveOptions& options) {
   std::error_code ignored;
   if (std::filesystem::is_directory(options.file, ignored) && !holds_datbox(options.file))
     fail("{}: expected a file, or a folder together with --csv, met a folder without --csv", options.file);
@@ -182,7 +182,7 @@ void check_options(const Options& options) {
   if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);
 }
 
-int run(const Options& options, const Context& context) {
+int run_solve(const SolveOptions& options, const Context& context) {
   const ThreadLimit limit = options.limits.limit_threads(context.machine);
   if (!options.csv.empty()) {
     std::vector<FrictionAlgorithm> solvers{options.solver.algorithm};
@@ -247,7 +247,7 @@ int run(const Options& options, const Context& context) {
 }  // namespace
 
 Action declare_solve(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SolveOptions>();
   command.required("FILE", options->file,
                    "contact problem with friction, in the plane or in space, HDF5 of FCLIB, .dat of Siconos, "
                    "Vloc_Rloc.INI or lmgc90.h5:ID_3 of LMGC90; with --csv also a folder of them");
@@ -284,7 +284,7 @@ Examples:
   nscdd solve problem.hdf5
   nscdd solve problem.hdf5 --tolerance 1e-10 --convergence sweeps.csv -o solved.hdf5
   nscdd solve problems --solver all --time-limit 20 --csv table.csv      a folder of problems)";
-  return [options](const Context& context) { return run(*options, context); };
+  return [options](const Context& context) { return run_solve(*options, context); };
 }
 
 }  // namespace nscdd::app

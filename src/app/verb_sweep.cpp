@@ -9,7 +9,7 @@
 namespace nscdd::app {
 namespace {
 
-struct Options {
+struct SweepOptions {
   CaseOptions one;
   SpectralOptions spectral;
   Choice<ContactSet> contacts = ContactSet::all;
@@ -21,7 +21,7 @@ struct Options {
 };
 
 // All parameters except the flexibilities, which may be a range (--curve).
-SweepParameters parameters(const Options& options, const Machine& machine) {
+SweepParameters parameters(const SweepOptions& options, const Machine& machine) {
   SweepParameters result;
   result.relaxation = parse_relaxation(options.relaxation);
   result.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
@@ -113,7 +113,7 @@ struct Asked {
   std::optional<CurveParameters> curve;
 };
 
-Asked asked(const Options& options, const Machine& machine) {
+Asked asked(const SweepOptions& options, const Machine& machine) {
   Asked asked;
   asked.work.name = "sweep";
   SweepParameters& sweep = asked.work.sweep = parameters(options, machine);
@@ -134,7 +134,7 @@ Asked asked(const Options& options, const Machine& machine) {
   return asked;
 }
 
-int run(const Options& options, const Context& context) {
+int run_sweep(const SweepOptions& options, const Context& context) {
   const Machine& machine = context.machine;
   options.limits.limit_memory(machine.processes_here);
   auto [work, curve] = in_turn(machine.processes, [&] { return asked(options, machine); });
@@ -177,7 +177,7 @@ int run(const Options& options, const Context& context) {
 }  // namespace
 
 Action declare_sweep(Command& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SweepOptions>();
   options->one.declare(command);
   command.required("--epsilon SPEC", options->epsilon,
                    "flexibility, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
@@ -212,7 +212,7 @@ Examples:
   nscdd sweep disks8 --epsilon 1 --eta 1e-2:1e2:81 --csv -            rho(B_eps,eta)
   nscdd sweep disks8 --epsilon 0 --eta 0.1,inf --contacts active --csv -   the nonsmooth B-bar
   nscdd sweep mine.csv --subdomains 3x2 --epsilon 1e-3,1 --eta 0.3,inf --csv -   your own packing)";
-  return [options](const Context& context) { return run(*options, context); };
+  return [options](const Context& context) { return run_sweep(*options, context); };
 }
 
 }  // namespace nscdd::app

@@ -9,7 +9,7 @@
 namespace nscdd {
 namespace {
 
-constexpr double share_of_fixed_vector = 0.001;
+constexpr double fixed_share = 0.001;
 
 std::mutex one_call_at_a_time;  // ARPACK's Fortran SAVE variables are shared by the whole process
 
@@ -70,8 +70,7 @@ LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const Lin
                       const ArpackOptions& options, const Vector& start) {
   LanczosResult result;
   Workspace w(n, 1, options, 2);
-  if (start.size() == n && start.norm() > 0)
-    w.resid = start / start.norm() + share_of_fixed_vector * w.resid / w.resid.norm();
+  if (start.size() == n && start.norm() > 0) w.resid = start / start.norm() + fixed_share * w.resid / w.resid.norm();
   const auto which = end == SpectrumEnd::largest ? arpack::which::largest_algebraic : arpack::which::smallest_algebraic;
   while (true) {
     arpack::saupd(w.ido, arpack::bmat::generalized, w.n, which, w.nev, options.tolerance, w.resid.data(), w.ncv,

@@ -20,19 +20,19 @@ double step_to_boundary(const Vector& x, const Vector& d) {
   return (d.array() < 0).select(-x.cwiseQuotient(d), infinity).minCoeff();
 }
 
-struct Direction {
+struct SearchDirection {
   Vector x, s;
 };
 
 // Newton's direction, which reduces the products x_i s_i by `excess` and `infeasibility` = B^T u - s to 0:
 //     s dx + x ds = -excess,   ds = B^T du + infeasibility + proximal dx,   du = B dx
 // dx eliminated:  (I + B D B^T) du = -B (excess + x infeasibility) / damped,   D = x / damped. damped = s + proximal x.
-Direction newton(const SparseMatrix& b, const SparseCholesky& factor, const Vector& x, const Vector& damped,
-                 const Vector& infeasibility, const Vector& excess) {
+SearchDirection newton(const SparseMatrix& b, const SparseCholesky& factor, const Vector& x, const Vector& damped,
+                       const Vector& infeasibility, const Vector& excess) {
   const Vector right = excess + x.cwiseProduct(infeasibility);
   const Vector du = factor.solve(Vector(-(b * right.cwiseQuotient(damped))));
   const Vector change = b.transpose() * du;
-  Direction d;
+  SearchDirection d;
   d.x = -(right + x.cwiseProduct(change)).cwiseQuotient(damped);
   d.s = change + infeasibility + proximal * d.x;
   return d;
@@ -82,12 +82,12 @@ UnilateralImpulses project_on_cone(const SparseMatrix& b, const Vector& point, c
     if (!factor.positive_definite()) break;
     ++result.iterations;
     const Vector infeasibility = slack - s;
-    const Direction affine = newton(b, factor, x, damped, infeasibility, x.cwiseProduct(s));
+    const SearchDirection affine = newton(b, factor, x, damped, infeasibility, x.cwiseProduct(s));
     const double reach = std::min({1.0, step_to_boundary(x, affine.x), step_to_boundary(s, affine.s)});
     const double foreseen = (x + reach * affine.x).dot(s + reach * affine.s) / columns;
     const double centre = mean * std::pow(foreseen / mean, 3);
     const Vector excess = (x.array() * s.array() + affine.x.array() * affine.s.array() - centre).matrix();
-    const Direction d = newton(b, factor, x, damped, infeasibility, excess);
+    const SearchDirection d = newton(b, factor, x, damped, infeasibility, excess);
     const double step = std::min(1.0, 0.995 * std::min(step_to_boundary(x, d.x), step_to_boundary(s, d.s)));
     x += step * d.x;
     s += step * d.s;

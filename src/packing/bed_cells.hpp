@@ -8,6 +8,9 @@ namespace nscdd {
 /// Area of disks of these radii, m^2, or volume of spheres, m^3; overlaps counted twice.
 double total_measure(std::span<const double> radii, bool in_space);
 
+/// Relative enlargement of sizes for a search, far more than the rounding of coordinates.
+constexpr double size_margin = 1e-6;
+
 /// Grains of a growing bed in square or cubic cells. Each level has the grains of one range of sizes, in cells as wide
 /// as the largest of them. A moving grain searches only the cells along its path: the cost per grain does not grow with
 /// the bed, and little with the ratio of sizes. Places are (x, y, height), m, y = 0 in the plane.

@@ -4,8 +4,6 @@
 namespace nscdd {
 namespace {
 
-constexpr double margin = 1e-6;  // relative enlargement of sizes, far more than the rounding of coordinates
-
 // > 0 where q is met after p by a disk that rolls over the pivot to that side, less than half a turn apart.
 double later(const Disk& pivot, const Point& p, const Point& q, Side side) {
   const double cross = (p[0] - pivot.x) * (q[1] - pivot.y) - (p[1] - pivot.y) * (q[0] - pivot.x);
@@ -101,7 +99,7 @@ Heap::Meeting Heap::roll(const Disk& pivot, const Point& from, double radius, Si
     return std::sqrt((arc - above) * (arc + above));
   };
   for (const BedCells::Level& level : cells_.levels()) {
-    const double reach = radius + level.largest, wide = reach * (1 + margin);
+    const double reach = radius + level.largest, wide = reach * (1 + size_margin);
     const double leftmost = std::min(from[0], end.centre[0]) - reach;
     const double rightmost = std::max(from[0], end.centre[0]) + reach;
     const bool many_columns = rightmost - leftmost > 8 * level.side;

@@ -6,7 +6,6 @@
 namespace nscdd {
 namespace {
 
-constexpr double margin = 1e-6;  // relative enlargement of sizes, far more than the rounding of coordinates
 // A drop takes 4 motions on average for equal sizes, and at most 230 for 10^5 grains of sizes 1 : 100.
 constexpr Index most_motions = 5000;
 constexpr double standstill = 1e-6;  // angle within which an arc has not begun
@@ -162,7 +161,7 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
     if (deepest > graze) meet(number, first_crossing(u, w, deepest / arc.radius));
   }
   for (const BedCells::Level& level : cells_.levels()) {
-    const double reach = (one.radius + level.largest) * (1 + margin);
+    const double reach = (one.radius + level.largest) * (1 + size_margin);
     const double piece = reach / arc.radius;
     SpacePoint here = one.centre;
     for (double from = 0; from < end; from += piece) {

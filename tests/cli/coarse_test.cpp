@@ -2,6 +2,8 @@
 // nscdd coarse: numbers of an independent program (SciPy), refusals, and tables that go on.
 #include "session.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 using namespace nscdd::testing;

@@ -9,8 +9,8 @@ using namespace nscdd::testing;
 
 namespace {
 
-struct BoxSession : Session {
-  BoxSession() { file("box.toml", small_moving_case()); }
+struct VtkhdfSession : Session {
+  VtkhdfSession() { file("box.toml", small_moving_case()); }
 };
 
 constexpr int not_known = 77;  // exit code of read_vtk.py where VTK is too old for the file
@@ -57,7 +57,7 @@ void check_same_pictures(const Session& session, const std::string& collection, 
 
 }  // namespace
 
-TEST_CASE_FIXTURE(BoxSession, "export --vtkhdf: one file has every step as its .vtp file has it") {
+TEST_CASE_FIXTURE(VtkhdfSession, "export --vtkhdf: one file has every step as its .vtp file has it") {
   answer("simulate box.toml --subdomains 2x1 -o run.h5");
   answer("export run.h5 --vtk all");
   CHECK(answer("export run.h5 --vtkhdf run.vtkhdf") == "run.vtkhdf: 13 steps (0:12), 54 disks\n");
@@ -94,7 +94,7 @@ TEST_CASE_FIXTURE(Session, "export --vtkhdf: steps without contacts in between, 
   check_same_pictures(*this, "all/run.pvd", "run.vtkhdf", 5, 27);
 }
 
-TEST_CASE_FIXTURE(BoxSession, "export --vtkhdf: whole or absent, and nothing is replaced in silence") {
+TEST_CASE_FIXTURE(VtkhdfSession, "export --vtkhdf: whole or absent, and nothing is replaced in silence") {
   file("old.vtkhdf", "precious");
   answer("simulate box.toml --steps 3 -o run.h5");
   check_refused("export run.h5 --vtkhdf old.vtkhdf", {"old.vtkhdf", "exists already"});

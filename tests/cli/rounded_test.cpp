@@ -12,7 +12,8 @@ namespace {
 
 // 64 disks of a triangular lattice with 161 contacts, each number as it is written by `text`.
 template <class Text>
-std::string lattice(double radius, double offset, const std::string& separator, const std::string& begin, Text&& text) {
+std::string rounded_lattice(double radius, double offset, const std::string& separator, const std::string& begin,
+                            Text&& text) {
   std::string lines = begin;
   for (int j = 0; j < 8; ++j)
     for (int i = 0; i < 8; ++i)
@@ -28,8 +29,8 @@ std::string printed(const char* format, double value) {
 std::string in_full(double value) { return printed("%.17g", value); }
 std::string six_digits(double value) { return printed("%g", value); }
 
-std::string rounded() { return lattice(0.5, 0, ",", "x,y,radius\n", six_digits); }
-std::string exact() { return lattice(0.5, 0, ",", "x,y,radius\n", in_full); }
+std::string rounded() { return rounded_lattice(0.5, 0, ",", "x,y,radius\n", six_digits); }
+std::string exact() { return rounded_lattice(0.5, 0, ",", "x,y,radius\n", in_full); }
 
 }  // namespace
 
@@ -63,7 +64,7 @@ TEST_CASE_FIXTURE(Session, "a rounded packing has contacts and radii of the exac
 }
 
 TEST_CASE_FIXTURE(Session, "text and HDF5 files, cases and studies know the digits of their packing") {
-  file("rounded.txt", lattice(0.5, 0, " ", "# six digits\n", six_digits));
+  file("rounded.txt", rounded_lattice(0.5, 0, " ", "# six digits\n", six_digits));
   file("rounded.toml", case_text("rounded.txt", "2, 1"));
   const std::string remark = "coordinates with 6 significant digits resolve gaps to";
   CHECK(value(remarked("inspect rounded.txt", remark), "contacts") == "161");
@@ -79,10 +80,10 @@ TEST_CASE_FIXTURE(Session, "text and HDF5 files, cases and studies know the digi
 }
 
 TEST_CASE_FIXTURE(Session, "grains of a millimetre in the coordinates of a map have all contacts") {
-  file("far.csv", lattice(0.001, 1e6, ",", "x,y,radius\n", in_full));
+  file("far.csv", rounded_lattice(0.001, 1e6, ",", "x,y,radius\n", in_full));
   CHECK(value(remarked("inspect far.csv", "coordinates with double precision resolve gaps to"), "contacts") == "161");
   // Contacts on the lines of a grid lie in the same subdomains as near the origin.
-  file("near.csv", lattice(0.001, 0, ",", "x,y,radius\n", in_full));
+  file("near.csv", rounded_lattice(0.001, 0, ",", "x,y,radius\n", in_full));
   for (const char* grid : {"2x2", "3x3", "4x2", "5x1"}) {
     CAPTURE(grid);
     const std::string options = std::string(" --epsilon 1 --csv - --subdomains ") + grid;
@@ -91,18 +92,18 @@ TEST_CASE_FIXTURE(Session, "grains of a millimetre in the coordinates of a map h
     CHECK(far.text(0, "interface_dofs") == near.text(0, "interface_dofs"));
     CHECK(far.number(0, "spectral_radius") == doctest::Approx(near.number(0, "spectral_radius")).epsilon(1e-6));
   }
-  file("map.csv", lattice(0.001, 1e6, ",", "x,y,radius\n", [](double v) { return printed("%.7f", v); }));
+  file("map.csv", rounded_lattice(0.001, 1e6, ",", "x,y,radius\n", [](double v) { return printed("%.7f", v); }));
   CHECK(value(remarked("inspect map.csv", "coordinates with 7 decimals"), "contacts") == "161");
 }
 
 TEST_CASE_FIXTURE(Session, "an ambiguous packing is told apart, and tolerances that lose contacts are named") {
   const auto stretched = [](double value) { return printed("%.6f", value * (1 + 2e-5)); };
-  file("open.csv", lattice(0.5, 0, ",", "x,y,radius\n",
-                           [&](double value) { return value == 0.5 ? std::string("0.5") : stretched(value); }));
+  file("open.csv", rounded_lattice(0.5, 0, ",", "x,y,radius\n",
+                                   [&](double value) { return value == 0.5 ? std::string("0.5") : stretched(value); }));
   remarked("inspect open.csv", "nscdd: warning: open: ");
   // Rounded, then turned into other units: the digits show nothing.
-  file("scaled.csv",
-       lattice(0.5, 0, ",", "x,y,radius\n", [](double value) { return in_full(std::stod(six_digits(value)) / 0.37); }));
+  file("scaled.csv", rounded_lattice(0.5, 0, ",", "x,y,radius\n",
+                                     [](double value) { return in_full(std::stod(six_digits(value)) / 0.37); }));
   check_refused("inspect scaled.csv",
                 {"contacts.overlap_tolerance", "--overlap-tolerance", "contacts.tolerance", "--tolerance"});
   remarked("inspect scaled.csv --overlap-tolerance 1e-5", "and do not touch, although others overlap by up to");

@@ -28,7 +28,7 @@ void check_same_end(const Session& session, const std::string& one, const std::s
 }
 
 // All but the seconds of a table of iterations.
-std::vector<std::vector<std::string>> without_seconds(const std::string& csv) {
+std::vector<std::vector<std::string>> rows_without_seconds(const std::string& csv) {
   CsvTable table = read_table(csv);
   REQUIRE(table.columns.back() == "seconds");
   for (auto& row : table.rows) row.pop_back();
@@ -136,7 +136,7 @@ TEST_CASE_FIXTURE(MovingSession, "simulate: 50 steps and a restart to 100 are 10
   answer("simulate shear.toml --convergence parts.csv -o parts.h5 --steps 50");
   answer("simulate shear.toml --convergence parts.csv -o parts.h5 --steps 100 --restart");
   check_same_end(*this, "whole.h5", "parts.h5");
-  CHECK(without_seconds(read("parts.csv")) == without_seconds(read("whole.csv")));
+  CHECK(rows_without_seconds(read("parts.csv")) == rows_without_seconds(read("whole.csv")));
   CHECK(nscdd::trajectory_steps(path("parts.h5")).size() == 101);
   const std::string again = answer("simulate shear.toml -o parts.h5 --steps 100 --restart");
   CHECK(contains(again, "0 steps in this run, 100 of 100 in all"));

@@ -13,8 +13,8 @@ using namespace nscdd::testing;
 namespace {
 
 // A folder with a global problem, a local one, and a file that is none.
-struct ProblemSession : Session {
-  ProblemSession() {
+struct TrialSession : Session {
+  TrialSession() {
     file("problems/b.hdf5", raw_global(random_bodies_problem(4, 12, 20)).bytes());
     file("problems/c.h5", raw_local(reduce(random_bodies_problem(7, 12, 24))).bytes());
     file("problems/a.hdf5", "no HDF5 at all\n");
@@ -35,7 +35,7 @@ std::string without_seconds(const CsvTable& table) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(ProblemSession, "solve FOLDER: a row per problem and solver, an unreadable file costs no other") {
+TEST_CASE_FIXTURE(TrialSession, "solve FOLDER: a row per problem and solver, an unreadable file costs no other") {
   const Outcome run = ended(1, "solve problems --solver all --csv table.csv",
                             {"refused: problems/a.hdf5: ", "1 of 3 problems were refused: see the column 'status'"});
   const CsvTable rows = csv("table.csv");
@@ -67,7 +67,7 @@ TEST_CASE_FIXTURE(ProblemSession, "solve FOLDER: a row per problem and solver, a
   }
 }
 
-TEST_CASE_FIXTURE(ProblemSession, "solve FOLDER: a killed run goes on, and a limit of time is a status") {
+TEST_CASE_FIXTURE(TrialSession, "solve FOLDER: a killed run goes on, and a limit of time is a status") {
   const std::string work = "solve problems --solver nlgs --solver auto --csv t.csv";
   REQUIRE(run(work, {.signal_at = SignalAt{"t.csv.partial", 300, SIGKILL}}).exit_code == 128 + SIGKILL);
   REQUIRE(has("t.csv.partial"));
@@ -107,7 +107,7 @@ TEST_CASE_FIXTURE(Session, "solve --csv: --resume refuses contacts of LMGC90 bes
   CHECK(csv("t.csv").rows.size() == 2);
 }
 
-TEST_CASE_FIXTURE(ProblemSession, "solve FOLDER: what is asked for must make sense") {
+TEST_CASE_FIXTURE(TrialSession, "solve FOLDER: what is asked for must make sense") {
   file("empty/notes.txt", "\n");
   check_refused("solve problems", {"problems: expected a file, or a folder together with --csv"});
   check_refused("solve empty --csv t.csv", {"empty: expected a folder with contact problems, .hdf5, .h5 or .dat"});

@@ -11,12 +11,12 @@ using namespace nscdd::testing;
 namespace {
 
 // 27 spheres of a face-centred cubic lattice: 3 layers of 12 contacts, and 2 x 25 between them.
-const std::string lattice = case_text("fcc\ncolumns = 3\nrows = 3\nlayers = 3", "2, 2, 2",
-                                      "[loads]\ncompression = [1.0, 0.5, 0.25]\n"
-                                      "[[prescribed]]\ngrain = -1\nvelocity = [-1.0, 0.0, 0.5]\n");
+const std::string fcc_case = case_text("fcc\ncolumns = 3\nrows = 3\nlayers = 3", "2, 2, 2",
+                                       "[loads]\ncompression = [1.0, 0.5, 0.25]\n"
+                                       "[[prescribed]]\ngrain = -1\nvelocity = [-1.0, 0.0, 0.5]\n");
 
 struct LatticeSession : Session {
-  LatticeSession() { file("fcc.toml", lattice); }
+  LatticeSession() { file("fcc.toml", fcc_case); }
 };
 
 const std::string drum = drum_case();
@@ -76,7 +76,7 @@ TEST_CASE_FIXTURE(LatticeSession, "space: sweeps agree by every solver, with all
 
 TEST_CASE_FIXTURE(Session, "space: a grid, a velocity or rates of two numbers are refused with file, line and key") {
   const auto refused = [&](const std::string& from, const std::string& to, std::initializer_list<std::string> parts) {
-    file("bad.toml", replaced(lattice, from, to));
+    file("bad.toml", replaced(fcc_case, from, to));
     check_refused("sweep bad.toml --epsilon 1 --csv -", parts);
   };
   refused("[2, 2, 2]", "[2, 2]", {"bad.toml:7: partition.grid", "three integers", "met [2, 2]"});
@@ -86,7 +86,7 @@ TEST_CASE_FIXTURE(Session, "space: a grid, a velocity or rates of two numbers ar
   refused("[-1.0, 0.0, 0.5]", "[-1.0, 0.0, 0.5, 0]", {"bad.toml:12: " + velocity, "three in space", "an array of 4"});
   refused("generator = \"fcc\"\ncolumns = 3\nrows = 3\nlayers = 3", "generator = \"strip\"",
           {"bad.toml:9: " + velocity, "two numbers", "plane", "met [-1, 0, 0.5]"});
-  file("fcc.toml", lattice);
+  file("fcc.toml", fcc_case);
   const std::string sweep = "sweep fcc.toml --epsilon 1 --csv - ";
   check_refused(sweep + "--subdomains 2x2", {"fcc.toml: partition.grid", "three integers", "met [2, 2]"});
   check_refused(sweep + "--set partition.grid=4,2", {"fcc.toml: partition.grid", "met [4, 2]"});
@@ -143,12 +143,12 @@ TEST_CASE_FIXTURE(Session, "space: a study of links, and the radius from exporte
        "[[table]]\nname = \"radius\"\ncases = [\"fcc.toml\"]\nepsilon = [0.1, 1]\n"
        "vary = { \"packing.columns\" = [3, 4] }\n"
        "[[table]]\nname = \"network\"\nobservable = \"links\"\ncases = [\"fcc.toml\"]\n");
-  file("study/fcc.toml", lattice);
+  file("study/fcc.toml", fcc_case);
   answer("run study");
   const CsvTable radius = csv("results/study/radius.csv");
   REQUIRE(radius.rows.size() == 4);
   CHECK(radius.number(2, "packing.columns") == 4);
-  file("fcc.toml", lattice);
+  file("fcc.toml", fcc_case);
   CHECK(radius.number(2, "spectral_radius") ==
         table("sweep fcc.toml --epsilon 0.1 --set packing.columns=4").number(0, "spectral_radius"));
   const CsvTable network = csv("results/study/network.csv");
@@ -232,7 +232,7 @@ TEST_CASE_FIXTURE(Session, "space: a deposit is made, looked at and studied like
 
 TEST_CASE_FIXTURE(Session, "space: a study of a file with z takes tolerances of its columns along z") {
   file("study/bed.toml", case_text("bed.csv", "2, 2, 2"));
-  file("study/fcc.toml", lattice);
+  file("study/fcc.toml", fcc_case);
   answer("generate study/fcc.toml -o study/bed.csv");
   file("study/study.toml",
        "title = \"spheres\"\n[[table]]\nname = \"network\"\nobservable = \"links\"\n"

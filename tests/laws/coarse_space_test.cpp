@@ -29,7 +29,7 @@ std::shared_ptr<PrimalInterface> weighted(const Model& model, double epsilon, Sc
 // P^-1 X_eps as a symmetric matrix, L^T P^-1 L, X_eps = L L^T.
 Vector dual_spectrum(const Model& model, double epsilon, const LocalPreconditioner& p) {
   const Matrix x = InterfaceFamily(model.parts).at(epsilon * flexibility_scale(model)).dense();
-  const Matrix lower = Eigen::LLT<Matrix>(x).matrixL();
+  const Matrix lower = cholesky_factor(x);
   Matrix map(x.rows(), x.cols());
   for (Index k = 0; k < x.cols(); ++k) map.col(k) = p.solve(lower.col(k));
   map = (lower.transpose() * map).eval();
@@ -88,7 +88,7 @@ TEST_CASE("the primal interface is the undivided network condensed onto shared g
     const ReferenceProblem& problem = model.problem;
     Matrix whole = Matrix(problem.h * problem.h.transpose()) / epsilon;
     whole.diagonal() += problem.inertia;
-    const Matrix inverse = whole.inverse();
+    const Matrix inverse = Dense(whole).inverse();
     std::vector<Index> shared;
     for (Index g = 0; g < problem.grains(); ++g)
       if (model.parts.interface.multiplicity(g) > 1)

@@ -199,7 +199,8 @@ TEST_CASE("what a contact problem cannot do is refused") {
   Case one = as_problem(lattice(), true);
   const Model model = build(one);
   CHECK_THROWS_WITH_AS(links(model, [](const Link&) {}), doctest::Contains("links: expected a packing"), Error);
-  CHECK_THROWS_WITH_AS(grains(model, [](const Grain&) {}), doctest::Contains("grains: expected a packing"), Error);
+  CHECK_THROWS_WITH_AS(grains(model, [](const PackingGrain&) {}), doctest::Contains("grains: expected a packing"),
+                       Error);
   CHECK_THROWS_WITH_AS(packing_of(one), doctest::Contains("expected a packing"), Error);
   CHECK_THROWS_WITH_AS(choose_contacts(model, ContactSet::active),
                        doctest::Contains("expected --contacts all or frozen for a problem with friction, met active"),

@@ -15,11 +15,11 @@ using namespace nscdd::testing;
 
 namespace {
 
-struct Point {
+struct FlatPoint {
   double epsilon, eta;
 };
-constexpr Point points[] = {{0, 0.3}, {0, infinity}, {1e-2, 0.3}, {1e-2, infinity},
-                            {1, 0.3}, {1, infinity}, {50, 2},     {0.3, 0.3}};
+constexpr FlatPoint points[] = {{0, 0.3}, {0, infinity}, {1e-2, 0.3}, {1e-2, infinity},
+                                {1, 0.3}, {1, infinity}, {50, 2},     {0.3, 0.3}};
 
 // The spectrum of the disks, with a 0 for every unknown out of the plane.
 void check_same(const SpectralRadius& space, const SpectralRadius& plane, double tolerance) {
@@ -51,7 +51,7 @@ TEST_CASE("flat spheres: the radii of the disks to 1e-12, of all contacts, the a
       CHECK(of_space.of_case.rule == of_plane.of_case.rule);
       const InterfaceFamily all_plane(plane.parts), all_space(space.parts);
       const InterfaceFamily some_plane(of_plane.stage_one(plane)), some_space(of_space.stage_one(space));
-      for (const Point& point : points) {
+      for (const FlatPoint& point : points) {
         INFO("epsilon = ", point.epsilon, ", eta = ", point.eta);
         const Contraction b{all_plane.at(point.eta), some_plane.at(point.epsilon)},
             c{all_space.at(point.eta), some_space.at(point.epsilon)};
@@ -69,7 +69,7 @@ TEST_CASE("flat spheres in a plane that lies askew: the radii of the disks") {
     const Model plane = build(one), askew = moved(flat(one), 0.9, 3.0, -7.0);
     REQUIRE(askew.network.size() == plane.network.size());
     const InterfaceFamily of_plane(plane.parts), of_space(askew.parts);
-    for (const Point& point : points) {
+    for (const FlatPoint& point : points) {
       INFO("epsilon = ", point.epsilon, ", eta = ", point.eta);
       check_same(spectral_radius({of_space.at(point.eta), of_space.at(point.epsilon)}),
                  spectral_radius({of_plane.at(point.eta), of_plane.at(point.epsilon)}), 1e-9);

@@ -52,7 +52,7 @@ Index moved_contacts(const GranularState& one, const GranularState& other) {
   return moved;
 }
 
-double largest_difference(const GranularState& a, const GranularState& b) {
+double state_difference(const GranularState& a, const GranularState& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.x.size(); ++i)
     largest = std::max({largest, std::abs(a.velocity_x[i] - b.velocity_x[i]),
@@ -72,7 +72,7 @@ TEST_CASE("frictionless: a partition kept for 10 steps gives the velocities of o
       const GranularState before = kept.state;
       advance(fresh);
       REQUIRE(advance(kept).interface_size > 0);
-      CHECK(largest_difference(kept.state, fresh.state) < 1e-8);
+      CHECK(state_difference(kept.state, fresh.state) < 1e-8);
       CHECK(kept.state.decomposed_at == step / 10 * 10);
       if (step % 10 == 0) {
         CHECK(moved_contacts(kept.state, fresh.state) == 0);

@@ -25,7 +25,7 @@ SpectralOptions shift_invert(Index eigenvalues = 1, bool certify = true) {
   return {.solver = SpectralSolver::shift_invert, .eigenvalues = eigenvalues, .certify = certify};
 }
 
-std::vector<std::string> rows_of(const Model& model, const SweepParameters& parameters) {
+std::vector<std::string> hard_rows(const Model& model, const SweepParameters& parameters) {
   std::vector<std::string> rows;
   sweep(model, parameters, [&](const SweepResult& result) {
     std::string line;
@@ -78,7 +78,7 @@ TEST_CASE("sweep table: the same bits for 1 to 4 threads") {
   for (const Index threads : {1, 2, 3, 4, 2, 1}) {
     CAPTURE(threads);
     const ThreadLimit limit(threads);
-    const std::vector<std::string> rows = rows_of(model, parameters);
+    const std::vector<std::string> rows = hard_rows(model, parameters);
     if (first.empty()) first = rows;
     CHECK(rows == first);
   }

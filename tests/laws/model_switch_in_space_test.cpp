@@ -22,7 +22,7 @@ Dynamics divided(SwitchedModel model, double friction) {
 }
 
 // A crooked column of spheres that is about to topple, sideways and out of its plane: every contact sticks.
-Simulation column(SwitchedModel model) {
+Simulation column_of_spheres(SwitchedModel model) {
   std::vector<Ball> balls;
   for (int k = 0; k < 8; ++k)
     balls.push_back(
@@ -97,7 +97,8 @@ TEST_CASE("a linear subdomain of spheres answers what a dense solve of its froze
     CAPTURE(friction);
     Dynamics slippery = divided(SwitchedModel::none, 0);
     slippery.boundaries.clear();
-    const Simulation simulation = friction > 0 ? column(SwitchedModel::none) : shaken_cube(3, slippery, {2, 1, 1});
+    const Simulation simulation =
+        friction > 0 ? column_of_spheres(SwitchedModel::none) : shaken_cube(3, slippery, {2, 1, 1});
     PreparedStep<3> step = prepare_solution<3>(simulation);
     for (int k = 0; k < 300; ++k) step.iteration.iterate();
     Index frozen = 0;
@@ -123,7 +124,7 @@ TEST_CASE("a linear subdomain of spheres answers what a dense solve of its froze
 }
 
 TEST_CASE("spheres whose statuses stand still: a run that switches comes to the velocities of one that does not") {
-  Simulation plain = column(SwitchedModel::none), switched = column(SwitchedModel::linear);
+  Simulation plain = column_of_spheres(SwitchedModel::none), switched = column_of_spheres(SwitchedModel::linear);
   Index linear = 0, iterations = 0;
   for (int k = 0; k < 12; ++k) {
     const GranularStep<3> a = solve_step<3>(plain), b = solve_step<3>(switched);
@@ -162,6 +163,6 @@ TEST_CASE("spheres that slide with friction keep their subdomain as it is; witho
 }
 
 TEST_CASE("homogenised subdomains are refused in space") {
-  Simulation simulation = column(SwitchedModel::homogenised);
+  Simulation simulation = column_of_spheres(SwitchedModel::homogenised);
   CHECK_THROWS_WITH_AS(prepare_solution<3>(simulation), doctest::Contains("expected none or linear"), Error);
 }

@@ -55,7 +55,7 @@ Decomposition with_contacts_given_twice(Decomposition parts, double turn) {
   return parts;
 }
 
-SpectralRadius shift_inverted(const Contraction& b, SpectrumMemory* memory = nullptr) {
+SpectralRadius limit_shift_inverted(const Contraction& b, SpectrumMemory* memory = nullptr) {
   const SpectralOptions options{.solver = SpectralSolver::shift_invert};
   return memory == nullptr ? judged_radius(b, options) : spectral_radius(b, options, memory);
 }
@@ -109,7 +109,7 @@ TEST_CASE("rigid limit of hyperstatic packings without order: shift-invert prove
       const Case one = disordered_fcc(seed, vacancies, GridPartitioner{{2, 2, 2}});
       CAPTURE(one.spec.name);
       const Contraction b = contraction_of(one, 0);
-      const SpectralRadius found = shift_inverted(b);
+      const SpectralRadius found = limit_shift_inverted(b);
       const SpectralRadius dense = dense_pencil_radius(b);
       CHECK(found.converged);
       CHECK(dense.converged);
@@ -123,7 +123,7 @@ TEST_CASE("rigid limit where a rank is in doubt: neither shift-invert nor the de
   const InterfaceFamily family(build(disordered_fcc(6, 0.25, GridPartitioner{{2, 2, 2}})).parts);
   const Contraction b{family.at(infinity), family.at(0)};
   CHECK_FALSE(b.system.nullity_is_clear());
-  CHECK_FALSE(shift_inverted(b).converged);
+  CHECK_FALSE(limit_shift_inverted(b).converged);
   CHECK_FALSE(dense_pencil_radius(b).converged);
   CHECK(family.at(1).nullity_is_clear());
 }
@@ -193,7 +193,7 @@ TEST_CASE("rigid limit of redundant packings: shift-invert proves what the dense
     for (const double eta : {0.1, infinity}) {
       CAPTURE(eta);
       const Contraction b{family.at(eta), family.at(0)};
-      const SpectralRadius found = shift_inverted(b, &memory);
+      const SpectralRadius found = limit_shift_inverted(b, &memory);
       const SpectralRadius dense = dense_pencil_radius(b);
       CHECK(found.converged);
       CHECK(found.unit_multiplicity == dense.unit_multiplicity);
@@ -210,7 +210,7 @@ TEST_CASE("rigid limit along eta: what does not depend on it is found once, and 
   for (double eta = 0.05; eta < 0.5; eta *= 1.3) {
     CAPTURE(eta);
     const Contraction b{family.at(eta), family.at(0)};
-    const SpectralRadius next = shift_inverted(b, &memory), alone = shift_inverted(b);
+    const SpectralRadius next = limit_shift_inverted(b, &memory), alone = limit_shift_inverted(b);
     CHECK(next.converged);
     CHECK(next.unit_multiplicity == alone.unit_multiplicity);
     CHECK(std::abs(next.subdominant - alone.subdominant) <= next.residual + alone.residual);
@@ -223,7 +223,7 @@ TEST_CASE("rigid limit along eta: what does not depend on it is found once, and 
 TEST_CASE("rigid limit: a number of unit eigenvalues that no count next to zero confirms is no result") {
   const Contraction b = contraction_of(hexagons(24, 24, {4, 1}), 0);
   SpectrumMemory memory;
-  const SpectralRadius right = shift_inverted(b, &memory);
+  const SpectralRadius right = limit_shift_inverted(b, &memory);
   REQUIRE(right.converged);
   REQUIRE(right.unit_multiplicity > 1);
   for (const Index wrong : {right.unit_multiplicity - 1, right.unit_multiplicity + 1}) {
@@ -231,7 +231,7 @@ TEST_CASE("rigid limit: a number of unit eigenvalues that no count next to zero 
     memory.forget_ends();
     memory.limit->kernel = wrong;  // as if a rank had been wrong by one
     memory.limit->confirmed = false;
-    CHECK_FALSE(shift_inverted(b, &memory).converged);
+    CHECK_FALSE(limit_shift_inverted(b, &memory).converged);
   }
 }
 
@@ -239,10 +239,10 @@ TEST_CASE("rigid limit along eta: a point that cannot be proved spoils none of t
   const InterfaceFamily family(build(hexagons(384, 12, {32, 1})).parts);
   const auto at = [&](double eta) { return Contraction{family.at(eta), family.at(0)}; };
   SpectrumMemory memory;
-  const SpectralRadius hardest = shift_inverted(at(1e-9), &memory);
+  const SpectralRadius hardest = limit_shift_inverted(at(1e-9), &memory);
   CHECK_FALSE(hardest.converged);
   CHECK(hardest.unit_multiplicity == 465);
-  const SpectralRadius next = shift_inverted(at(infinity), &memory), alone = shift_inverted(at(infinity));
+  const SpectralRadius next = limit_shift_inverted(at(infinity), &memory), alone = limit_shift_inverted(at(infinity));
   CHECK(next.converged);
   CHECK(next.unit_multiplicity == 465);
   CHECK(std::abs(next.subdominant - alone.subdominant) <= next.residual + alone.residual);
@@ -250,7 +250,7 @@ TEST_CASE("rigid limit along eta: a point that cannot be proved spoils none of t
 
 TEST_CASE("rigid limit of 10^4 disks in sixteen full strips: proved, unit eigenvalues counted twice") {
   const Contraction b = contraction_of(hexagons(100, 100, {16, 1}), 0);
-  const SpectralRadius found = shift_inverted(b);
+  const SpectralRadius found = limit_shift_inverted(b);
   CHECK(found.converged);
   CHECK(found.unit_multiplicity == 2205);
   // the dense pencil, in minutes (`--solver dense`)

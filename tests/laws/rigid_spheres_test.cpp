@@ -40,7 +40,7 @@ Case hcp(Index columns, Index rows, Index layers, double vacancies) {
 
 Case fallen(Index grains) { return spheres(SphereDeposit{.grains = grains, .seed = 3}, "deposit"); }
 
-SpectralRadius shift_inverted(const Contraction& b) {
+SpectralRadius spheres_shift_inverted(const Contraction& b) {
   return judged_radius(b, {.solver = SpectralSolver::shift_invert, .certify = true});
 }
 
@@ -68,7 +68,8 @@ TEST_CASE("rigid limit of spheres: shift-invert proves what the dense pencil fin
     for (const double eta : {0.1, infinity}) {
       CAPTURE(eta);
       const Contraction b{family.at(eta), family.at(0)};
-      const SpectralRadius found = shift_inverted(b), dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+      const SpectralRadius found = spheres_shift_inverted(b),
+                           dense = spectral_radius(b, {.solver = SpectralSolver::dense});
       CHECK(found.converged);
       CHECK(found.certified);
       CHECK(dense.converged);
@@ -83,7 +84,7 @@ TEST_CASE("rigid limit of 2 000 spheres, regular, with vacancies and fallen: pro
   for (const Case& one : {fcc(13, 13, 12, 0), fcc(13, 13, 12, 0.1), hcp(12, 12, 12, 0.1), fallen(2000)}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
-    const SpectralRadius found = shift_inverted({family.at(infinity), family.at(0)});
+    const SpectralRadius found = spheres_shift_inverted({family.at(infinity), family.at(0)});
     CHECK(found.converged);
     CHECK(found.certified);
   }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double tolerance = 1e-8;
 
-SpectralOptions shift_invert(Index eigenvalues = 1, bool certify = true) {
+SpectralOptions by_shift_invert(Index eigenvalues = 1, bool certify = true) {
   return {
       .solver = SpectralSolver::shift_invert, .tolerance = tolerance, .eigenvalues = eigenvalues, .certify = certify};
 }
@@ -96,7 +96,7 @@ TEST_CASE("shift-invert: ends, certificates and multiplicities of every packing"
       if (epsilon < 1e-4 && one.spec.name.find("unequal") != std::string::npos) continue;
       INFO("epsilon = ", epsilon, ", eta = ", eta);
       const Contraction b{family.at(eta), family.at(epsilon)};
-      counted += check_radius(judged_radius(b, shift_invert()), b);
+      counted += check_radius(judged_radius(b, by_shift_invert()), b);
       ++compared;
     }
   }
@@ -115,7 +115,7 @@ TEST_CASE("shift-invert: a list has both copies of every double eigenvalue") {
         const Contraction b{family.at(eta), family.at(epsilon)};
         const DenseSpectrum dense(b);
         const Index n = dense.lambda.size();
-        const SpectralRadius found = judged_radius(b, shift_invert(wanted, false));
+        const SpectralRadius found = judged_radius(b, by_shift_invert(wanted, false));
         REQUIRE(found.converged);
         REQUIRE(count(found.low) == wanted);
         REQUIRE(count(found.high) == wanted);
@@ -142,7 +142,7 @@ TEST_CASE("shift-invert: contacts restricted in Stage 1") {
     for (const auto& [epsilon, eta] : every_pair()) {
       INFO("epsilon = ", epsilon, ", eta = ", eta);
       const Contraction b{all.at(eta), some.at(epsilon)};
-      check_radius(judged_radius(b, shift_invert()), b);
+      check_radius(judged_radius(b, by_shift_invert()), b);
     }
   }
 }
@@ -153,11 +153,11 @@ TEST_CASE("shift-invert: relaxation, given or applied afterwards") {
     for (const double omega : {0.1, 0.7, 1.3, 1.9, 5.0}) {
       CAPTURE(omega);
       const Contraction b{family.at(eta), family.at(epsilon), omega};
-      const SpectralRadius direct = judged_radius(b, shift_invert());
+      const SpectralRadius direct = judged_radius(b, by_shift_invert());
       check_radius(direct, b);
       Contraction plain = b;
       plain.relaxation = 1;
-      const SpectralRadius after = relaxed(judged_radius(plain, shift_invert()), omega, tolerance);
+      const SpectralRadius after = relaxed(judged_radius(plain, by_shift_invert()), omega, tolerance);
       CHECK(after.value == direct.value);
       CHECK(after.low == direct.low);
       CHECK(after.high == direct.high);
@@ -174,7 +174,7 @@ TEST_CASE("shift-invert: modes are eigenvectors") {
   const InterfaceFamily family(build(random_lattice(21, 9, 8, {3, 2})).parts);
   for (const double eta : {0.3, infinity}) {
     const Contraction b{family.at(eta), family.at(0.05)};
-    const SpectralRadius found = judged_radius(b, shift_invert());
+    const SpectralRadius found = judged_radius(b, by_shift_invert());
     for (const auto& [mode, mu] :
          {std::pair{found.mode_min, found.eigenvalue_min}, {found.mode_max, found.eigenvalue_max}}) {
       REQUIRE(mode.size() == b.rows());
@@ -186,7 +186,7 @@ TEST_CASE("shift-invert: modes are eigenvectors") {
 TEST_CASE("shift-invert: equal flexibilities leave no error") {
   const Model model = build(random_lattice(21, 9, 8, {3, 2}));
   const InterfaceFamily family(model.parts);
-  const SpectralRadius none = judged_radius({family.at(0.3), family.at(0.3)}, shift_invert());
+  const SpectralRadius none = judged_radius({family.at(0.3), family.at(0.3)}, by_shift_invert());
   CHECK(none.value == 0);
   CHECK(none.converged);
   CHECK(none.certified);
@@ -197,7 +197,7 @@ TEST_CASE("shift-invert: few interface unknowns") {
   for (const Index grains : {4, 6, 8}) {
     const InterfaceFamily family(build(strip(grains)).parts);
     const Contraction b{family.at(infinity), family.at(0.2)};
-    const SpectralRadius found = judged_radius(b, shift_invert());
+    const SpectralRadius found = judged_radius(b, by_shift_invert());
     CHECK(std::abs(found.value - (1 - DenseSpectrum(b).lambda[0])) < 1e-8);
     CHECK(found.converged);
   }

@@ -18,7 +18,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-Vector3 momentum_of(const Simulation& s) {
+Vector3 momentum_of_spheres(const Simulation& s) {
   Vector3 sum = Vector3::Zero();
   for (std::size_t i = 0; i < s.system.mass.size(); ++i) sum += s.system.mass[i] * velocity_of_ball(s.state, i);
   return sum;
@@ -37,11 +37,11 @@ TEST_CASE("spheres: momentum stays, numerical energy is rounding at theta = 1/2,
   Dynamics dynamics = shaken(0.4);
   dynamics.time.gravity = {0, 0, 0};
   Simulation one = shaken_cube(4, dynamics), other = one;
-  const Vector3 momentum = momentum_of(one);
+  const Vector3 momentum = momentum_of_spheres(one);
   for (int k = 0; k < 5; ++k) {
     const StepReport report = advance_in_space(one);
     advance_in_space(other);
-    CHECK((momentum_of(one) - momentum).norm() < 1e-11);
+    CHECK((momentum_of_spheres(one) - momentum).norm() < 1e-11);
     CHECK(std::abs(report.energy.numerical) < 1e-12 * report.energy.kinetic * 64);
     CHECK(report.energy.dissipation > -1e-9);
     for (const auto values : numbers_of_grains(3)) CHECK(one.state.*values == other.state.*values);

@@ -10,7 +10,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-constexpr double tolerance = 1e-10;
+constexpr double map_tolerance = 1e-10;
 
 Dynamics newton(const std::string& law, double restitution = 0) {
   Dynamics dynamics = tight();
@@ -19,7 +19,7 @@ Dynamics newton(const std::string& law, double restitution = 0) {
   dynamics.interaction.cohesion = 20;
   dynamics.interaction.restitution = dynamics.interaction.tangential_restitution = restitution;
   dynamics.solver.algorithm = "two_stage_newton";
-  dynamics.solver.tolerance = tolerance;
+  dynamics.solver.tolerance = map_tolerance;
   return dynamics;
 }
 
@@ -41,7 +41,7 @@ double natural_map_of(const GranularStep<2>& step) {
 
 void check_solved(const Simulation& simulation, const GranularStep<2>& found, const GranularStep<2>& expected) {
   CHECK(found.report.status == SolverStatus::converged);
-  CHECK(natural_map_of(found) < 10 * tolerance);
+  CHECK(natural_map_of(found) < 10 * map_tolerance);
   // Impulses need not be unique, nor which contacts have any; where grains go is, next to always.
   const Index disks = simulation.system.grains();
   CHECK(largest_difference(found.velocities, expected.velocities, disks) <

@@ -13,7 +13,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-double smallest_eigenvalue(const Matrix& a) { return symmetric_eigenvalues(a).minCoeff(); }
+double smallest_of(const Matrix& a) { return symmetric_eigenvalues(a).minCoeff(); }
 
 // Every problem under its own load and under compression.
 template <class Law>
@@ -41,8 +41,8 @@ TEST_CASE("order: fewer contacts than all make the rigid operator larger, up to 
     REQUIRE(selection.certain);
     const InterfaceFamily family(model.parts);
     const Matrix carrying = InterfaceFamily(selection.stage_one(model)).at(0).dense();
-    CHECK(smallest_eigenvalue(carrying - family.at(0).dense()) > -1e-10);
-    CHECK(smallest_eigenvalue(family.at(infinity).dense() - carrying) > -1e-10);
+    CHECK(smallest_of(carrying - family.at(0).dense()) > -1e-10);
+    CHECK(smallest_of(family.at(infinity).dense() - carrying) > -1e-10);
   });
 }
 

@@ -16,24 +16,24 @@ using namespace nscdd::testing;
 
 namespace {
 
-const SpectralOptions shift_invert{.solver = SpectralSolver::shift_invert, .certify = true};
+const SpectralOptions certified_shift_invert{.solver = SpectralSolver::shift_invert, .certify = true};
 
-struct Point {
+struct EpsilonEta {
   double epsilon, eta;
 };
 
 // A line along epsilon, a line along eta, a grid, jumps forth and back, a point twice, generic and enriched mixed.
-std::vector<std::vector<Point>> every_path() {
-  std::vector<Point> along_epsilon, along_eta, grid;
+std::vector<std::vector<EpsilonEta>> every_path() {
+  std::vector<EpsilonEta> along_epsilon, along_eta, grid;
   for (double exponent = -4; exponent <= 2; exponent += 0.5)
     along_epsilon.push_back({std::pow(10, exponent), infinity});
   for (double exponent = -2; exponent <= 2; exponent += 0.4) along_eta.push_back({0.1, 1.03 * std::pow(10, exponent)});
   for (const double epsilon : {1e-3, 1e-2, 0.1})
     for (const double eta : {0.05, 0.5, 5.0, 50.0}) grid.push_back({epsilon, eta});
-  const std::vector<Point> jumps{{1e-4, infinity},   {1e2, infinity}, {1e-4, infinity}, {1e-4, infinity},
-                                 {1.0, infinity},    {1.0, 0.3},      {1e-3, 0.3},      {10.0, 0.3},
-                                 {10.0, 40.0},       {10.0, 0.01},    {1e-3, infinity}, {1.1e-3, infinity},
-                                 {1.2e-3, infinity}, {90.0, infinity}};
+  const std::vector<EpsilonEta> jumps{{1e-4, infinity},   {1e2, infinity}, {1e-4, infinity}, {1e-4, infinity},
+                                      {1.0, infinity},    {1.0, 0.3},      {1e-3, 0.3},      {10.0, 0.3},
+                                      {10.0, 40.0},       {10.0, 0.01},    {1e-3, infinity}, {1.1e-3, infinity},
+                                      {1.2e-3, infinity}, {90.0, infinity}};
   return {along_epsilon, {along_epsilon.rbegin(), along_epsilon.rend()}, along_eta, grid, jumps};
 }
 
@@ -54,7 +54,7 @@ SweepParameters two_way_sweep() {
   return {.epsilon = {1, 1e-3, 1e-2, 0.1, 1, 10},
           .eta = {0.02, 0.5, infinity},
           .relaxation = {1.0, std::nullopt},
-          .spectral = shift_invert};
+          .spectral = certified_shift_invert};
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
                           random_fcc(21, 5, 5, 4, GridPartitioner{{2, 2, 2}})}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
-    for (const std::vector<Point>& path : every_path()) {
+    for (const std::vector<EpsilonEta>& path : every_path()) {
       const bool certify = !certified_before;
       certified_before = certify;
       SpectrumMemory memory, matrix_free_memory;
@@ -75,7 +75,7 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
         const SpectralRadius warm =
             spectral_radius(b, {.solver = SpectralSolver::shift_invert, .certify = certify}, &memory);
         const SpectralRadius matrix_free = spectral_radius(b, {.solver = SpectralSolver::arpack}, &matrix_free_memory);
-        const SpectralRadius cold = spectral_radius(b, shift_invert);
+        const SpectralRadius cold = spectral_radius(b, certified_shift_invert);
         REQUIRE(warm.converged);
         REQUIRE(cold.converged);
         CHECK(warm.certified == certify);
@@ -104,10 +104,10 @@ TEST_CASE("slopes of the ends are those of the dense spectra on both sides") {
   };
   const double step = 1e-3;
   for (const auto& [epsilon, eta] :
-       std::vector<Point>{{0.03, infinity}, {2.0, infinity}, {0.03, 0.4}, {2.0, 0.4}, {0.2, 8.0}}) {
+       std::vector<EpsilonEta>{{0.03, infinity}, {2.0, infinity}, {0.03, 0.4}, {2.0, 0.4}, {0.2, 8.0}}) {
     INFO("epsilon = ", epsilon, ", eta = ", eta);
     SpectrumMemory memory;
-    spectral_radius({family.at(eta), family.at(epsilon)}, shift_invert, &memory);
+    spectral_radius({family.at(eta), family.at(epsilon)}, certified_shift_invert, &memory);
     const PencilMemory::Visited& met = memory.flexible.visited.back();
     const auto check = [&](const SpectralRadius& before, const SpectralRadius& after, double smallest, double largest) {
       const double rounding = 1e-11 / step;
@@ -183,7 +183,7 @@ TEST_CASE("warm starts are not caught by a mode that is no longer the end, certi
     CAPTURE(epsilon);
     const Contraction b{family.at(infinity), family.at(epsilon)};
     const SpectralRadius warm = spectral_radius(b, {.solver = SpectralSolver::shift_invert}, &memory);
-    const SpectralRadius proved = spectral_radius(b, shift_invert);
+    const SpectralRadius proved = spectral_radius(b, certified_shift_invert);
     CHECK(warm.converged);
     REQUIRE(proved.certified);
     CHECK(std::abs(warm.value - proved.value) <= warm.residual + proved.residual);
@@ -227,7 +227,7 @@ TEST_CASE("a memory used for another packing, or another set of contacts, is not
           Pair{some, all, enriched}, Pair{some, other, enriched}})
       for (const double epsilon : {0.01, 0.02, 0.04, 100.0}) {
         const Contraction b{preconditioner.at(eta), system.at(epsilon)};
-        const SpectralRadius found = spectral_radius(b, shift_invert, &memory);
+        const SpectralRadius found = spectral_radius(b, certified_shift_invert, &memory);
         const SpectralRadius dense = dense_pencil_radius(b);
         CAPTURE(epsilon);
         REQUIRE(found.converged);

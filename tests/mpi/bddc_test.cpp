@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // PCBDDC of PETSc, one subdomain per process, against our solutions and our spectra.
+#include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
 #include "ddm/primal_interface.hpp"
@@ -10,8 +11,6 @@
 #include <nscdd/mpi/processes.hpp>
 #include <nscdd/study/sweep.hpp>
 
-#include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
 #include <doctest/doctest.h>
 
 using namespace nscdd;
@@ -55,7 +54,7 @@ struct BddcProblem {
       CHECK(found.lambda_min > 0.99);
       CHECK(found.lambda_min < 1.1);
       CHECK(found.flops > 0);
-      const Vector known = Eigen::SimplicialLLT<SparseMatrix>(m).solve(right);
+      const Vector known = testing::solve(Dense(m), right);
       Vector met = known;
       met(glued.unknowns) = found.velocities;
       const Vector error = met - known;
@@ -69,7 +68,7 @@ struct BddcProblem {
 Vector one_level(const Model& model, double epsilon, Scaling scaling) {
   PrimalInterface interface = condense(model.parts, epsilon);
   weigh(interface, scaling);
-  const Matrix lower = Eigen::LLT<Matrix>(Matrix(interface.sparse())).matrixL();
+  const Matrix lower = cholesky_factor(interface.sparse());
   return symmetric_values(lower.transpose() * interface.dense_preconditioner() * lower);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What crosses from process to process.
-#include <nscdd/mpi/processes.hpp>
+#include "ranks.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,11 +11,6 @@
 using namespace nscdd;
 
 namespace {
-
-const Processes& all() {
-  static const Processes processes = mpi::processes_of(MPI_COMM_WORLD);
-  return processes;
-}
 
 // Whether the others have the bits of the first process.
 bool same_bits(double value) {
@@ -30,29 +25,29 @@ TEST_CASE("processes: sums and maxima are those of all, with the same bits every
   int size = 0, rank = -1;
   MPI_Comm_size(MPI_COMM_WORLD, &size);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  CHECK(all().size == size);
-  CHECK(all().rank == rank);
-  CHECK(all().alone() == (size == 1));
-  CHECK(all().sum(static_cast<double>(rank)) == size * (size - 1) / 2);
-  CHECK(all().maximum(static_cast<double>(-rank)) == 0);
-  CHECK(all().maximum(static_cast<double>(rank)) == size - 1);
-  CHECK(all().any(rank == size - 1));
-  CHECK(!all().any(false));
+  CHECK(world().size == size);
+  CHECK(world().rank == rank);
+  CHECK(world().alone() == (size == 1));
+  CHECK(world().sum(static_cast<double>(rank)) == size * (size - 1) / 2);
+  CHECK(world().maximum(static_cast<double>(-rank)) == 0);
+  CHECK(world().maximum(static_cast<double>(rank)) == size - 1);
+  CHECK(world().any(rank == size - 1));
+  CHECK(!world().any(false));
   double harmonic = 0;
   for (int k = 1; k <= size; ++k) harmonic += 1.0 / k;
-  const double sum = all().sum(1.0 / (rank + 1));
+  const double sum = world().sum(1.0 / (rank + 1));
   CHECK(std::abs(sum - harmonic) < 1e-15 * size);
   CHECK(same_bits(sum));
   std::vector<double> numbers(1000);
   for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = static_cast<double>(k) * (rank + 1);
-  all().add_up(numbers);
+  world().add_up(numbers);
   for (std::size_t k = 0; k < numbers.size(); ++k) CHECK(numbers[k] == static_cast<double>(k) * size * (size + 1) / 2);
 }
 
 TEST_CASE("processes: neighbours add up what they share, and nobody else takes part") {
   // A ring: entry k belongs to the processes k and k + 1. The last one shares with the first, and stays away where it
   // would be its own neighbour.
-  const Index size = all().size, rank = all().rank;
+  const Index size = world().size, rank = world().rank;
   std::vector<SharedEntries> shared;
   const auto add = [&](Index process, std::vector<Index> entries) {
     if (process != rank) shared.push_back({process, std::move(entries)});
@@ -64,7 +59,7 @@ TEST_CASE("processes: neighbours add up what they share, and nobody else takes p
     add(next, {rank}), add(before, {before});
   else
     add(before, {before}), add(next, {rank});
-  const auto add_up = all().between_neighbours(shared);
+  const auto add_up = world().between_neighbours(shared);
   for (const double factor : {1.0, 3.0}) {  // the same messages again
     std::vector<double> numbers(static_cast<std::size_t>(size + 1), 7);
     const auto entry = [&](Index k) -> double& { return numbers[static_cast<std::size_t>(k)]; };
@@ -78,15 +73,15 @@ TEST_CASE("processes: neighbours add up what they share, and nobody else takes p
 }
 
 TEST_CASE("processes: numbers are gathered in their order, at all, at the first, or of one after the other") {
-  const Index size = all().size, rank = all().rank;
+  const Index size = world().size, rank = world().rank;
   const std::vector<double> own(static_cast<std::size_t>(rank), static_cast<double>(rank));  // none of the first
   std::vector<double> expected;
   for (Index k = 0; k < size; ++k) expected.insert(expected.end(), static_cast<std::size_t>(k), static_cast<double>(k));
-  CHECK(all().gather(own) == expected);
-  CHECK(all().gather(own, false) == (rank == 0 ? expected : std::vector<double>()));
+  CHECK(world().gather(own) == expected);
+  CHECK(world().gather(own, false) == (rank == 0 ? expected : std::vector<double>()));
   std::vector<double> met;
   Index turns = 0;
-  all().exchange(own, [&](std::span<const double> numbers) {
+  world().exchange(own, [&](std::span<const double> numbers) {
     CHECK(static_cast<Index>(numbers.size()) == turns++);
     met.insert(met.end(), numbers.begin(), numbers.end());
   });
@@ -99,19 +94,19 @@ TEST_CASE("processes: items of any type are gathered, and whole numbers added up
     float half;
     char letter;
   };
-  const auto rank = static_cast<int>(all().rank);
-  const std::vector<Item> items = all().gather_each(Item{rank, 0.5F * static_cast<float>(rank), 'x'});
-  REQUIRE(static_cast<Index>(items.size()) == all().size);
-  for (Index k = 0; k < all().size; ++k) {
+  const auto rank = static_cast<int>(world().rank);
+  const std::vector<Item> items = world().gather_each(Item{rank, 0.5F * static_cast<float>(rank), 'x'});
+  REQUIRE(static_cast<Index>(items.size()) == world().size);
+  for (Index k = 0; k < world().size; ++k) {
     const Item& one = items[static_cast<std::size_t>(k)];
     CHECK(one.rank == k);
     CHECK(one.half == 0.5F * static_cast<float>(k));
     CHECK(one.letter == 'x');
   }
-  const std::vector<char> text = all().gather(std::string(static_cast<std::size_t>(rank), 'a'));
-  CHECK(static_cast<Index>(text.size()) == all().size * (all().size - 1) / 2);
-  CHECK(all().sum(Index{1}) == all().size);
-  CHECK(all().maximum(Index{-rank}) == 0);
+  const std::vector<char> text = world().gather(std::string(static_cast<std::size_t>(rank), 'a'));
+  CHECK(static_cast<Index>(text.size()) == world().size * (world().size - 1) / 2);
+  CHECK(world().sum(Index{1}) == world().size);
+  CHECK(world().maximum(Index{-rank}) == 0);
 }
 
 TEST_CASE("processes: what is sent is counted") {
@@ -151,32 +146,32 @@ TEST_CASE("processes: what one of them throws, all throw, with its words") {
     }
     return Met{};
   };
-  for (Index culprit = 0; culprit < all().size; ++culprit) {
+  for (Index culprit = 0; culprit < world().size; ++culprit) {
     const Met one = met([&] {
-      all().together([&] {
-        if (all().rank >= culprit) throw Error("too bad: " + std::to_string(all().rank) + ", met µ");
+      world().together([&] {
+        if (world().rank >= culprit) throw Error("too bad: " + std::to_string(world().rank) + ", met µ");
         return 1;
       });
     });
     CHECK(one.text == "too bad: " + std::to_string(culprit) + ", met µ");
-    CHECK(one.elsewhere == (all().rank != culprit));
+    CHECK(one.elsewhere == (world().rank != culprit));
   }
   const Met inner = met([&] {  // one has failed, and all are together again further out
-    all().together([&] {
-      return all().together([&] {
-        if (all().rank == all().size - 1) throw Error("the last one");
+    world().together([&] {
+      return world().together([&] {
+        if (world().rank == world().size - 1) throw Error("the last one");
         return 1;
       });
     });
   });
   CHECK(inner.text == "the last one");
-  CHECK(inner.elsewhere == (all().rank != all().size - 1));
-  CHECK(all().together([] { return 7; }) == 7);
+  CHECK(inner.elsewhere == (world().rank != world().size - 1));
+  CHECK(world().together([] { return 7; }) == 7);
 }
 
 TEST_CASE("processes: a communicator of the caller is not disturbed") {
   MPI_Comm pair = MPI_COMM_NULL;
-  MPI_Comm_split(MPI_COMM_WORLD, static_cast<int>(all().rank) / 2, 0, &pair);
+  MPI_Comm_split(MPI_COMM_WORLD, static_cast<int>(world().rank) / 2, 0, &pair);
   {
     const Processes two = mpi::processes_of(pair);
     CHECK(two.sum(1) == static_cast<double>(two.size));

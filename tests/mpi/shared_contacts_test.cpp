@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Linear systems of contacts that processes share, against those of one process.
 #include "../support/cut_lattice.hpp"
+#include "ranks.hpp"
 #include <nscdd/mpi/multifrontal.hpp>
-#include <nscdd/mpi/processes.hpp>
 
 #include <doctest/doctest.h>
 
@@ -13,16 +13,11 @@ using namespace nscdd::testing;
 
 namespace {
 
-const Processes& all() {
-  static const Processes processes = mpi::processes_of(MPI_COMM_WORLD);
-  return processes;
-}
-
 // The same cut with the subdomains of this process and their contacts alone.
-struct Shared {
-  explicit Shared(const Cut& one) : process_of(deal_out(one.parts, all().size)) {
+struct SharedCut {
+  explicit SharedCut(const Cut& one) : process_of(deal_out(one.parts, world().size)) {
     for (Index column = 0; column < one.parts.contacts; ++column)
-      if (process_of[at(one.partition.subdomain_of_contact[at(column)])] == all().rank) columns.push_back(column);
+      if (process_of[at(one.partition.subdomain_of_contact[at(column)])] == world().rank) columns.push_back(column);
   }
 
   CutContacts<2> cut(const Cut& one, CutOptions options) const {
@@ -38,7 +33,7 @@ struct Shared {
     own.h = one.problem.h * chosen;
     std::vector<Index> numbers(at(one.problem.inertia.size() / 3));
     std::iota(numbers.begin(), numbers.end(), Index{0});
-    return {decompose(own, partition, GluingShape::chain, {numbers, process_of, all()}), options};
+    return {decompose(own, partition, GluingShape::chain, {numbers, process_of, world()}), options};
   }
   std::vector<ContactRelation<2>> of(const std::vector<ContactRelation<2>>& relations) const {
     std::vector<ContactRelation<2>> own;
@@ -54,7 +49,7 @@ struct Shared {
 TEST_CASE("shared: linear systems of contacts have the solutions of one process, without a network their bits") {
   RandomStream stream(3);
   const Cut one = cut_lattice({4, 2});
-  const Shared shared(one);
+  const SharedCut shared(one);
   for (const bool slides : {false, true})
     for (const InterfaceNetwork network : {InterfaceNetwork::none, InterfaceNetwork::all, InterfaceNetwork::active}) {
       const CutOptions options{.network = network, .tolerance = 1e-12};
@@ -80,7 +75,7 @@ TEST_CASE("shared: linear systems of contacts have the solutions of one process,
 TEST_CASE("shared: all processes know the sign of the determinant, and whether one of them failed to factorise") {
   RandomStream stream(13);
   const Cut one = cut_lattice({4, 2});
-  const Shared shared(one);
+  const SharedCut shared(one);
   int negative = 0;
   for (int trial = 0; trial < 30; ++trial) {
     std::vector<ContactRelation<2>> relation = relations(one.parts.contacts / 2, 0.1, true);

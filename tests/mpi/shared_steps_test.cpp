@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What each process has of a step that several share.
 #include "../support/spheres.hpp"
+#include "ranks.hpp"
 #include "simulation/simulation.hpp"
 #include "simulation/step_verdict.hpp"
 #include <nscdd/mpi/bddc.hpp>
-#include <nscdd/mpi/processes.hpp>
 #include <nscdd/packing/generator.hpp>
 
 #include <doctest/doctest.h>
@@ -15,11 +15,6 @@ using namespace nscdd;
 using namespace nscdd::testing;
 
 namespace {
-
-const Processes& all() {
-  static const Processes processes = mpi::processes_of(MPI_COMM_WORLD);
-  return processes;
-}
 
 Dynamics dynamics_of(const std::string& algorithm) {
   Dynamics dynamics = tight();
@@ -97,11 +92,11 @@ Simulation free_fall(const std::string& algorithm) {
 template <int D = 2>
 void check_run(const Simulation& start, int steps) {
   Simulation alone = start, shared = start;
-  shared.processes = all();
+  shared.processes = world();
   for (int step = 0; step < steps; ++step) {
     CAPTURE(step);
     const GranularStep<D> whole = solve_step<D>(alone), own = solve_step<D>(shared);
-    CHECK(all().sum(static_cast<double>(own.contacts.size())) == static_cast<double>(whole.contacts.size()));
+    CHECK(world().sum(static_cast<double>(own.contacts.size())) == static_cast<double>(whole.contacts.size()));
     std::size_t k = 0;  // both lists ascend
     for (std::size_t c = 0; c < own.contacts.size(); ++c) {
       const StepContact& here = own.problem.geometry[c];
@@ -141,7 +136,7 @@ void check_run(const Simulation& start, int steps) {
       });
       if (has(one.a) || has(one.b)) CHECK(found != shared.state.subdomains.end());
     }
-    CHECK(all().sum(static_cast<double>(shared.state.impulses.size())) ==
+    CHECK(world().sum(static_cast<double>(shared.state.impulses.size())) ==
           static_cast<double>(alone.state.impulses.size()));
   }
 }
@@ -160,7 +155,7 @@ TEST_CASE("shared steps: every contact is in one process, which knows all contac
 }
 
 TEST_CASE("shared steps: clumps and a pushed wall in several processes move as in one, bit for bit") {
-  if (all().size > 2) return;  // more ranks than cores exchange messages for minutes
+  if (world().size > 2) return;  // more ranks than cores exchange messages for minutes
   for (const std::string algorithm : {"generic", "schwarz"}) {
     const Simulation start = clumped(algorithm);
     REQUIRE(start.system.free_bodies.size() == 4);
@@ -175,7 +170,7 @@ TEST_CASE("shared steps: criteria that are sums and maxima over all contacts hav
     alone.dynamics.solver.criterion = criterion;
     alone.dynamics.solver.tolerance = 1e-3;
     Simulation shared = alone;
-    shared.processes = all();
+    shared.processes = world();
     const StepReport whole = solve_step(alone).report, own = solve_step(shared).report;
     CHECK(whole.status == SolverStatus::converged);
     CHECK(own.last.iteration == whole.last.iteration);
@@ -185,8 +180,8 @@ TEST_CASE("shared steps: criteria that are sums and maxima over all contacts hav
 }
 
 TEST_CASE("shared steps: two-stage ADMM with BDDC has the solutions of one process") {
-  if (all().size > 2) return;  // ranks of PETSc that take turns on a core wait for each other
-  const std::array<Index, 2> grid{all().size, 1};
+  if (world().size > 2) return;  // ranks of PETSc that take turns on a core wait for each other
+  const std::array<Index, 2> grid{world().size, 1};
   for (const std::string space : {"none", "geneo"}) {
     CAPTURE(space);
     Dynamics dynamics = dynamics_of("two_stage_admm");
@@ -194,7 +189,7 @@ TEST_CASE("shared steps: two-stage ADMM with BDDC has the solutions of one proce
     dynamics.solver.interface_preconditioner = "bddc";
     dynamics.solver.coarse_space = space;
     Simulation shared = shaken_lattice(9, 6, dynamics, grid);
-    shared.processes = all();
+    shared.processes = world();
     shared.bddc = mpi::bddc(MPI_COMM_WORLD);
     for (int step = 0; step < 2; ++step) {
       const GranularStep<2> whole = solve_step(alone), own = solve_step(shared);
@@ -227,19 +222,19 @@ TEST_CASE("shared steps: processes without contacts, and steps without any") {
     // With a network in Stage 2 the shared factor takes processes without unknowns.
     Simulation active = apart(algorithm);
     active.dynamics.solver.interface_network = "active";
-    active.processes = all();
+    active.processes = world();
     CHECK(solve_step(active).report.status == SolverStatus::converged);
   }
 }
 
 TEST_CASE("shared steps: processes that find other contacts all say so, and none waits") {
-  if (all().alone()) return;
-  for (const Index odd : {Index{0}, all().size - 1}) {
+  if (world().alone()) return;
+  for (const Index odd : {Index{0}, world().size - 1}) {
     Simulation one = shaken("generic");
-    one.processes = all();
-    if (all().rank == odd) one.dynamics.time.alert *= 40;
+    one.processes = world();
+    if (world().rank == odd) one.dynamics.time.alert *= 40;
     CHECK_THROWS_WITH_AS(
-        all().together([&] { return share_step<2>(one); }),
+        world().together([&] { return share_step<2>(one); }),
         "processes: expected the same step on all ranks, met different ones: their processors may differ", Error);
   }
 }
@@ -254,7 +249,7 @@ TEST_CASE("shared steps: all processes end at a step without a solution, with th
   std::vector<Grain> row(8);
   for (int k = 0; k < 8; ++k) row[at(k)].x = k;
   Simulation alone = simulation_of(row, dynamics, {8, 1}), shared = alone;
-  shared.processes = all();
+  shared.processes = world();
   const RunOutcome whole = run_simulation(alone, {}), own = run_simulation(shared, {});
   CHECK(whole.end == RunEnd::impossible);
   CHECK(own.end == RunEnd::impossible);

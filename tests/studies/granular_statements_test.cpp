@@ -22,7 +22,7 @@ Table baseline(const std::string& study, std::size_t number = 0) {
   return untyped_table(parse_csv(read_text(path), path));
 }
 
-double number(const Table& table, const Row& row, const std::string& column) {
+double number_at(const Table& table, const Row& row, const std::string& column) {
   return std::get<double>(row[table.column(column)]);
 }
 
@@ -35,8 +35,8 @@ std::map<double, double> history(const Table& table, double sweeps, double eta,
                                  const std::string& column = "interface_change") {
   std::map<double, double> points;
   for (const Row& row : table.rows)
-    if (number(table, row, "gauss_seidel_sweeps") == sweeps && number(table, row, "eta") == eta)
-      points[number(table, row, "iteration")] = number(table, row, column);
+    if (number_at(table, row, "gauss_seidel_sweeps") == sweeps && number_at(table, row, "eta") == eta)
+      points[number_at(table, row, "iteration")] = number_at(table, row, column);
   REQUIRE(points.size() > 50);
   return points;
 }
@@ -92,18 +92,18 @@ TEST_CASE("Figure 10: all steps of Algorithm 1 converge, and no run ends far fro
   int converged = 0;
   std::map<double, double> jump;  // of the generic runs that are cut short, by n_GS
   for (const Row& row : table.rows) {
-    CHECK(number(table, row, "steps") == 250);
-    CHECK(number(table, row, "grains") == 780);
-    CHECK(number(table, row, "distance_mean") < 0.016);  // grains move by 0.4 m
-    CHECK(number(table, row, "distance_mean") < number(table, row, "distance_maximum"));
-    if (number(table, row, "solver.maximum_iterations") == 10000) {
+    CHECK(number_at(table, row, "steps") == 250);
+    CHECK(number_at(table, row, "grains") == 780);
+    CHECK(number_at(table, row, "distance_mean") < 0.016);  // grains move by 0.4 m
+    CHECK(number_at(table, row, "distance_mean") < number_at(table, row, "distance_maximum"));
+    if (number_at(table, row, "solver.maximum_iterations") == 10000) {
       ++converged;
-      CHECK(number(table, row, "converged_steps") == 250);
-      CHECK(number(table, row, "gluing") <= 0.01);
-      CHECK(number(table, row, "natural_map") < 1.2e-4);
+      CHECK(number_at(table, row, "converged_steps") == 250);
+      CHECK(number_at(table, row, "gluing") <= 0.01);
+      CHECK(number_at(table, row, "natural_map") < 1.2e-4);
     } else {
-      CHECK(number(table, row, "gluing") > 0.01);
-      jump.emplace(number(table, row, "gauss_seidel_sweeps"), number(table, row, "gluing"));
+      CHECK(number_at(table, row, "gluing") > 0.01);
+      jump.emplace(number_at(table, row, "gauss_seidel_sweeps"), number_at(table, row, "gluing"));
     }
   }
   CHECK(converged == 1);
@@ -138,20 +138,20 @@ TEST_CASE("predicted-observed: rates agree on small beds, and a row without a ra
   REQUIRE(table.rows.size() == 18);
   for (const Row& row : table.rows) {
     CAPTURE(text(table, row, "case"));
-    const double predicted = number(table, row, "predicted"), observed = number(table, row, "observed");
+    const double predicted = number_at(table, row, "predicted"), observed = number_at(table, row, "observed");
     CHECK(predicted < 1);
     if (text(table, row, "case") == "shear-1k") {  // its statuses settle too late
       CHECK(text(table, row, "converged") == "false");
       CHECK(text(table, row, "agree") == "false");
       CHECK(std::isnan(observed));
-      CHECK(number(table, row, "predicted_exact") > 1);
+      CHECK(number_at(table, row, "predicted_exact") > 1);
       continue;
     }
     const double gap = std::abs(observed - predicted) / (1 - predicted);
-    const double gap_of_z = std::abs(number(table, row, "rate_z") - predicted) / (1 - predicted);
+    const double gap_of_z = std::abs(number_at(table, row, "rate_z") - predicted) / (1 - predicted);
     CHECK(text(table, row, "converged") == "true");
     CHECK(text(table, row, "agree") == "true");
-    CHECK(number(table, row, "relative_gap") == doctest::Approx(gap).epsilon(1e-6));
+    CHECK(number_at(table, row, "relative_gap") == doctest::Approx(gap).epsilon(1e-6));
     CHECK(gap < 3e-4);
     if (text(table, row, "case") == "shear-300")
       CHECK(gap_of_z < 1e-4);
@@ -161,8 +161,8 @@ TEST_CASE("predicted-observed: rates agree on small beds, and a row without a ra
   // An iteration with more sweeps contracts more, and the enriched one a little more than the generic one.
   std::map<std::string, std::map<double, double>> gaps;
   for (const Row& row : table.rows)
-    gaps[text(table, row, "case") + text(table, row, "algorithm")][number(table, row, "gauss_seidel_sweeps")] =
-        1 - number(table, row, "predicted");
+    gaps[text(table, row, "case") + text(table, row, "algorithm")][number_at(table, row, "gauss_seidel_sweeps")] =
+        1 - number_at(table, row, "predicted");
   for (const std::string name : {"shear-100", "shear-300", "shear-1k"})
     for (const double sweeps : {1.0, 10.0, 100.0}) {
       const double generic = gaps.at(name + "generic").at(sweeps), more = gaps.at(name + "enriched").at(sweeps);
@@ -180,17 +180,17 @@ TEST_CASE("predicted-observed: next to the solution rates agree, and that of 2 0
   for (const Table* table : {&small, &large})
     for (std::size_t i = 0; i < table->rows.size(); ++i) {
       const Row& row = table->rows[i];
-      INFO("case = ", text(*table, row, "case"), ", sweeps = ", number(*table, row, "gauss_seidel_sweeps"));
+      INFO("case = ", text(*table, row, "case"), ", sweeps = ", number_at(*table, row, "gauss_seidel_sweeps"));
       CHECK(text(*table, row, "converged") == "true");
       CHECK(text(*table, row, "agree") == "true");
-      CHECK(number(*table, row, "natural_map") < 1e-13);
-      CHECK(number(*table, row, "drift") < 1e-11);
-      CHECK(number(*table, row, "changed") == 0);
-      const double predicted = number(*table, row, "predicted"), observed = number(*table, row, "observed");
+      CHECK(number_at(*table, row, "natural_map") < 1e-13);
+      CHECK(number_at(*table, row, "drift") < 1e-11);
+      CHECK(number_at(*table, row, "changed") == 0);
+      const double predicted = number_at(*table, row, "predicted"), observed = number_at(*table, row, "observed");
       CHECK(std::abs(observed - predicted) < 1e-4 * std::abs(1 - predicted));
       CHECK((predicted > 1) == (table == &large));
       // The statuses at the end of the runs from zero have the same rates.
-      if (table == &small) CHECK(predicted == doctest::Approx(number(far, far.rows[i], "predicted")).epsilon(1e-5));
+      if (table == &small) CHECK(predicted == doctest::Approx(number_at(far, far.rows[i], "predicted")).epsilon(1e-5));
     }
 }
 
@@ -206,8 +206,8 @@ TEST_CASE("Figures 9 and 11: contact solvers get where Algorithm 1 does not, all
     double least = infinity, iterations = 0;  // of the lines of the paper
     const Table paper = baseline(lines.study, lines.paper), solvers = baseline(lines.study, lines.solvers);
     for (const Row& row : paper.rows) {
-      least = std::min(least, number(paper, row, "natural_map"));
-      iterations = std::max(iterations, number(paper, row, "iteration"));
+      least = std::min(least, number_at(paper, row, "natural_map"));
+      iterations = std::max(iterations, number_at(paper, row, "iteration"));
     }
     std::istringstream names(lines.algorithms);
     for (std::string algorithm; names >> algorithm;) {
@@ -215,11 +215,11 @@ TEST_CASE("Figures 9 and 11: contact solvers get where Algorithm 1 does not, all
       double last = infinity, passes = 0;
       for (const Row& row : solvers.rows) {
         if (text(solvers, row, "algorithm") != algorithm) continue;
-        const double sweeps = algorithm == "two_stage_admm" ? 0 : number(solvers, row, "sweeps");
+        const double sweeps = algorithm == "two_stage_admm" ? 0 : number_at(solvers, row, "sweeps");
         const bool cut = algorithm.starts_with("two_stage");
-        CHECK((number(solvers, row, "interface_iterations") == 0 || cut));
-        passes = sweeps + number(solvers, row, cut ? "interface_iterations" : "factorisations");
-        last = number(solvers, row, "natural_map");
+        CHECK((number_at(solvers, row, "interface_iterations") == 0 || cut));
+        passes = sweeps + number_at(solvers, row, cut ? "interface_iterations" : "factorisations");
+        last = number_at(solvers, row, "natural_map");
       }
       CHECK(last <= lines.tolerance);
       CHECK(last < 1e-3 * least);

@@ -19,7 +19,8 @@ using namespace nscdd::testing;
 
 namespace {
 
-StudyTable table_of(const std::string& observable, const std::string& more, const std::string& text = moving_case()) {
+StudyTable moving_table(const std::string& observable, const std::string& more,
+                        const std::string& text = moving_case()) {
   const auto read = [&](const std::string&) { return parse_case(text, "small.toml"); };
   return parse_study("[[table]]\nname = \"t\"\nobservable = \"" + observable + "\"\ncases = [\"small\"]\n" + more,
                      "s/study.toml", read)
@@ -66,7 +67,7 @@ std::int64_t integer(const Table& table, std::size_t row, const std::string& col
 }  // namespace
 
 TEST_CASE("runs: a row tells of the run that the solver of the case makes, plain Gauss-Seidel apart") {
-  const StudyTable work = table_of("runs", "steps = [3, 6]\n");
+  const StudyTable work = moving_table("runs", "steps = [3, 6]\n");
   const Table table = run(work);
   REQUIRE(table.rows.size() == 2);
   for (std::size_t row = 0; row < 2; ++row) {
@@ -86,8 +87,8 @@ TEST_CASE("runs: a row tells of the run that the solver of the case makes, plain
 }
 
 TEST_CASE("lead_in: with its own solver a configuration is that of a simulation, else that of Gauss-Seidel") {
-  const StudyTable plain = table_of("configuration", "steps = [0, 4]\n");
-  const StudyTable own = table_of("configuration", "steps = [0, 4]\nlead_in = \"own\"\n");
+  const StudyTable plain = moving_table("configuration", "steps = [0, 4]\n");
+  const StudyTable own = moving_table("configuration", "steps = [0, 4]\nlead_in = \"own\"\n");
   const Table with_plain = run(plain), with_own = run(own);
   const Run expected = run_of(own.cases[0], 4);
   const auto disks = expected.simulation.state.x.size();
@@ -103,7 +104,7 @@ TEST_CASE("lead_in: with its own solver a configuration is that of a simulation,
 }
 
 TEST_CASE("lead_in: whatever led to a state, what comes next is solved as the case says") {
-  const Case one = table_of("configuration", "steps = [2]\n").cases[0];
+  const Case one = moving_table("configuration", "steps = [2]\n").cases[0];
   for (const LeadInSolver solver : {LeadInSolver::plain, LeadInSolver::own}) {
     const Arrival arrival = LeadIn().at(one, 2, solver);
     CHECK(arrival.simulation.state.step == 2);
@@ -112,11 +113,11 @@ TEST_CASE("lead_in: whatever led to a state, what comes next is solved as the ca
 }
 
 TEST_CASE("lead_in: tables that share the way get the rows of tables that do not") {
-  const StudyTable chains = table_of("force_chains", "steps = [4, 2]\nlead_in = \"own\"\n");
+  const StudyTable chains = moving_table("force_chains", "steps = [4, 2]\nlead_in = \"own\"\n");
   LeadIn lead_in;
   Table shared{study_columns(chains), {}};
   run_table(
-      table_of("runs", "steps = [4]\n"), [](const Row&) {}, {}, 0, &lead_in);
+      moving_table("runs", "steps = [4]\n"), [](const Row&) {}, {}, 0, &lead_in);
   run_table(
       chains, [&](const Row& row) { shared.rows.push_back(row); }, {}, 0, &lead_in);
   const Table alone = run(chains);
@@ -125,14 +126,14 @@ TEST_CASE("lead_in: tables that share the way get the rows of tables that do not
 }
 
 TEST_CASE("lead_in: refused where it is none, and where a run has no other") {
-  CHECK_THROWS_WITH_AS(table_of("indicators", "lead_in = \"mine\"\n"),
+  CHECK_THROWS_WITH_AS(moving_table("indicators", "lead_in = \"mine\"\n"),
                        doctest::Contains("lead_in: expected one of \"plain\", \"own\""), Error);
-  CHECK_THROWS_WITH_AS(table_of("runs", "lead_in = \"plain\"\n"), doctest::Contains("lead_in: expected \"own\""),
+  CHECK_THROWS_WITH_AS(moving_table("runs", "lead_in = \"plain\"\n"), doctest::Contains("lead_in: expected \"own\""),
                        Error);
 }
 
 TEST_CASE("resume: other steps or another lead-in are other work") {
-  const auto record = [](const std::string& more) { return work_identity(table_of("configuration", more)); };
+  const auto record = [](const std::string& more) { return work_identity(moving_table("configuration", more)); };
   const WorkIdentity one = record("steps = [3]\n");
   CHECK(difference(one, record("steps = [3]\n")) == "");
   CHECK(difference(one, record("steps = [4]\n")) != "");
@@ -169,7 +170,7 @@ TEST_CASE("a wrong rate does not pass: predicted and observed are compared withi
 }
 
 TEST_CASE("contact_solvers: a row per step and solver, of the contact problem that an export of the step holds") {
-  const StudyTable work = table_of("contact_solvers", "steps = [1, 5]\ncontact_solvers = [\"nlgs\", \"auto\"]\n");
+  const StudyTable work = moving_table("contact_solvers", "steps = [1, 5]\ncontact_solvers = [\"nlgs\", \"auto\"]\n");
   const Table table = run(work);
   REQUIRE(table.rows.size() == 4);
   CHECK(row_count(work) == 4);
@@ -201,7 +202,7 @@ TEST_CASE("contact_solvers: names that there are, each once, and a law whose con
   const auto refused = [](const std::string& observable, const std::string& more, const std::string& part) {
     CAPTURE(more);
     try {
-      table_of(observable, more);
+      moving_table(observable, more);
       FAIL_CHECK("it was accepted");
     } catch (const Error& error) {
       CHECK(std::string(error.what()).find(part) != std::string::npos);
@@ -217,7 +218,7 @@ TEST_CASE("contact_solvers: names that there are, each once, and a law whose con
 TEST_CASE("interface_iterations: a row has the step as its solver takes it, and what its spectrum predicts") {
   const std::string more = "steps = [2]\n[table.vary]\n\"partition.grid\" = [\"2,1\", \"3,2\"]\n";
   const auto study = [&](const std::string& algorithm) {
-    return table_of("interface_iterations", more, solved_by(algorithm));
+    return moving_table("interface_iterations", more, solved_by(algorithm));
   };
   CHECK_THROWS_WITH_AS(study("auto"), doctest::Contains("expected two_stage_newton, met auto"), Error);
   const StudyTable work = study("two_stage_newton");
@@ -276,7 +277,7 @@ TEST_CASE("interface_iterations of spheres: what the spectrum predicts, with dir
 TEST_CASE("interface_iterations: contacts that pull are not open") {
   std::string text = solved_by("two_stage_newton");
   text.replace(text.find("[interaction]\n"), 14, "[interaction]\nlaw = \"cohesive\"\ncohesion = 1e7\n");
-  const Table table = run(table_of("interface_iterations", "steps = [2]\n", text));
+  const Table table = run(moving_table("interface_iterations", "steps = [2]\n", text));
   REQUIRE(table.rows.size() == 1);
   CHECK(integer(table, 0, "stick") > 100);
   // With all of them open S is that of loose grains, and one iteration is enough.
@@ -289,9 +290,9 @@ TEST_CASE("solver_indicators: the checks of a contact solver, the last with what
       "steps = [2]\n[table.vary]\n\"solver.algorithm\" = [\"two_stage_newton\", \"two_stage_admm\", \"newton\"]\n"
       "\"solver.tolerance\" = [1e-9]\n\"solver.maximum_iterations\" = [1000]\n";
   CHECK_THROWS_WITH_AS(
-      table_of("solver_indicators", "steps = [2]\n[table.vary]\n\"solver.algorithm\" = [\"generic\"]\n"),
+      moving_table("solver_indicators", "steps = [2]\n[table.vary]\n\"solver.algorithm\" = [\"generic\"]\n"),
       doctest::Contains("expected a contact solver, met generic"), Error);
-  const StudyTable work = table_of("solver_indicators", more);
+  const StudyTable work = moving_table("solver_indicators", more);
   const Table table = run(work);
   LeadIn lead_in;
   std::size_t row = 0;

@@ -79,10 +79,10 @@ Dense LiteralFormulas::y_bar(const std::vector<char>& active) const {
   Dense sum = zero(parts.interface_size(), parts.interface_size());
   for (const Subdomain& subdomain : parts.subdomains) {
     const Matrices e = matrices(subdomain);
-    const Dense g = e.h * selection(subdomain, active);
-    if (g.cols() == 0) continue;
-    const Dense a_bar_transposed = g.transpose() * e.inverse_mass * e.a.transpose();
-    sum += a_bar_transposed.transpose() * inverse(g.transpose() * e.inverse_mass * g) * a_bar_transposed;
+    const Dense kept = e.h * selection(subdomain, active);
+    if (kept.cols() == 0) continue;
+    const Dense a_bar_transposed = kept.transpose() * e.inverse_mass * e.a.transpose();
+    sum += a_bar_transposed.transpose() * inverse(kept.transpose() * e.inverse_mass * kept) * a_bar_transposed;
   }
   return sum;
 }
@@ -93,12 +93,12 @@ Dense LiteralFormulas::y_bar(const std::vector<char>& active, double eta) const 
     const Matrices e = matrices(subdomain);
     if (e.h.cols() == 0) continue;
     const Dense c = selection(subdomain, active);
-    const Dense g = e.h * c;
+    const Dense kept = e.h * c;
     Dense z = -e.h.transpose() * e.inverse_mass / eta;
-    if (g.cols() > 0) {
-      const Dense w_bar_inverse = inverse(g.transpose() * e.inverse_mass * g);
-      z += c * w_bar_inverse * g.transpose() * e.inverse_mass +
-           e.h.transpose() * e.inverse_mass * g * w_bar_inverse * g.transpose() * e.inverse_mass / eta;
+    if (kept.cols() > 0) {
+      const Dense w_bar_inverse = inverse(kept.transpose() * e.inverse_mass * kept);
+      z += c * w_bar_inverse * kept.transpose() * e.inverse_mass +
+           e.h.transpose() * e.inverse_mass * kept * w_bar_inverse * kept.transpose() * e.inverse_mass / eta;
     }
     const Dense m_eta = e.mass + e.k / eta;
     sum += e.a * m_eta.inverse() * e.h * z * e.a.transpose();

@@ -148,7 +148,7 @@ std::vector<Vector> impact_loads(const Decomposition& parts, const Vector& arriv
 
 Index cross_points(const Decomposition& parts) {
   Index result = 0;
-  for (Index g = 0; g < parts.interface.grains(); ++g) result += parts.interface.multiplicity(g) > 2;
+  for (Index grain = 0; grain < parts.interface.grains(); ++grain) result += parts.interface.multiplicity(grain) > 2;
   return result;
 }
 

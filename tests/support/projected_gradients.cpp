@@ -19,7 +19,7 @@ double feasible_step(const Vector& x, const Vector& p) {
 }
 
 // The gradient on the free variables, 0 on those at their bound.
-Vector free_part(const Vector& x, const Vector& g) { return (x.array() > 0).select(g, 0); }
+Vector free_part(const Vector& x, const Vector& gradient) { return (x.array() > 0).select(gradient, 0); }
 
 }  // namespace
 
@@ -33,38 +33,38 @@ NonnegativeMinimum minimize_nonnegative(const LinearMap& a, const Vector& b, dou
     ++result.iterations;
     return a(y);
   };
-  Vector& g = result.gradient = product(x) + b;
-  Vector p = free_part(x, g);
-  while (natural_map(x, g) > options.tolerance * scale && result.iterations < options.maximum_iterations) {
-    const Vector free = free_part(x, g);
-    const Vector chopped = (x.array() > 0).select(0.0, g.cwiseMin(0));
+  Vector& gradient = result.gradient = product(x) + b;
+  Vector p = free_part(x, gradient);
+  while (natural_map(x, gradient) > options.tolerance * scale && result.iterations < options.maximum_iterations) {
+    const Vector free = free_part(x, gradient);
+    const Vector chopped = (x.array() > 0).select(0.0, gradient.cwiseMin(0));
     if (chopped.squaredNorm() <= (x / fixed_step).cwiseMin(free).dot(free)) {
       const Vector ap = product(p);
       const double curvature = p.dot(ap);
-      const double step = g.dot(p) / curvature, limit = feasible_step(x, p);
+      const double step = gradient.dot(p) / curvature, limit = feasible_step(x, p);
       if (step <= limit) {  // conjugate gradients
         x = (x - step * p).cwiseMax(0);
-        g -= step * ap;
-        const Vector next = free_part(x, g);
+        gradient -= step * ap;
+        const Vector next = free_part(x, gradient);
         p = next - (next.dot(ap) / curvature) * p;
       } else {  // expansion: to the bound, then along the projected gradient
         x = (x - limit * p).cwiseMax(0);
-        g -= limit * ap;
-        x = (x - fixed_step * free_part(x, g)).cwiseMax(0);
-        g = product(x) + b;
-        p = free_part(x, g);
+        gradient -= limit * ap;
+        x = (x - fixed_step * free_part(x, gradient)).cwiseMax(0);
+        gradient = product(x) + b;
+        p = free_part(x, gradient);
       }
     } else {  // proportioning: lets bounds go
       const Vector ad = product(chopped);
-      const double step = g.dot(chopped) / chopped.dot(ad);
+      const double step = gradient.dot(chopped) / chopped.dot(ad);
       x -= step * chopped;
-      g -= step * ad;
-      p = free_part(x, g);
+      gradient -= step * ad;
+      p = free_part(x, gradient);
     }
     if (!report(monitor, result.iterations, options.maximum_iterations)) break;
   }
-  g = product(x) + b;
-  result.residual = scale > 0 ? natural_map(x, g) / scale : 0.0;
+  gradient = product(x) + b;
+  result.residual = scale > 0 ? natural_map(x, gradient) / scale : 0.0;
   result.converged = result.residual <= options.tolerance;
   return result;
 }

@@ -77,10 +77,10 @@ std::vector<Included> includes_of(const std::string& text) {
 }
 
 // Names of sources and their headers, "mechanics/path", that each name includes.
-using Graph = std::map<std::string, std::set<std::string>>;
+using IncludeGraph = std::map<std::string, std::set<std::string>>;
 
 // Leaves out, again and again, names that include nothing that is left, or that nothing left includes.
-Graph circles(Graph graph) {
+IncludeGraph circles(IncludeGraph graph) {
   const auto is_end = [&](const auto& one) {
     return std::ranges::none_of(one.second, [&](const std::string& name) { return graph.contains(name); }) ||
            std::ranges::none_of(graph, [&](const auto& other) { return other.second.contains(one.first); });
@@ -121,7 +121,7 @@ TEST_CASE("no sources include each other in a circle") {
   // A source and the header of its name count as one. A public header has types that its source may hand on to others.
   const char* source = std::getenv("NSCDD_SOURCE");
   REQUIRE(source != nullptr);
-  Graph graph;
+  IncludeGraph graph;
   const fs::path root = fs::path(source) / "src";
   const auto name_of = [](const fs::path& file) { return (file.parent_path() / file.stem()).string(); };
   for (const fs::path& file : sources(root)) {

@@ -11,23 +11,23 @@ using namespace nscdd::testing;
 
 namespace {
 
-CaseSpec parse(const std::string& text) { return parse_case(text, "c.toml"); }
+CaseSpec parse_moving(const std::string& text) { return parse_case(text, "c.toml"); }
 
-void refused(const std::string& text, const Names& names) {
+void refused_moving(const std::string& text, const Names& names) {
   CAPTURE(text);
-  check_error([&] { parse(text); }, names);
+  check_error([&] { parse_moving(text); }, names);
 }
 
 void refused_when_built(const std::string& text, const Names& names) {
-  check_error([&] { simulation_of(resolve(parse(text))); }, names);
+  check_error([&] { simulation_of(resolve(parse_moving(text))); }, names);
 }
 
-const Spoilt spoilt{moving_case(), parse};
+const Spoilt spoilt_moving{moving_case(), parse_moving};
 
 }  // namespace
 
 TEST_CASE("moving case: everything read") {
-  const CaseSpec one = parse(moving_case());
+  const CaseSpec one = parse_moving(moving_case());
   REQUIRE(one.dynamics.has_value());
   const Dynamics& dynamics = *one.dynamics;
   CHECK(dynamics.interaction.friction == 0.3);
@@ -42,7 +42,7 @@ TEST_CASE("moving case: everything read") {
   CHECK(dynamics.boundaries[2].shape == BoundaryShape::wall);
   CHECK(dynamics.boundaries[2].motion.time == std::vector<double>{0, 0.02});
   CHECK(dynamics.boundaries[2].motion.velocity[1].spin == -0.075);
-  CHECK(!parse(case_text("strip")).dynamics);
+  CHECK(!parse_moving(case_text("strip")).dynamics);
 }
 
 TEST_CASE("moving case: oscillations, initial velocities and spins, written and read back") {
@@ -52,7 +52,7 @@ TEST_CASE("moving case: oscillations, initial velocities and spins, written and 
                            "[[boundary.oscillation]]\nvelocity = [4, 5]\nomega = 6\nphase = 0.5\nramp = 0\ngrowth = 2\n"
                            "[[boundary.oscillation]]\nspin = 7\nomega = 8\n"
                            "[[prescribed]]\ngrain = 0\nvelocity = [0.5, 0]\nspin = -9\n";
-  const CaseSpec one = parse(text), back = parse(to_toml(one));
+  const CaseSpec one = parse_moving(text), back = parse_moving(to_toml(one));
   CHECK(to_toml(back) == to_toml(one));
   const Motion& motion = back.dynamics->boundaries.at(3).motion;
   CHECK(motion.velocity.empty());
@@ -61,7 +61,7 @@ TEST_CASE("moving case: oscillations, initial velocities and spins, written and 
   CHECK(motion.at(0.25).x == doctest::Approx(4 * std::cos(2.0) / 2).epsilon(1e-14));
   CHECK(motion.at(0.25).spin == doctest::Approx(7 * std::cos(2.0)).epsilon(1e-14));
   CHECK(back.prescribed.at(0).spin == std::array<double, 3>{0, 0, -9});
-  const Spoilt other{text, parse};
+  const Spoilt other{text, parse_moving};
   other("omega = 8", "", {"boundary[3].oscillation[1].omega"});
   other("growth = 2", "growth = -2", {"boundary[3].oscillation[0].growth:", ">= 0"});
   other("ramp = 0", "ramp = 2", {"boundary[3].oscillation[0].ramp:", "<= 1"});
@@ -70,18 +70,18 @@ TEST_CASE("moving case: oscillations, initial velocities and spins, written and 
   other("spin = 7\n", "", {"boundary[3].oscillation[1].velocity:", "amplitudes"});
   other("velocity = [4, 5]", "velocity = [4, 5, 6]", {"boundary[3].oscillation:", "numbers for the plane"});
   other("spin = -9", "spin = [1, 2, 3]", {"prescribed[0].spin:", "one number in the plane"});
-  refused(case_text("strip") + "[[prescribed]]\ngrain = 0\nvelocity = [0.5, 0]\nspin = -9\n",
-          {"c.toml:", "prescribed:", "a spin only with [dynamics]"});
+  refused_moving(case_text("strip") + "[[prescribed]]\ngrain = 0\nvelocity = [0.5, 0]\nspin = -9\n",
+                 {"c.toml:", "prescribed:", "a spin only with [dynamics]"});
 }
 
 TEST_CASE("moving case: written and read back it is the same case") {
-  CaseSpec one = parse(moving_case() +
-                       "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 3\nlast = -7\n"
-                       "velocity = [0.1, -1e-9]\norientation = \"fixed\"\n");
+  CaseSpec one = parse_moving(moving_case() +
+                              "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 3\nlast = -7\n"
+                              "velocity = [0.1, -1e-9]\norientation = \"fixed\"\n");
   one.dynamics->time.rest_speed = 1.0 / 3;
   one.dynamics->solver.algorithm = "enriched";
   one.dynamics->solver.eta = "optimal";
-  const CaseSpec back = parse(to_toml(one));
+  const CaseSpec back = parse_moving(to_toml(one));
   CHECK(to_toml(back) == to_toml(one));
   CHECK(back.dynamics->time.rest_speed == 1.0 / 3);
   const BoundarySpec& piston = back.dynamics->boundaries.at(3);
@@ -93,96 +93,98 @@ TEST_CASE("moving case: written and read back it is the same case") {
 }
 
 TEST_CASE("moving case: every error names file, line and key") {
-  spoilt("friction = 0.3", "frictions = 0.3", {"c.toml:12: unknown key 'interaction.frictions'"});
-  spoilt("friction = 0.3", "friction = -1", {"c.toml:12: interaction.friction"});
-  spoilt("friction = 0.3", "law = \"glue\"", {"c.toml:12: interaction.law"});
-  spoilt("steps = 20", "steps = 2.5", {"c.toml:15: dynamics.steps:", "integer"});
-  spoilt("step = 0.005", "step = 0", {"c.toml:14: dynamics.step:"});
-  spoilt("step = 0.005", "theta = 0.4", {"c.toml:14: dynamics.theta"});
-  spoilt("\"generic\"", "\"gauss\"", {"c.toml:17: solver.algorithm:", "one of"});
-  spoilt("warm_start = true", "warm_start = 1", {"c.toml:18: solver.warm_start"});
-  spoilt("warm_start = true", "eta = \"best\"", {"c.toml:18: solver.eta:", "\"optimal\"", "30 W", "met \"best\""});
-  spoilt("warm_start = true", "eta = true", {"30 W", "met the boolean 'true'"});
-  spoilt("warm_start = true", "eta = \"0\"", {"c.toml:18: solver.eta"});
-  spoilt("warm_start = true", "eta = 0", {"c.toml:18: solver.eta"});
-  spoilt("friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"-1 W\"",
-         {"c.toml:13: interaction.epsilon:", ">= 0", "met -1"});
-  spoilt("friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"2 V\"",
-         {"c.toml:13: interaction.epsilon:", "30 W", "met \"2 V\""});
-  spoilt("[dynamics]\nstep = 0.005\nsteps = 20\n", "", {"c.toml:11: interaction:", "[dynamics]", "met none"});
-  spoilt("[dynamics]", "[dynamic]", {"unknown key 'dynamic'"});
-  spoilt("name = \"floor\"", "name = \"left\"", {"boundary[1].name:", "met \"left\" again"});
-  spoilt("name = \"floor\"\n", "", {"boundary[0].name:", "met none"});
+  spoilt_moving("friction = 0.3", "frictions = 0.3", {"c.toml:12: unknown key 'interaction.frictions'"});
+  spoilt_moving("friction = 0.3", "friction = -1", {"c.toml:12: interaction.friction"});
+  spoilt_moving("friction = 0.3", "law = \"glue\"", {"c.toml:12: interaction.law"});
+  spoilt_moving("steps = 20", "steps = 2.5", {"c.toml:15: dynamics.steps:", "integer"});
+  spoilt_moving("step = 0.005", "step = 0", {"c.toml:14: dynamics.step:"});
+  spoilt_moving("step = 0.005", "theta = 0.4", {"c.toml:14: dynamics.theta"});
+  spoilt_moving("\"generic\"", "\"gauss\"", {"c.toml:17: solver.algorithm:", "one of"});
+  spoilt_moving("warm_start = true", "warm_start = 1", {"c.toml:18: solver.warm_start"});
+  spoilt_moving("warm_start = true", "eta = \"best\"",
+                {"c.toml:18: solver.eta:", "\"optimal\"", "30 W", "met \"best\""});
+  spoilt_moving("warm_start = true", "eta = true", {"30 W", "met the boolean 'true'"});
+  spoilt_moving("warm_start = true", "eta = \"0\"", {"c.toml:18: solver.eta"});
+  spoilt_moving("warm_start = true", "eta = 0", {"c.toml:18: solver.eta"});
+  spoilt_moving("friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"-1 W\"",
+                {"c.toml:13: interaction.epsilon:", ">= 0", "met -1"});
+  spoilt_moving("friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"2 V\"",
+                {"c.toml:13: interaction.epsilon:", "30 W", "met \"2 V\""});
+  spoilt_moving("[dynamics]\nstep = 0.005\nsteps = 20\n", "", {"c.toml:11: interaction:", "[dynamics]", "met none"});
+  spoilt_moving("[dynamics]", "[dynamic]", {"unknown key 'dynamic'"});
+  spoilt_moving("name = \"floor\"", "name = \"left\"", {"boundary[1].name:", "met \"left\" again"});
+  spoilt_moving("name = \"floor\"\n", "", {"boundary[0].name:", "met none"});
   for (const std::string name : {"", "a\\nb", "tab\\t", "\\u007f"})
-    spoilt("name = \"floor\"", "name = \"" + name + "\"", {"boundary[0].name:", "text of one line"});
-  spoilt("shape = \"wall\"", "shape = \"spheres\"",
-         {"boundary[2].shape:", "wall", "disks", "grains", "cylinder", "met \"spheres\""});
-  spoilt("shape = \"disks\"", "shape = \"wall\"", {"unknown key 'boundary[0].radius'"});
-  spoilt("shape = \"wall\"", "shape = \"grains\"", {"boundary[2].first:", "met none"});
-  spoilt("spin = -0.075\n", "orientation = \"free\"\n",
-         {"boundary[1].orientation:", "turning", "fixed", "met \"free\""});
-  spoilt("centre = [3, 0]", "orientation = \"fixed\"", {"unknown key 'boundary[2].orientation'"});
-  spoilt("to = [3, 1]", "to = [3, 0]", {"boundary[2].to:", "point"});
-  spoilt("radius = 0.198\n[[", "radius = -1\n[[", {"boundary[0].radius"});
-  spoilt("centre = [3, 0]", "centre = [3, inf]", {"boundary[2].centre"});
-  spoilt("centre = [3, 0]", "spin = 1", {"boundary[2].motion:", "met both"});
-  spoilt("[0.02, 0, 0, -0.075]", "[0, 0, 0, 1]", {"boundary[2].motion:", "met 0 s after 0 s"});
-  spoilt("[0.02, 0, 0, -0.075]", "[0.02, 0, 0]", {"boundary[2].motion"});
-  spoilt("[0.02, 0, 0, -0.075]", "[0.02, 0, 0, nan]", {"boundary[2].motion"});
-  spoilt("[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]", "[]", {"met an empty array"});
+    spoilt_moving("name = \"floor\"", "name = \"" + name + "\"", {"boundary[0].name:", "text of one line"});
+  spoilt_moving("shape = \"wall\"", "shape = \"spheres\"",
+                {"boundary[2].shape:", "wall", "disks", "grains", "cylinder", "met \"spheres\""});
+  spoilt_moving("shape = \"disks\"", "shape = \"wall\"", {"unknown key 'boundary[0].radius'"});
+  spoilt_moving("shape = \"wall\"", "shape = \"grains\"", {"boundary[2].first:", "met none"});
+  spoilt_moving("spin = -0.075\n", "orientation = \"free\"\n",
+                {"boundary[1].orientation:", "turning", "fixed", "met \"free\""});
+  spoilt_moving("centre = [3, 0]", "orientation = \"fixed\"", {"unknown key 'boundary[2].orientation'"});
+  spoilt_moving("to = [3, 1]", "to = [3, 0]", {"boundary[2].to:", "point"});
+  spoilt_moving("radius = 0.198\n[[", "radius = -1\n[[", {"boundary[0].radius"});
+  spoilt_moving("centre = [3, 0]", "centre = [3, inf]", {"boundary[2].centre"});
+  spoilt_moving("centre = [3, 0]", "spin = 1", {"boundary[2].motion:", "met both"});
+  spoilt_moving("[0.02, 0, 0, -0.075]", "[0, 0, 0, 1]", {"boundary[2].motion:", "met 0 s after 0 s"});
+  spoilt_moving("[0.02, 0, 0, -0.075]", "[0.02, 0, 0]", {"boundary[2].motion"});
+  spoilt_moving("[0.02, 0, 0, -0.075]", "[0.02, 0, 0, nan]", {"boundary[2].motion"});
+  spoilt_moving("[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]", "[]", {"met an empty array"});
 }
 
 TEST_CASE("moving case: a value without effect is refused, and written as its default") {
   const std::string good = moving_case();
-  spoilt("warm_start = true", "eta = \"3\"", {"c.toml:18: solver.eta:", "solver.algorithm enriched", "met generic"});
-  spoilt("warm_start = true", "enrichment = \"semi_implicit\"", {"c.toml:18: solver.enrichment"});
-  spoilt("warm_start = true", "seed = 7", {"c.toml:18: solver.seed:", "solver.order random", "met natural"});
-  refused(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
-          {"c.toml:18: solver.redecompose:", "solver.algorithm generic", "two_stage_admm", "met nlgs"});
-  spoilt("friction = 0.3", "cohesion = 3",
-         {"c.toml:12: interaction.cohesion:", "interaction.law cohesive", "met coulomb"});
-  spoilt("friction = 0.3", "boundary_friction = -0.5",
-         {"c.toml:12: interaction.boundary_friction:", ">= 0", "<= 100", "-1"});
-  CHECK(parse(replaced(good, "friction = 0.3", "boundary_friction = -1")).dynamics.has_value());
-  spoilt("warm_start = true", "switch_after = 3", {"c.toml:18: solver.switch_after:", "solver.switch linear"});
-  spoilt("warm_start = true", "switch = \"linear\"\ninterface_method = \"conjugate_gradient\"",
-         {"c.toml:18: solver.switch:", "solver.interface_method richardson"});
-  refused(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "switch = \"linear\""),
-          {"c.toml:18: solver.switch:", "solver.algorithm generic", "met nlgs"});
-  refused(replaced(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = 1"), "warm_start = true",
-                   "switch = \"linear\""),
-          {"solver.switch:", "interaction.law coulomb"});
-  CaseSpec one = parse(good);
+  spoilt_moving("warm_start = true", "eta = \"3\"",
+                {"c.toml:18: solver.eta:", "solver.algorithm enriched", "met generic"});
+  spoilt_moving("warm_start = true", "enrichment = \"semi_implicit\"", {"c.toml:18: solver.enrichment"});
+  spoilt_moving("warm_start = true", "seed = 7", {"c.toml:18: solver.seed:", "solver.order random", "met natural"});
+  refused_moving(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
+                 {"c.toml:18: solver.redecompose:", "solver.algorithm generic", "two_stage_admm", "met nlgs"});
+  spoilt_moving("friction = 0.3", "cohesion = 3",
+                {"c.toml:12: interaction.cohesion:", "interaction.law cohesive", "met coulomb"});
+  spoilt_moving("friction = 0.3", "boundary_friction = -0.5",
+                {"c.toml:12: interaction.boundary_friction:", ">= 0", "<= 100", "-1"});
+  CHECK(parse_moving(replaced(good, "friction = 0.3", "boundary_friction = -1")).dynamics.has_value());
+  spoilt_moving("warm_start = true", "switch_after = 3", {"c.toml:18: solver.switch_after:", "solver.switch linear"});
+  spoilt_moving("warm_start = true", "switch = \"linear\"\ninterface_method = \"conjugate_gradient\"",
+                {"c.toml:18: solver.switch:", "solver.interface_method richardson"});
+  refused_moving(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "switch = \"linear\""),
+                 {"c.toml:18: solver.switch:", "solver.algorithm generic", "met nlgs"});
+  refused_moving(replaced(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = 1"),
+                          "warm_start = true", "switch = \"linear\""),
+                 {"solver.switch:", "interaction.law coulomb"});
+  CaseSpec one = parse_moving(good);
   one.dynamics->solver.interface_preconditioner = "bddc";
   check_dynamics(one);  // of no effect
   one.dynamics->solver.algorithm = "two_stage_newton";
   CHECK_THROWS_WITH_AS(check_dynamics(one), doctest::Contains("not symmetric"), Error);
-  one = parse(good);
+  one = parse_moving(good);
   one.dynamics->solver.eta = "3";
-  CHECK(to_toml(one) == to_toml(parse(good)));
+  CHECK(to_toml(one) == to_toml(parse_moving(good)));
   one.dynamics->solver.switch_after = 3;  // a case that switches nothing is written as if there were no such thing
-  CHECK(to_toml(one) == to_toml(parse(good)));
+  CHECK(to_toml(one) == to_toml(parse_moving(good)));
   CHECK(to_toml(one).find("switch") == std::string::npos);
   one.dynamics->solver.model = SwitchedModel::linear;
-  CHECK(parse(to_toml(one)).dynamics->solver.switch_after == 3);
+  CHECK(parse_moving(to_toml(one)).dynamics->solver.switch_after == 3);
   // In the case of a trajectory values without effect may be other defaults.
   const std::string text = replaced(good, "\"zeta\"", "\"none\"");  // with a tolerance of 1e-4
-  refused(text, {"c.toml:22: solver.tolerance:", "solver.criterion zeta"});
+  refused_moving(text, {"c.toml:22: solver.tolerance:", "solver.criterion zeta"});
   const CaseSpec earlier = parse_case(text, "run.h5: case", true);
   CHECK(earlier.dynamics->solver.criterion == "none");
-  CHECK(to_toml(parse(to_toml(earlier))) == to_toml(earlier));
+  CHECK(to_toml(parse_moving(to_toml(earlier))) == to_toml(earlier));
 }
 
 TEST_CASE("moving case: without [solver] every step is solved by auto to a natural map of 1e-8") {
   const std::string good = moving_case();
   const auto begin = good.find("[solver]"), end = good.find("[[boundary]]");
   const std::string bare = good.substr(0, begin) + good.substr(end);
-  const CaseSpec one = parse(bare);
+  const CaseSpec one = parse_moving(bare);
   const StepSolver& solver = one.dynamics->solver;
   CHECK(solver.algorithm == "auto");
   CHECK(solver.criterion == "natural_map");
   CHECK(solver.warm_start);
-  CHECK(to_toml(parse(to_toml(one))) == to_toml(one));
+  CHECK(to_toml(parse_moving(to_toml(one))) == to_toml(one));
   Simulation simulation = simulation_of({one});  // the partition of two subdomains has no part in it
   for (int k = 0; k < 3; ++k) {
     const GranularStep<2> step = solve_step(simulation);
@@ -205,7 +207,8 @@ TEST_CASE("moving case: where no algorithm is stated, keys that auto has no use 
                     line + "\n");
   };
   const auto refused_by_auto = [&](const std::string& line, const std::string& key, const std::string& algorithm) {
-    refused(with(line), {"c.toml:17: solver." + key + ":", "solver.algorithm " + algorithm, "met auto, the default"});
+    refused_moving(with(line),
+                   {"c.toml:17: solver." + key + ":", "solver.algorithm " + algorithm, "met auto, the default"});
   };
   refused_by_auto("gauss_seidel_sweeps = 1", "gauss_seidel_sweeps", "nlgs");
   refused_by_auto("order = \"interleaved\"", "order", "nlgs");
@@ -213,14 +216,15 @@ TEST_CASE("moving case: where no algorithm is stated, keys that auto has no use 
   refused_by_auto("gluing_tolerance = 0.01", "gluing_tolerance", "generic");
   refused_by_auto("switch = \"none\"", "switch", "generic");
   refused_by_auto("eta = \"30 W\"", "eta", "enriched");
-  CHECK(parse(with("criterion = \"natural_map\"\ncontact_relaxation = 1.2")).dynamics->solver.algorithm == "auto");
-  CHECK(parse(with("algorithm = \"auto\"\norder = \"interleaved\"")).dynamics.has_value());  // as it is written
-  refused(with("algorithm = \"auto\"\ncriterion = \"zeta\""),
-          {"c.toml:18: solver.criterion:", "solver.algorithm nlgs", "met auto"});
+  CHECK(parse_moving(with("criterion = \"natural_map\"\ncontact_relaxation = 1.2")).dynamics->solver.algorithm ==
+        "auto");
+  CHECK(parse_moving(with("algorithm = \"auto\"\norder = \"interleaved\"")).dynamics.has_value());  // as it is written
+  refused_moving(with("algorithm = \"auto\"\ncriterion = \"zeta\""),
+                 {"c.toml:18: solver.criterion:", "solver.algorithm nlgs", "met auto"});
 }
 
 TEST_CASE("moving case: parameters are overridden by their path") {
-  CaseSpec one = parse(moving_case());
+  CaseSpec one = parse_moving(moving_case());
   override_case(one, "dynamics.steps", "7");
   override_case(one, "solver.tolerance", "1e-7");
   override_case(one, "solver.eta", "0.25");
@@ -237,14 +241,14 @@ TEST_CASE("moving case: parameters are overridden by their path") {
 
 TEST_CASE("settled packing: read and written by the name of its case, not settled by reading") {
   const std::string text = "[packing]\nsettled = \"bed\"\n[partition]\ngrid = [1, 1]\n";
-  CaseSpec spec = parse(text);
+  CaseSpec spec = parse_moving(text);
   CHECK(std::get<SettledFrom>(spec.packing).name == "bed");
-  CHECK(to_toml(parse(to_toml(spec))) == to_toml(spec));
+  CHECK(to_toml(parse_moving(to_toml(spec))) == to_toml(spec));
   CHECK_THROWS_WITH_AS(override_case(spec, "packing.grains", "7"), doctest::Contains("is settled"), Error);
   check_error([&] { resolve(spec); }, {"c.toml:2: packing.settled:", "file"});
   const Case settled{spec, {{0.5}, {1}, {0.25}, {3}}};
   CHECK(packing_of(settled).mass == std::vector<double>{3});
-  refused("[packing]\nsettled = \"bed\"\nfile = \"a.csv\"\n[partition]\ngrid = [1, 1]\n", {"met more"});
+  refused_moving("[packing]\nsettled = \"bed\"\nfile = \"a.csv\"\n[partition]\ngrid = [1, 1]\n", {"met more"});
 }
 
 TEST_CASE("moving case: what grains and criteria refuse names file, line and key") {
@@ -257,11 +261,11 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
   refused_when_built(plain, {"c.toml:21: solver.criterion:", "solver.algorithm generic"});
   const std::string undivided =
       replaced(replaced(good, "\"generic\"\nwarm_start = true", "\"auto\""), "criterion = \"zeta\"\n", "");
-  refused(undivided, {"solver.order:", "solver.algorithm nlgs", "met auto"});
+  refused_moving(undivided, {"solver.order:", "solver.algorithm nlgs", "met auto"});
   refused_when_built(replaced(replaced(undivided, "order = \"natural\"\n", ""), "friction = 0.3",
                               "law = \"linear_viscous\"\nepsilon = 1"),
                      {"c.toml:18: solver.algorithm:", "met auto"});
-  CaseSpec one_subdomain = parse(good);  // where a loop over their numbers begins
+  CaseSpec one_subdomain = parse_moving(good);  // where a loop over their numbers begins
   override_case(one_subdomain, "solver.criterion", "gluing");
   override_case(one_subdomain, "partition.grid", "1,1");
   CHECK_NOTHROW(simulation_of({one_subdomain}));
@@ -270,9 +274,9 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
 TEST_CASE("moving case: flexibilities are numbers, multiples of W or optimal, and are written as they were read") {
   const std::string enriched = replaced(moving_case(), "\"generic\"", "\"enriched\"");
   const auto with_eta = [&](const std::string& value) {
-    return parse(replaced(enriched, "warm_start = true", "eta = " + value));
+    return parse_moving(replaced(enriched, "warm_start = true", "eta = " + value));
   };
-  CHECK(parse(enriched).dynamics->solver.eta == EtaChoice("30 W"));
+  CHECK(parse_moving(enriched).dynamics->solver.eta == EtaChoice("30 W"));
   for (const std::string eta : {"10.0", "10", "\"10\"", "\"1e1\""}) {
     CAPTURE(eta);
     CHECK(with_eta(eta).dynamics->solver.eta.value == Flexibility{10, false});
@@ -282,10 +286,10 @@ TEST_CASE("moving case: flexibilities are numbers, multiples of W or optimal, an
   CHECK(Flexibility{0.5, true}.at_scale(4) == 2);
   CHECK(Flexibility{0.5, false}.at_scale(4) == 0.5);
   CHECK(with_eta("\"optimal\"").dynamics->solver.eta.optimal);
-  CaseSpec spec = parse(replaced(enriched, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"0.25W\""));
+  CaseSpec spec = parse_moving(replaced(enriched, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"0.25W\""));
   CHECK(spec.dynamics->interaction.epsilon == Flexibility{0.25, true});
   override_case(spec, "solver.eta", "3W");
-  const CaseSpec back = parse(to_toml(spec));
+  const CaseSpec back = parse_moving(to_toml(spec));
   CHECK(back.dynamics->solver.eta == EtaChoice("3 W"));
   CHECK(back.dynamics->interaction.epsilon == spec.dynamics->interaction.epsilon);
 }
@@ -299,7 +303,7 @@ TEST_CASE("moving case in space: boundaries are read, written and read again; mi
       "side = \"outside\"\nmotion = [[0, 0, 0, 0, 0, 0, 0], [0.5, 1, 2, 3, 4, 5, 6]]\n"
       "[[boundary]]\nname = \"plate\"\nshape = \"grains\"\nfirst = 0\nlast = 3\norientation = \"fixed\"\n"
       "spin = [0, 0, 1]\n";
-  const CaseSpec one = parse(text), back = parse(to_toml(one));
+  const CaseSpec one = parse_moving(text), back = parse_moving(to_toml(one));
   CHECK(to_toml(back) == to_toml(one));
   const std::vector<BoundarySpec>& found = back.dynamics->boundaries;
   REQUIRE(found.size() == 3);
@@ -315,7 +319,7 @@ TEST_CASE("moving case in space: boundaries are read, written and read again; mi
   CHECK(found[1].side == CylinderSide::outside);
   CHECK(found[1].radius == 1.5);
   CHECK(found[2].orientation == Orientation::fixed);
-  const Spoilt in_space{text, parse};
+  const Spoilt in_space{text, parse_moving};
   in_space("velocity = [7, 8, 9]", "velocity = [7, 8]", {"boundary[0].velocity:", "met numbers for the plane"});
   in_space("spin = [0.1, 0.2, 0.3]", "spin = 0.1", {"boundary[0].spin:", "met numbers for the plane"});
   in_space("[0.5, 1, 2, 3, 4, 5, 6]", "[0.5, 1, 2, 3]", {"boundary[1].motion:", "numbers"});

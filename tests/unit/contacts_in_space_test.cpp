@@ -18,9 +18,9 @@ using namespace nscdd::testing;
 
 namespace {
 
-constexpr auto algorithms = {FrictionAlgorithm::automatic, FrictionAlgorithm::continuation,
-                             FrictionAlgorithm::newton,    FrictionAlgorithm::nlgs,
-                             FrictionAlgorithm::admm,      FrictionAlgorithm::accelerated};
+constexpr auto space_algorithms = {FrictionAlgorithm::automatic, FrictionAlgorithm::continuation,
+                                   FrictionAlgorithm::newton,    FrictionAlgorithm::nlgs,
+                                   FrictionAlgorithm::admm,      FrictionAlgorithm::accelerated};
 
 Eigen::Vector3d of(const Vector& values, Index c) { return values.segment<3>(3 * c); }
 
@@ -84,7 +84,7 @@ TEST_CASE("every solver finds the impulses of spheres, which are those of small 
     CAPTURE(seed);
     const FrictionSolution first = solve_friction(problem, {.algorithm = FrictionAlgorithm::nlgs, .tolerance = 1e-13});
     REQUIRE(first.status == FrictionStatus::converged);
-    for (const FrictionAlgorithm algorithm : algorithms)
+    for (const FrictionAlgorithm algorithm : space_algorithms)
       for (const bool bodies : {true, false}) {
         CAPTURE(to_string(algorithm));
         LocalFrictionProblem one = problem;
@@ -111,7 +111,7 @@ TEST_CASE("a plane problem in space has the solution of the plane by every solve
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const LocalFrictionProblem plane = reduce(random_bodies_problem(seed, 6, 8)), space = in_space(plane);
     check(space, "space");
-    for (const FrictionAlgorithm algorithm : algorithms) {
+    for (const FrictionAlgorithm algorithm : space_algorithms) {
       CAPTURE(seed);
       CAPTURE(to_string(algorithm));
       const FrictionSolution expected = solve_friction(plane, {.algorithm = algorithm, .tolerance = 1e-12});
@@ -255,7 +255,7 @@ TEST_CASE("orders and threads of sweeps in space, and a W that is not symmetric"
       e.valueRef() *= 1 + 1e-4 * std::sin(3 * static_cast<double>(e.row()) + 7 * static_cast<double>(j));
   check(problem, "problem");
   problem.mass = problem.h = SparseMatrix();
-  for (const FrictionAlgorithm algorithm : algorithms) {
+  for (const FrictionAlgorithm algorithm : space_algorithms) {
     CAPTURE(to_string(algorithm));
     const FrictionSolution found = solve_friction(problem, {.algorithm = algorithm, .tolerance = 1e-9});
     CHECK(found.status == FrictionStatus::converged);

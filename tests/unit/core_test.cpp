@@ -12,7 +12,7 @@ using namespace nscdd;
 
 namespace {
 
-struct Example {
+struct Described {
   double length = 1.5;
   Index number = 3;
   std::array<Index, 2> grid{1, 2};
@@ -27,7 +27,7 @@ struct Example {
 }  // namespace
 
 TEST_CASE("fields: listed, overridden, bounds kept") {
-  Example example;
+  Described example;
   const auto listed = describe_fields(example);
   REQUIRE(listed.size() == 3);
   CHECK(listed[0].key == "length");

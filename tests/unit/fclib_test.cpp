@@ -25,7 +25,7 @@ bool same_bits(const FclibSolution& a, const FclibSolution& b) {
   return same_bits(a.v, b.v) && same_bits(a.u, b.u) && same_bits(a.r, b.r);
 }
 
-void refused(const std::string& bytes, const Names& names) {
+void refused_problem(const std::string& bytes, const Names& names) {
   check_error([&] { fclib_from_hdf5(bytes, "p.hdf5"); }, names);
 }
 
@@ -141,24 +141,24 @@ TEST_CASE("problems in space read back bit for bit, and their bodies have six ro
 }
 
 TEST_CASE("problems of another kind are named and refused") {
-  refused(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {3}; }),
-          {"p.hdf5: fclib_global/H/n:", "met 8 columns"});
-  refused(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {7}; }),
-          {"fclib_global/spacedim:", "2 or 3", "met 7"});
-  refused(changed([](RawFclib& raw) { raw.integers["fclib_global/G/m"] = {15}; }),
-          {"not supported: a global problem with equality constraints (G) (4 contacts, spacedim 2)"});
-  refused(changed([](RawFclib& raw) { raw.move("fclib_global", "fclib_global_rolling"); }),
-          {"p.hdf5: fclib_global_rolling: not supported: rolling friction"});
-  refused(changed([](RawFclib& raw) { raw.move("fclib_global", "else"); }), {"fclib_local", "met none"});
-  refused(changed([](RawFclib& raw) { raw.integers["fclib_local/spacedim"] = {2}; }),
-          {"met fclib_local and fclib_global"});
+  refused_problem(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {3}; }),
+                  {"p.hdf5: fclib_global/H/n:", "met 8 columns"});
+  refused_problem(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {7}; }),
+                  {"fclib_global/spacedim:", "2 or 3", "met 7"});
+  refused_problem(changed([](RawFclib& raw) { raw.integers["fclib_global/G/m"] = {15}; }),
+                  {"not supported: a global problem with equality constraints (G) (4 contacts, spacedim 2)"});
+  refused_problem(changed([](RawFclib& raw) { raw.move("fclib_global", "fclib_global_rolling"); }),
+                  {"p.hdf5: fclib_global_rolling: not supported: rolling friction"});
+  refused_problem(changed([](RawFclib& raw) { raw.move("fclib_global", "else"); }), {"fclib_local", "met none"});
+  refused_problem(changed([](RawFclib& raw) { raw.integers["fclib_local/spacedim"] = {2}; }),
+                  {"met fclib_local and fclib_global"});
   RawFclib local = raw_local(reduce(random_bodies_problem(3, 5, 4)));
   local.integers["fclib_local/V/m"] = {1};
-  refused(local.bytes(), {"not supported: a local problem with equality constraints (V)"});
+  refused_problem(local.bytes(), {"not supported: a local problem with equality constraints (V)"});
 }
 
 TEST_CASE("damaged files are refused, saying where") {
-  refused("", {"p.hdf5:", "HDF5", "met something else or a damaged one"});
+  refused_problem("", {"p.hdf5:", "HDF5", "met something else or a damaged one"});
   const std::string good = changed([](RawFclib&) {});
   CHECK_NOTHROW(fclib_from_hdf5(good, "p.hdf5"));
   for (const std::size_t size : {good.size() / 8, good.size() / 2, good.size() - 1})
@@ -166,11 +166,11 @@ TEST_CASE("damaged files are refused, saying where") {
   const auto without = [](const std::string& name) {
     return changed([&](RawFclib& raw) { raw.remove("fclib_global/" + name); });
   };
-  refused(without("M"), {"p.hdf5: fclib_global/M:", "met none"});
-  refused(without("vectors"), {"fclib_global/vectors:", "met none"});
-  refused(without("vectors/mu"), {"fclib_global/vectors/mu:", "met none"});
-  refused(without("spacedim"), {"fclib_global/spacedim:", "met none"});
-  refused(without("H/i"), {"fclib_global/H/i:", "met none"});
+  refused_problem(without("M"), {"p.hdf5: fclib_global/M:", "met none"});
+  refused_problem(without("vectors"), {"fclib_global/vectors:", "met none"});
+  refused_problem(without("vectors/mu"), {"fclib_global/vectors/mu:", "met none"});
+  refused_problem(without("spacedim"), {"fclib_global/spacedim:", "met none"});
+  refused_problem(without("H/i"), {"fclib_global/H/i:", "met none"});
 }
 
 TEST_CASE("wrong lengths and indices out of range are refused, saying where") {
@@ -180,20 +180,23 @@ TEST_CASE("wrong lengths and indices out of range are refused, saying where") {
   const auto integers = [](const std::string& name, const std::function<void(std::vector<int>&)>& change) {
     return changed([&](RawFclib& raw) { change(raw.integers.at("fclib_global/" + name)); });
   };
-  refused(numbers("vectors/f", [](auto& f) { f.pop_back(); }), {"fclib_global/vectors/f:", "15 numbers", "met 14"});
-  refused(numbers("vectors/mu", [](auto& mu) { mu.push_back(0); }), {"fclib_global/vectors/mu:", "4 numbers", "met 5"});
-  refused(numbers("H/x", [](auto& x) { x.pop_back(); }), {"fclib_global/H/x: expected"});
-  refused(numbers("H/x", [](auto& x) { x[2] = not_a_number; }), {"fclib_global: H:", "met nan"});
-  refused(numbers("vectors/mu", [](auto& mu) { mu[1] = -1; }), {"from 0 to 10000", "met -1 for contact 1"});
-  refused(integers("H/i", [](auto& i) { i[3] = 15; }), {"fclib_global/H/i:", "0..14", "met 15 at position 3"});
-  refused(integers("H/i", [](auto& i) { i[0] = -1; }), {"fclib_global/H/i:", "0..14", "met -1 at position 0"});
-  refused(integers("H/p", [](auto& p) { p[1] = 1000; }), {"fclib_global/H/p:", "ascend"});
-  refused(integers("H/p", [](auto& p) { p[0] = 1; }), {"fclib_global/H/p:", "0 at position 0", "met 1"});
-  refused(integers("H/p", [](auto& p) { p.pop_back(); }), {"fclib_global/H/p:", "9 numbers", "met 8"});
-  refused(integers("H/nz", [](auto& nz) { nz[0] = -3; }), {"fclib_global/H/nz:", "-1"});
-  refused(integers("H/n", [](auto& n) { n[0] = 7; }), {"fclib_global/H/n:", "met 7"});
-  refused(integers("M/m", [](auto& m) { m[0] = -15; }), {"fclib_global/M/m:", "from 0"});
-  refused(integers("M/m", [](auto& m) { m[0] = 2'000'000'000; }), {"fclib_global/vectors/f:", "2000000000 numbers"});
+  refused_problem(numbers("vectors/f", [](auto& f) { f.pop_back(); }),
+                  {"fclib_global/vectors/f:", "15 numbers", "met 14"});
+  refused_problem(numbers("vectors/mu", [](auto& mu) { mu.push_back(0); }),
+                  {"fclib_global/vectors/mu:", "4 numbers", "met 5"});
+  refused_problem(numbers("H/x", [](auto& x) { x.pop_back(); }), {"fclib_global/H/x: expected"});
+  refused_problem(numbers("H/x", [](auto& x) { x[2] = not_a_number; }), {"fclib_global: H:", "met nan"});
+  refused_problem(numbers("vectors/mu", [](auto& mu) { mu[1] = -1; }), {"from 0 to 10000", "met -1 for contact 1"});
+  refused_problem(integers("H/i", [](auto& i) { i[3] = 15; }), {"fclib_global/H/i:", "0..14", "met 15 at position 3"});
+  refused_problem(integers("H/i", [](auto& i) { i[0] = -1; }), {"fclib_global/H/i:", "0..14", "met -1 at position 0"});
+  refused_problem(integers("H/p", [](auto& p) { p[1] = 1000; }), {"fclib_global/H/p:", "ascend"});
+  refused_problem(integers("H/p", [](auto& p) { p[0] = 1; }), {"fclib_global/H/p:", "0 at position 0", "met 1"});
+  refused_problem(integers("H/p", [](auto& p) { p.pop_back(); }), {"fclib_global/H/p:", "9 numbers", "met 8"});
+  refused_problem(integers("H/nz", [](auto& nz) { nz[0] = -3; }), {"fclib_global/H/nz:", "-1"});
+  refused_problem(integers("H/n", [](auto& n) { n[0] = 7; }), {"fclib_global/H/n:", "met 7"});
+  refused_problem(integers("M/m", [](auto& m) { m[0] = -15; }), {"fclib_global/M/m:", "from 0"});
+  refused_problem(integers("M/m", [](auto& m) { m[0] = 2'000'000'000; }),
+                  {"fclib_global/vectors/f:", "2000000000 numbers"});
 }
 
 TEST_CASE("whether a file holds a problem") {

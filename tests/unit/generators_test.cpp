@@ -21,7 +21,9 @@ using nscdd::testing::watched;
 
 namespace {
 
-bool same(const Packing& a, const Packing& b) { return a.x == b.x && a.y == b.y && a.z == b.z && a.radius == b.radius; }
+bool same_packing(const Packing& a, const Packing& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z && a.radius == b.radius;
+}
 
 // Where a grain is held: horizontal places of what touches it, and whether the floor does.
 struct Support {
@@ -284,9 +286,9 @@ TEST_CASE("deposit: equal sizes fill as much as beds of this kind are known to" 
 
 TEST_CASE("deposit: equal seeds give equal bytes, others do not, sizes do not depend on the box") {
   const Packing p = generate(Deposit{.grains = 500, .seed = 7});
-  CHECK(same(p, generate(Deposit{.grains = 500, .seed = 7})));
-  CHECK(same(p, generate(Generator{Deposit{.grains = 500, .seed = 7}})));
-  CHECK_FALSE(same(p, generate(Deposit{.grains = 500, .seed = 8})));
+  CHECK(same_packing(p, generate(Deposit{.grains = 500, .seed = 7})));
+  CHECK(same_packing(p, generate(Generator{Deposit{.grains = 500, .seed = 7}})));
+  CHECK_FALSE(same_packing(p, generate(Deposit{.grains = 500, .seed = 8})));
   const Packing wide = generate(Deposit{.grains = 500, .width = 30, .seed = 7});
   CHECK(wide.radius == p.radius);
   CHECK(wide.x != p.x);
@@ -407,8 +409,8 @@ TEST_CASE("hexagonal lattice: as many vacancies as asked, nested, seeded") {
   CHECK(lattice(0.333, 1).size() == 200);
   CHECK(lattice(0.99, 1).size() == 3);
   CHECK(generate(HexagonalLattice{.columns = 1, .rows = 1, .vacancies = 0.99}).size() == 1);
-  CHECK(same(lattice(0.2, 5), lattice(0.2, 5)));
-  CHECK_FALSE(same(lattice(0.2, 5), lattice(0.2, 6)));
+  CHECK(same_packing(lattice(0.2, 5), lattice(0.2, 5)));
+  CHECK_FALSE(same_packing(lattice(0.2, 5), lattice(0.2, 6)));
   CHECK(has_sites_of(lattice(0.1, 1), lattice(0.4, 1)));
   CHECK(has_sites_of(lattice(0, 1), lattice(0.1, 1)));
 }
@@ -498,7 +500,7 @@ TEST_CASE("sphere lattices: vacancies and size disorder as in the plane") {
   const Packing few = generate(FccLattice{holes}), many = generate(FccLattice{more_holes});
   CHECK(few.size() == 336 - 34);
   CHECK(many.size() == 336 - 134);
-  CHECK(same(few, generate(FccLattice{holes})));
+  CHECK(same_packing(few, generate(FccLattice{holes})));
   CHECK(has_sites_of(few, many));
   CHECK(has_sites_of(generate(FccLattice{full}), few));
   const Packing p = generate(HcpLattice{sizes});

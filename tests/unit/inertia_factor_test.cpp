@@ -18,7 +18,7 @@ InertiaPattern pattern_of(const SymmetricProblem& problem, Index border) {
   return {problem.lower, problem.group, border};
 }
 
-double largest(const Vector& x) { return x.cwiseAbs().maxCoeff(); }
+double largest_entry(const Vector& x) { return x.cwiseAbs().maxCoeff(); }
 
 // Multipliers with next to nothing on their diagonal, each in a group of its own and tied to three rows: eliminated
 // before these they leave pivots of that size, which are not delayed.
@@ -67,9 +67,9 @@ TEST_CASE("inertia factor: ours and MUMPS count and solve alike on every shape o
       const Vector x = factor.solve(b), y = factor.solve(spread);
       CHECK(backward_error(problem.lower, x, b) < 1e-11);
       CHECK(backward_error(problem.lower, y, spread) < 1e-11);
-      CHECK(largest(factor.solve_from_border(g) - y) <= 1e-12 * largest(y));
-      CHECK(largest(factor.solve_on_border(g) - y.tail(border)) <= 1e-12 * largest(y));
-      CHECK(largest(factor.solve_to_border(b) - x.tail(border)) <= 1e-12 * largest(x));
+      CHECK(largest_entry(factor.solve_from_border(g) - y) <= 1e-12 * largest_entry(y));
+      CHECK(largest_entry(factor.solve_on_border(g) - y.tail(border)) <= 1e-12 * largest_entry(y));
+      CHECK(largest_entry(factor.solve_to_border(b) - x.tail(border)) <= 1e-12 * largest_entry(x));
     }
   }
 }

@@ -30,7 +30,7 @@ const std::string good =
     "grain = 5\n"
     "velocity = [-1, 0.5]\n";
 
-void refused(const std::string& text, const Names& names) {
+void refused_case(const std::string& text, const Names& names) {
   CAPTURE(text);
   check_error([&] { parse(text); }, names);
 }
@@ -87,14 +87,14 @@ TEST_CASE("case file: every error names file, line and key") {
   spoilt("grain = 5", "grain = \"last\"", {"c.toml:12: prescribed[0].grain:", "integer"});
   spoilt("velocity = [-1, 0.5]", "", {"prescribed[0].velocity:", "met none"});
   spoilt("[-1, 0.5]", "[-1, inf]", {"c.toml:13: prescribed[0].velocity"});
-  refused(good + "[[prescribed]]\ngrain = 5\nvelocity = [0, 1]\n", {"grain 5 again"});
+  refused_case(good + "[[prescribed]]\ngrain = 5\nvelocity = [0, 1]\n", {"grain 5 again"});
   spoilt("[packing]", "[packing", {"c.toml:2: not valid TOML"});
-  refused("[partition]\ngrid = [1, 1]\n", {"[packing]", "met none"});
-  refused("[packing]\ngenerator = \"strip\"\n", {"[partition]", "met none"});
-  refused("packing = 3\n", {"c.toml:1: packing:", "[packing]", "met the integer '3'"});
+  refused_case("[partition]\ngrid = [1, 1]\n", {"[packing]", "met none"});
+  refused_case("[packing]\ngenerator = \"strip\"\n", {"[partition]", "met none"});
+  refused_case("packing = 3\n", {"c.toml:1: packing:", "[packing]", "met the integer '3'"});
   CHECK_THROWS_WITH_AS(resolve(parse(case_text("a.csv"))), doctest::Contains("c.toml:2: packing.file: a.csv"), Error);
-  refused(good + good, {"not valid TOML"});
-  refused("", {"[packing]"});
+  refused_case(good + good, {"not valid TOML"});
+  refused_case("", {"[packing]"});
 }
 
 TEST_CASE("study file: a key that its observable does not use is refused") {

@@ -70,7 +70,7 @@ std::string file_of(const std::string& group, const std::vector<std::pair<std::s
   });
 }
 
-void refused(const std::string& bytes, const Names& names) {
+void refused_packing(const std::string& bytes, const Names& names) {
   check_error([&] { packing_from_hdf5(bytes, "p.h5"); }, names);
 }
 
@@ -133,29 +133,31 @@ TEST_CASE("packing file: formats by the ending of the name") {
 
 TEST_CASE("packing file: HDF5 that holds no packing is refused by name") {
   const std::vector<double> two{1, 2}, three{1, 2, 3};
-  refused("", {"p.h5:", "HDF5"});
-  refused("x,y,radius\n1,2,3\n", {"p.h5:", "HDF5"});
+  refused_packing("", {"p.h5:", "HDF5"});
+  refused_packing("x,y,radius\n1,2,3\n", {"p.h5:", "HDF5"});
   const std::string good = file_of("packing", {{"x", two}, {"y", two}, {"radius", two}});
   CHECK(packing_from_hdf5(good, "p.h5").size() == 2);
-  refused(good.substr(0, good.size() / 2), {"p.h5:", "HDF5"});
-  refused(file_of("sweep", {{"x", two}}), {"p.h5: packing:", "met none"});
-  refused(file_of("packing", {{"x", two}, {"y", two}}), {"p.h5: packing:", "'radius'", "met none"});
-  refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"colour", two}}),
-          {"p.h5: packing/colour:", "mass"});
-  refused(file_of("packing", {{"x", two}, {"y", three}, {"radius", two}}), {"p.h5: packing/y:", "2 numbers", "met 3"});
-  refused(file_of("packing", {{"x", two}, {"y", two}, {"z", three}, {"radius", two}}),
-          {"p.h5: packing/z:", "2 numbers", "met 3"});
-  refused(file_of("packing", {{"x", two}, {"y", two}, {"z", {0, not_a_number}}, {"radius", two}}),
-          {"p.h5: packing/z: grain 1:", "number"});
-  refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", {1, 0}}}), {"p.h5: packing/radius: grain 1:", "> 0"});
-  refused(file_of("packing", {{"x", {0, not_a_number}}, {"y", two}, {"radius", two}}),
-          {"p.h5: packing/x: grain 1:", "number"});
-  refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"mass", {1, -1}}}),
-          {"p.h5: packing/mass: grain 1"});
-  refused(file_of("packing", {{"x", {}}, {"y", {}}, {"radius", {}}}), {"p.h5:", "grain"});
+  refused_packing(good.substr(0, good.size() / 2), {"p.h5:", "HDF5"});
+  refused_packing(file_of("sweep", {{"x", two}}), {"p.h5: packing:", "met none"});
+  refused_packing(file_of("packing", {{"x", two}, {"y", two}}), {"p.h5: packing:", "'radius'", "met none"});
+  refused_packing(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"colour", two}}),
+                  {"p.h5: packing/colour:", "mass"});
+  refused_packing(file_of("packing", {{"x", two}, {"y", three}, {"radius", two}}),
+                  {"p.h5: packing/y:", "2 numbers", "met 3"});
+  refused_packing(file_of("packing", {{"x", two}, {"y", two}, {"z", three}, {"radius", two}}),
+                  {"p.h5: packing/z:", "2 numbers", "met 3"});
+  refused_packing(file_of("packing", {{"x", two}, {"y", two}, {"z", {0, not_a_number}}, {"radius", two}}),
+                  {"p.h5: packing/z: grain 1:", "number"});
+  refused_packing(file_of("packing", {{"x", two}, {"y", two}, {"radius", {1, 0}}}),
+                  {"p.h5: packing/radius: grain 1:", "> 0"});
+  refused_packing(file_of("packing", {{"x", {0, not_a_number}}, {"y", two}, {"radius", two}}),
+                  {"p.h5: packing/x: grain 1:", "number"});
+  refused_packing(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"mass", {1, -1}}}),
+                  {"p.h5: packing/mass: grain 1"});
+  refused_packing(file_of("packing", {{"x", {}}, {"y", {}}, {"radius", {}}}), {"p.h5:", "grain"});
   // a table of texts under the right name
   const Table texts{{{"x", "", "texts"}}, {{std::string("one")}, {std::string("two")}}};
-  refused(to_hdf5({}, {{"packing", texts}}), {"p.h5: packing/x:", "numbers"});
+  refused_packing(to_hdf5({}, {{"packing", texts}}), {"p.h5: packing/x:", "numbers"});
 }
 
 TEST_CASE("packing file: integers of an HDF5 file are numbers") {

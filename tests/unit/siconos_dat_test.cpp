@@ -134,11 +134,11 @@ void check_reads_as(const Problem& expected, const std::string& text) {
   check_same(expected, std::get<Problem>(file.problem));
 }
 
-void refused(const std::string& text, const Names& names) {
+void refused_text(const std::string& text, const Names& names) {
   check_error([&] { siconos_from_text(text, "p.dat"); }, names);
 }
 
-std::string columns(const SparseMatrix& matrix, Index) { return sparse_text(matrix, 2); }
+std::string by_columns(const SparseMatrix& matrix, Index) { return sparse_text(matrix, 2); }
 
 }  // namespace
 
@@ -175,8 +175,8 @@ TEST_CASE("a local problem is told from a global one of as many rows") {
   const GlobalFrictionProblem global = random_bodies_problem(3, 2, 3);
   const LocalFrictionProblem local = reduce(global);
   REQUIRE(global.mass.rows() == local.w.rows());
-  check_reads_as(global, global_text(global, dense_text(global.mass), columns));
-  check_reads_as(local, local_text(local, columns));
+  check_reads_as(global, global_text(global, dense_text(global.mass), by_columns));
+  check_reads_as(local, local_text(local, by_columns));
 }
 
 TEST_CASE("problems without contacts, and blocks without entries") {
@@ -222,9 +222,9 @@ TEST_CASE("six digits of a sparse matrix are symmetric enough") {
       rounded << e.value();
       e.valueRef() = std::stod(rounded.str()) * (e.row() > j ? 1 + 1e-6 : 1);
     }
-  check_reads_as(local, local_text(local, columns));
+  check_reads_as(local, local_text(local, by_columns));
   local.w.coeffRef(1, 0) += 2e-2 * local.w.coeff(0, 0);
-  refused(local_text(local, columns), {"p.dat: W:", "matrix"});
+  refused_text(local_text(local, by_columns), {"p.dat: W:", "matrix"});
 }
 
 TEST_CASE("problems in space read back bit for bit, as Siconos writes three rows per contact") {
@@ -245,42 +245,44 @@ TEST_CASE("problems in space read back bit for bit, as Siconos writes three rows
 }
 
 TEST_CASE("problems of another kind are named and refused") {
-  refused("3\n52\n1\n156\n156\n" + std::string(400, ' ') + std::string(120, '1'), {"p.dat:2: contacts"});
+  refused_text("3\n52\n1\n156\n156\n" + std::string(400, ' ') + std::string(120, '1'), {"p.dat:2: contacts"});
   std::string words;
   for (int k = 0; k < 60; ++k) words += "0 ";
-  refused("5\n1\n0\n5\n5\n5 5\n" + words, {"not supported: rolling friction (1 contacts, dimension 5)"});
-  refused("4\n1\n0\n4\n4\n4 4\n" + words, {"dimension:", "2 or 3", "met 4"});
-  refused("1000\n0.0\n", {"dimension:", "from 1 to 6", "met 1000"});
+  refused_text("5\n1\n0\n5\n5\n5 5\n" + words, {"not supported: rolling friction (1 contacts, dimension 5)"});
+  refused_text("4\n1\n0\n4\n4\n4 4\n" + words, {"dimension:", "2 or 3", "met 4"});
+  refused_text("1000\n0.0\n", {"dimension:", "from 1 to 6", "met 1000"});
   const LocalFrictionProblem local = reduce(random_bodies_problem(2, 3, 4));
-  refused(replaced(local_text(local, columns), "8\n8\n2\n", "8\n8\n4\n"),
-          {"not supported: half of a symmetric matrix"});
+  refused_text(replaced(local_text(local, by_columns), "8\n8\n2\n", "8\n8\n4\n"),
+               {"not supported: half of a symmetric matrix"});
 }
 
 TEST_CASE("texts that are no problem are refused with their line") {
   const LocalFrictionProblem local = reduce(random_bodies_problem(2, 3, 4));
-  const std::string good = local_text(local, columns);
-  refused("", {"p.dat:1:", "met the end of the file"});
-  refused("x,y,radius\n1,2,3\n", {"p.dat:1: dimension:", "met 'x,y,radius'"});
-  refused(replaced(good, "2\n4\n", "2\n4.5\n"), {"p.dat:2: contacts:", "met '4.5'"});
-  refused(replaced(good, "2\n4\n", "2\n1000000000\n"), {"contacts:", "behind"});
-  refused(replaced(good, "4\n2\n8", "4\n3\n8"), {"p.dat:3: storage of the first matrix:", "from 0 to 2"});
-  refused(replaced(good, "8-by-8", "8-by-9"), {"p.dat:8: sizes of the first matrix:", "'8-by-8,'", "met '8-by-9,'"});
-  refused(replaced(good, "col 1 ", "col 2 "), {"from 1 to 1", "met 2"});
-  refused(replaced(good, "col 0 : locations 0 to", "col 0 : locations 1 to"), {"from 0 to 0", "met 1"});
-  refused(replaced(good, "nnz: ", "nnz: 1"), {"the first matrix:", "140 entries", "met 40"});
-  refused(replaced(good, "      0 : ", "      8 : "), {"an entry of the first matrix:", "from 0 to 7"});
-  refused(replaced(good, "      0 : ", "      0 : x"), {"an entry of the first matrix:", "met 'x"});
-  refused(replaced(good, "      0 : ", "      0 : nan "), {"p.dat:10: "});
-  refused(good + "0 0\n", {"H: expected"});
-  refused(good + "7\n", {"from 0 to 1", "met 7"});
-  refused(good.substr(0, good.size() - 60), {"met the end of the file"});
+  const std::string good = local_text(local, by_columns);
+  refused_text("", {"p.dat:1:", "met the end of the file"});
+  refused_text("x,y,radius\n1,2,3\n", {"p.dat:1: dimension:", "met 'x,y,radius'"});
+  refused_text(replaced(good, "2\n4\n", "2\n4.5\n"), {"p.dat:2: contacts:", "met '4.5'"});
+  refused_text(replaced(good, "2\n4\n", "2\n1000000000\n"), {"contacts:", "behind"});
+  refused_text(replaced(good, "4\n2\n8", "4\n3\n8"), {"p.dat:3: storage of the first matrix:", "from 0 to 2"});
+  refused_text(replaced(good, "8-by-8", "8-by-9"),
+               {"p.dat:8: sizes of the first matrix:", "'8-by-8,'", "met '8-by-9,'"});
+  refused_text(replaced(good, "col 1 ", "col 2 "), {"from 1 to 1", "met 2"});
+  refused_text(replaced(good, "col 0 : locations 0 to", "col 0 : locations 1 to"), {"from 0 to 0", "met 1"});
+  refused_text(replaced(good, "nnz: ", "nnz: 1"), {"the first matrix:", "140 entries", "met 40"});
+  refused_text(replaced(good, "      0 : ", "      8 : "), {"an entry of the first matrix:", "from 0 to 7"});
+  refused_text(replaced(good, "      0 : ", "      0 : x"), {"an entry of the first matrix:", "met 'x"});
+  refused_text(replaced(good, "      0 : ", "      0 : nan "), {"p.dat:10: "});
+  refused_text(good + "0 0\n", {"H: expected"});
+  refused_text(good + "7\n", {"from 0 to 1", "met 7"});
+  refused_text(good.substr(0, good.size() - 60), {"met the end of the file"});
   const std::string dense = local_text(local, storages[0].second);
-  refused(replaced(dense, "8\t8", "8\t9"), {"columns of the first matrix:", "from 8 to 8", "met 9"});
+  refused_text(replaced(dense, "8\t8", "8\t9"), {"columns of the first matrix:", "from 8 to 8", "met 9"});
   const std::string blocks = local_text(local, storages[1].second);
-  refused(replaced(blocks, "2\t4\t6\t8\t", "2\t4\t3\t8\t"), {"ends of block rows of the first matrix"});
-  refused(replaced(blocks, "2\t4\t6\t8\t", "2\t4\t6\t7\t"), {"8 at last", "met 7"});
+  refused_text(replaced(blocks, "2\t4\t6\t8\t", "2\t4\t3\t8\t"), {"ends of block rows of the first matrix"});
+  refused_text(replaced(blocks, "2\t4\t6\t8\t", "2\t4\t6\t7\t"), {"8 at last", "met 7"});
   const GlobalFrictionProblem global = random_bodies_problem(2, 3, 4);
-  refused(replaced(global_text(global, dense_text(global.mass), columns), "9\n8\n2\n", "9\n6\n2\n"), {"H: expected"});
+  refused_text(replaced(global_text(global, dense_text(global.mass), by_columns), "9\n8\n2\n", "9\n6\n2\n"),
+               {"H: expected"});
 }
 
 TEST_CASE("every prefix of a text is refused or is a problem by itself") {
@@ -298,12 +300,12 @@ TEST_CASE("every prefix of a text is refused or is a problem by itself") {
 TEST_CASE("a file is told by its name") {
   const TemporaryFolder folder;
   const GlobalFrictionProblem global = random_bodies_problem(2, 3, 4);
-  write_file(folder / "p.dat", global_text(global, dense_text(global.mass), columns));
+  write_file(folder / "p.dat", global_text(global, dense_text(global.mass), by_columns));
   write_file(folder / "p.hdf5", raw_global(global).bytes());
   for (const char* name : {"p.dat", "p.hdf5"}) {
     check_same(global, std::get<GlobalFrictionProblem>(read_contact_problem((folder / name).string()).problem));
     check_same(global, read_global_problem((folder / name).string()));
   }
-  write_file(folder / "local.dat", local_text(reduce(global), columns));
+  write_file(folder / "local.dat", local_text(reduce(global), by_columns));
   check_error([&] { read_global_problem((folder / "local.dat").string()); }, {"global problem"});
 }

@@ -10,17 +10,17 @@ using namespace nscdd;
 
 namespace {
 
-struct Heap {
+struct SweptHeap {
   ContactRows<3> contacts;
   std::vector<GrainVelocity<3>> velocities;
 };
 
 // Contacts between random spheres in random directions, every fourth of which is driven. Some contacts that follow each
 // other share a sphere, and some do not.
-Heap random_heap(std::uint64_t seed, const ContactLaw& law, bool tangential_bias) {
+SweptHeap random_heap(std::uint64_t seed, const ContactLaw& law, bool tangential_bias) {
   RandomStream random(seed);
   const auto number = [&] { return 2 * random.uniform() - 1; };
-  Heap heap;
+  SweptHeap heap;
   for (int i = 0; i < 14; ++i)
     heap.velocities.push_back(
         with_unknowns(GrainUnknowns<3>{number(), number(), number(), number(), number(), number()},
@@ -44,7 +44,7 @@ Heap random_heap(std::uint64_t seed, const ContactLaw& law, bool tangential_bias
 }
 
 // The same sweep by the law, the frame of each contact and its impulses on the unknowns of its spheres.
-SweepSums plain_sweep(const ContactLaw& law, Heap& heap, double relaxation) {
+SweepSums plain_sweep(const ContactLaw& law, SweptHeap& heap, double relaxation) {
   SweepSums sums;
   for (std::size_t k = 0; k < heap.contacts.size(); ++k) {
     const GrainContact<3> c = heap.contacts.contact(k, heap.velocities);
@@ -75,7 +75,7 @@ TEST_CASE("a sweep over spheres is one contact after the other by its law, in th
         CAPTURE(name);
         CAPTURE(relaxation);
         CAPTURE(tangential_bias);
-        Heap swept_once = random_heap(7, law, tangential_bias), plain = swept_once;
+        SweptHeap swept_once = random_heap(7, law, tangential_bias), plain = swept_once;
         for (int sweep = 0; sweep < 3; ++sweep) {
           const SweepSums sums = gauss_seidel_sweep(law, swept_once.contacts, swept_once.velocities, relaxation);
           const SweepSums expected = plain_sweep(law, plain, relaxation);

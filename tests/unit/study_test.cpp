@@ -223,7 +223,7 @@ TEST_CASE("network: links and grains of the 4 disks, and of spheres with normals
     Table link{headings(link_columns(ContactSet::active, dimension)), {}};
     Table grain{headings(grain_columns(dimension)), {}};
     links(model, [&](const Link& one) { link.rows.push_back(row(link_columns(ContactSet::active, dimension), one)); });
-    grains(model, [&](const Grain& one) { grain.rows.push_back(row(grain_columns(dimension), one)); });
+    grains(model, [&](const PackingGrain& one) { grain.rows.push_back(row(grain_columns(dimension), one)); });
     for (const Row& cells : link.rows) {
       REQUIRE(cells.size() == link.columns.size());
       const auto number = [&](const std::string& name) { return std::get<double>(cells[link.column(name)]); };

@@ -15,7 +15,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-constexpr Index wall = -1;
+constexpr Index fixed_wall = -1;
 
 // A contact of two disks, or of a disk and a wall that moves away at `opening`. Its normal points from b to a.
 struct Meeting {
@@ -24,7 +24,7 @@ struct Meeting {
 };
 
 // Disks of mass 1 kg and radius 0.5 m, pulled down at 0.05 m/s.
-LocalFrictionProblem touching(Index disks, const std::vector<Meeting>& meetings, double friction) {
+LocalFrictionProblem pressed_disks(Index disks, const std::vector<Meeting>& meetings, double friction) {
   SparseMatrix mass(3 * disks, 3 * disks), h(3 * disks, 2 * count(meetings));
   GlobalFrictionProblem problem;
   problem.f = Vector::Zero(3 * disks);
@@ -36,7 +36,7 @@ LocalFrictionProblem touching(Index disks, const std::vector<Meeting>& meetings,
   for (Index c = 0; c < count(meetings); ++c) {
     const Meeting& meeting = meetings[at(c)];
     for (const auto& [body, sign] : {std::pair(meeting.a, 1.0), std::pair(meeting.b, -1.0)}) {
-      if (body == wall) continue;
+      if (body == fixed_wall) continue;
       const double columns[2][3] = {{sign * meeting.x, sign * meeting.y, 0},
                                     {-sign * meeting.y, sign * meeting.x, -0.5}};
       for (const Index j : {0, 1})
@@ -52,9 +52,9 @@ LocalFrictionProblem touching(Index disks, const std::vector<Meeting>& meetings,
 
 // Disks in a row between two walls; the right one moves away at `opening`.
 std::vector<Meeting> row_of(Index disks, double opening, Index first = 0) {
-  std::vector<Meeting> meetings{{first, wall, 1, 0}};
+  std::vector<Meeting> meetings{{first, fixed_wall, 1, 0}};
   for (Index i = 1; i < disks; ++i) meetings.push_back({first + i, first + i - 1, 1, 0});
-  meetings.push_back({first + disks - 1, wall, -1, 0, opening});
+  meetings.push_back({first + disks - 1, fixed_wall, -1, 0, opening});
   return meetings;
 }
 
@@ -106,7 +106,7 @@ const Index random_problems = sanitized ? 50 : thorough() ? 10'000 : 2000;
 
 TEST_CASE("walls that close on a row of disks: impossible, with the row as its chain") {
   for (Index disks = 1; disks <= (sanitized ? 12 : 50); ++disks)
-    for (const Verdict& verdict : both(touching(disks, row_of(disks, -0.1), 0.3))) {
+    for (const Verdict& verdict : both(pressed_disks(disks, row_of(disks, -0.1), 0.3))) {
       CAPTURE(disks);
       CHECK(verdict.kind == VerdictKind::impossible);
       REQUIRE(count(verdict.chain) == disks + 1);
@@ -121,7 +121,7 @@ TEST_CASE("walls that close on a row of disks: impossible, with the row as its c
 
 TEST_CASE("a plane problem in space has the same verdict; one that is stopped is that of what was found") {
   for (const double opening : {-0.1, 0.1}) {
-    const LocalFrictionProblem plane = touching(5, row_of(5, opening), 0.3);
+    const LocalFrictionProblem plane = pressed_disks(5, row_of(5, opening), 0.3);
     const Verdict expected = verdict_of(plane), verdict = verdict_of(in_space(plane));
     CHECK(verdict.kind == expected.kind);
     CHECK(verdict.margin == doctest::Approx(expected.margin).epsilon(1e-5));
@@ -135,7 +135,7 @@ TEST_CASE("a plane problem in space has the same verdict; one that is stopped is
 
 TEST_CASE("walls that move apart: the margin is their share of the opening") {
   for (const Index disks : {1, 2, 7, 50})
-    for (const Verdict& verdict : both(touching(disks, row_of(disks, 0.1), 0.3))) {
+    for (const Verdict& verdict : both(pressed_disks(disks, row_of(disks, 0.1), 0.3))) {
       CHECK(verdict.kind == VerdictKind::exists);
       CHECK(verdict.margin == doctest::Approx(0.1 / static_cast<double>(disks + 1)).epsilon(1e-5));
       CHECK(verdict.chain.empty());
@@ -146,9 +146,10 @@ TEST_CASE("walls that move apart: the margin is their share of the opening") {
 TEST_CASE("an arch under a ceiling that comes down: its self-stress is that of statics") {
   for (const double angle : {0.2, 0.5, 0.9}) {
     const double x = std::cos(angle), y = std::sin(angle);
-    const std::vector<Meeting> meetings{{0, wall, 1, 0},        {0, wall, 0, 1}, {1, 0, x, y},     {2, 1, x, -y},
-                                        {1, wall, 0, -1, -0.1}, {2, wall, 0, 1}, {2, wall, -1, 0}, {0, wall, 0, 1}};
-    for (const Verdict& verdict : both(touching(3, meetings, 0.3))) {
+    const std::vector<Meeting> meetings{{0, fixed_wall, 1, 0},  {0, fixed_wall, 0, 1},        {1, 0, x, y},
+                                        {2, 1, x, -y},          {1, fixed_wall, 0, -1, -0.1}, {2, fixed_wall, 0, 1},
+                                        {2, fixed_wall, -1, 0}, {0, fixed_wall, 0, 1}};
+    for (const Verdict& verdict : both(pressed_disks(3, meetings, 0.3))) {
       CHECK(verdict.kind == VerdictKind::impossible);
       const double largest = std::max(1.0, 2 * y);
       // One of the two equal contacts with the floor carries.
@@ -163,7 +164,7 @@ TEST_CASE("of equal rows between the same walls one is the chain") {
   std::vector<Meeting> meetings;
   for (Index row = 0; row < 4; ++row)
     for (const Meeting& meeting : row_of(3, -0.1, 3 * row)) meetings.push_back(meeting);
-  for (const Verdict& verdict : both(touching(12, meetings, 0.3))) {
+  for (const Verdict& verdict : both(pressed_disks(12, meetings, 0.3))) {
     CHECK(verdict.kind == VerdictKind::impossible);
     REQUIRE(verdict.chain.size() == 4);
     CHECK(verdict.chain[0] % 4 == 0);
@@ -179,7 +180,7 @@ TEST_CASE("a disk in a wedge under a lid that rises: the margin in closed form, 
       INFO("angle = ", angle, ", friction = ", friction);
       const double x = std::cos(angle), y = std::sin(angle), share = y - friction * x;
       const LocalFrictionProblem problem =
-          touching(1, {{0, wall, x, y}, {0, wall, -x, y}, {0, wall, 0, -1, rise}}, friction);
+          pressed_disks(1, {{0, fixed_wall, x, y}, {0, fixed_wall, -x, y}, {0, fixed_wall, 0, -1, rise}}, friction);
       for (const Verdict& verdict : both(problem)) {
         CHECK(verdict.kind == (share > 0 ? VerdictKind::exists : VerdictKind::undecided));
         if (share > 0) {
@@ -196,8 +197,8 @@ TEST_CASE("a disk in a wedge under a lid that rises: the margin in closed form, 
 TEST_CASE("closing walls that are not quite parallel: a disk escapes, or would have to be faster than any") {
   for (const double angle : {1e-2, 1e-4, 1e-10, 1e-13}) {
     CAPTURE(angle);
-    const Verdict verdict =
-        verdict_of(touching(1, {{0, wall, 1, 0}, {0, wall, -std::cos(angle), std::sin(angle), -0.1}}, 0));
+    const Verdict verdict = verdict_of(
+        pressed_disks(1, {{0, fixed_wall, 1, 0}, {0, fixed_wall, -std::cos(angle), std::sin(angle), -0.1}}, 0));
     CHECK(verdict.kind == (angle > 1e-7 ? VerdictKind::exists : VerdictKind::impossible));
     if (angle > 1e-7) continue;
     CHECK(verdict.proven_speed <= 0.1001 / angle);
@@ -206,12 +207,12 @@ TEST_CASE("closing walls that are not quite parallel: a disk escapes, or would h
 }
 
 TEST_CASE("a column under a piston has a solution, whatever presses") {
-  std::vector<Meeting> meetings{{0, wall, 0, 1}};
+  std::vector<Meeting> meetings{{0, fixed_wall, 0, 1}};
   for (Index i = 1; i < 30; ++i) meetings.push_back({i, i - 1, 0, 1});
-  LocalFrictionProblem problem = touching(30, meetings, 0.3);
+  LocalFrictionProblem problem = pressed_disks(30, meetings, 0.3);
   problem.q[2 * 29] = -50;
   for (const Verdict& verdict : both(problem)) CHECK(verdict.kind == VerdictKind::exists);
-  CHECK(verdict_of(touching(1, {}, 0.3)).kind == VerdictKind::exists);
+  CHECK(verdict_of(pressed_disks(1, {}, 0.3)).kind == VerdictKind::exists);
 }
 
 TEST_CASE("problems made with velocities of a margin have a solution, with that margin at least") {

@@ -190,29 +190,29 @@ void problem_contacts(const Model& model, const Sink<ProblemContact>& sink) {
   }
 }
 
-ResultColumns<Grain> grain_columns(Index dimension) {
+ResultColumns<PackingGrain> grain_columns(Index dimension) {
   const auto of = [](std::vector<double> Packing::*values) {
-    return [=](const Grain& grain) { return (grain.model.packing.*values)[at(grain.number)]; };
+    return [=](const PackingGrain& grain) { return (grain.model.packing.*values)[at(grain.number)]; };
   };
-  return joined<Grain>(
-      {{{"case", "", "name of the case", [](const Grain& grain) { return grain.model.name; }},
-        {"grain", "1", "number of the grain", &Grain::number}},
-       vector_columns<Grain>(
+  return joined<PackingGrain>(
+      {{{"case", "", "name of the case", [](const PackingGrain& grain) { return grain.model.name; }},
+        {"grain", "1", "number of the grain", &PackingGrain::number}},
+       vector_columns<PackingGrain>(
            dimension, "{}", "m", "centre",
-           [](const Grain& grain, Index k) { return coordinate(grain.model.packing, grain.number, k); }),
+           [](const PackingGrain& grain, Index k) { return coordinate(grain.model.packing, grain.number, k); }),
        {{"radius", "m", "radius", of(&Packing::radius)},
         {"mass", "kg", "mass", of(&Packing::mass)},
-        {"contacts", "1", "contacts of the grain", &Grain::contacts},
+        {"contacts", "1", "contacts of the grain", &PackingGrain::contacts},
         {"multiplicity", "1", "subdomains that share the grain; 0 for a grain that touches nothing",
-         [](const Grain& grain) { return grain.model.parts.interface.multiplicity(grain.number); }}},
-       vector_columns<Grain>(dimension, "velocity_{}", "m/s", "prescribed velocity, 0 if the grain has none",
-                             [](const Grain& grain, Index k) {
-                               const ReferenceProblem& problem = grain.model.problem;
-                               return problem.arriving_velocity[problem.dofs_per_grain * grain.number + k];
-                             })});
+         [](const PackingGrain& grain) { return grain.model.parts.interface.multiplicity(grain.number); }}},
+       vector_columns<PackingGrain>(dimension, "velocity_{}", "m/s", "prescribed velocity, 0 if the grain has none",
+                                    [](const PackingGrain& grain, Index k) {
+                                      const ReferenceProblem& problem = grain.model.problem;
+                                      return problem.arriving_velocity[problem.dofs_per_grain * grain.number + k];
+                                    })});
 }
 
-void grains(const Model& model, const Sink<Grain>& sink) {
+void grains(const Model& model, const Sink<PackingGrain>& sink) {
   require_geometry(model, "grains");
   const std::vector<Index> contacts = contact_counts(model.network);
   for (Index i = 0; i < model.packing.size(); ++i) sink({model, i, contacts[at(i)]});

@@ -78,12 +78,12 @@ const ResultColumns<ProblemContact>& problem_contact_columns();
 void problem_contacts(const Model& model, const Sink<ProblemContact>& sink);
 
 /// A grain with its multiplicity and prescribed velocity.
-struct Grain {
+struct PackingGrain {
   const Model& model;
   Index number, contacts;
 };
-ResultColumns<Grain> grain_columns(Index dimension = 2);
-void grains(const Model& model, const Sink<Grain>& sink);  ///< throws Error as `links`
+ResultColumns<PackingGrain> grain_columns(Index dimension = 2);
+void grains(const Model& model, const Sink<PackingGrain>& sink);  ///< throws Error as `links`
 
 /// Grains by size, ten classes of radii.
 struct GrainSizes {

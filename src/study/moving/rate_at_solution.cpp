@@ -19,10 +19,10 @@ template double status_margin(const ContactLaw&, const GrainContact<3>&, GrainVe
 
 namespace {
 
-constexpr double solved = 1e-10, rounding = 1e-13;  // natural map of a solution, and the tolerance
-constexpr double near = 1e-6;                       // margin of a contact near another status
-constexpr double perturbation = 1e-6;               // of F_Gamma
-constexpr double size_of_errors = 1e-7;             // of the velocities, at the beginning of a part
+constexpr double solved = 1e-10, step_tolerance = 1e-13;  // natural map of a solution, and the tolerance
+constexpr double near = 1e-6;                             // margin of a contact near another status
+constexpr double perturbation = 1e-6;                     // of F_Gamma
+constexpr double size_of_errors = 1e-7;                   // of the velocities, at the beginning of a part
 constexpr Index parts_of_run = 100, parts_of_tenth = 10;
 constexpr Index sweeps_of_power = 100;  // in the power of the frozen iteration whose radius is computed
 constexpr double least_angle = 1e-12;   // sine between errors that are multiples of each other
@@ -32,7 +32,7 @@ template <int D>
 GranularStep<D> solution_of(Simulation simulation) {
   simulation.dynamics.solver = {.algorithm = StepAlgorithm::automatic,
                                 .criterion = Criterion::natural_map,
-                                .tolerance = rounding,
+                                .tolerance = step_tolerance,
                                 .warm_start = true};
   return solve_step<D>(simulation);
 }
