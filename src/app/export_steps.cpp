@@ -95,6 +95,8 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
   } else {
     note("{}: no DATBOX is written: {}", folder.string(), reason);
   }
+  if (const Period& period = chosen.header.system.period; period.any())
+    note("{}: the period is in none of its files: x {} m, y {} m", folder.string(), period.x, period.y);
   const auto write = into("OUTBOX");
   write("BODIES.OUT", writer.bodies());
   write("BULK_BEHAV.OUT", writer.bulk());

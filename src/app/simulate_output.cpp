@@ -81,12 +81,13 @@ void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
          run.iterations.size());
 }
 
-// The lines of a case without those that change no step, and an end.
+// The lines of a case without those that change no step, or only the first, and an end.
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);)
-    if (!line.starts_with("steps = ") && !line.starts_with("verdict = ") && !line.starts_with("impossible = "))
+    if (!line.empty() && std::ranges::none_of(std::array{"steps = ", "forces = ", "verdict = ", "impossible = "},
+                                              [&](const char* key) { return line.starts_with(key); }))
       lines.push_back(line);
   lines.push_back("the end");
   return lines;

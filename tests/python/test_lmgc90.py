@@ -111,6 +111,9 @@ def test_a_folder_starts_with_the_forces_of_its_last_step(tmp_path, case, packin
     (tmp_path / "out/DATBOX/Vloc_Rloc.INI").write_text(swapped)
     for pair, impulse in by_bodies(nscdd.simulate(tmp_path / "out", settings=settings).last).items():
         np.testing.assert_allclose(impulse, met[pair], atol=1e-15 * scale)
+    (tmp_path / "out/DATBOX/Vloc_Rloc.INI").write_text(re.sub(r"RBDY(\d +)1 ", r"RBDY\g<1>99 ", text))
+    left = by_bodies(nscdd.simulate(tmp_path / "out", settings=settings).last)
+    assert left.keys() == {pair for pair in met if pair[0] > 0}  # body 99 is not there
     (tmp_path / "out/DATBOX/Vloc_Rloc.INI").unlink()
     assert len(nscdd.simulate(tmp_path / "out", settings=settings).last.contact_a) == 0
 
@@ -150,8 +153,18 @@ to = [9, 0]
 
     slid = 2 * 2 * 0.1 * 9.81 * 0.002 / 0.5  # two steps, I = m R^2 / 2
     assert abs(spin(tmp_path / "out")) == pytest.approx(slid, rel=1e-5)
+    call("simulate", tmp_path / "out", "-o", tmp_path / "begun.h5", "--steps", 0, "--set", "dynamics.step=0.002")
+    call("simulate", tmp_path / "out", "-o", tmp_path / "on.h5", "--steps", 1, "--set", "dynamics.step=0.002")
+    call("export", tmp_path / "on.h5", "--fclib", 1, "-o", tmp_path / "first.hdf5")
+    assert nscdd.read_contact_problem(tmp_path / "first.hdf5").mu == pytest.approx([0.1])
     (tmp_path / "out/DATBOX/Vloc_Rloc.INI").rename(tmp_path / "kept")
     assert abs(spin(tmp_path / "out")) > 1  # it rolls
+    for name in ("on.h5", "begun.h5"):  # from its own state, also at the beginning
+        call("simulate", tmp_path / "out", "-o", tmp_path / name, "--steps", 2, "--restart", "--set",
+             "dynamics.step=0.002")
+    with h5py.File(tmp_path / "on.h5") as one, h5py.File(tmp_path / "begun.h5") as other:
+        np.testing.assert_array_equal(one["last/spin"], other["last/spin"])
+        assert abs(one["last/spin"][0, 0]) == pytest.approx(1.5 * slid, rel=1e-5)
     # The same in a case file. Its boundaries have disks, which come before the floor.
     (tmp_path / "kept").rename(tmp_path / "out/DATBOX/Vloc_Rloc.INI")
     text = (tmp_path / "case.toml").read_text().replace('file = "disk.csv"', 'file = "disk.csv"\nforces = "out"')
@@ -165,7 +178,16 @@ radius = 0.1
     (tmp_path / "case.toml").write_text(text)
     assert abs(spin(tmp_path / "case.toml")) == pytest.approx(slid / 2, rel=1e-5)
     (tmp_path / "case.toml").write_text(text[:text.index("[[boundary]]")])
-    with pytest.raises(nscdd.Error, match=r"toml:3: packing.forces: expected contacts of the 1 grains and 0 walls"):
+    refused = "toml:3: packing.forces: expected contacts of {}, met those of 1 disks and 1 walls"
+    with pytest.raises(nscdd.Error, match=refused.format("1 disks and at most 0 walls")):
+        nscdd.simulate(tmp_path / "case.toml")
+    (tmp_path / "case.toml").write_text(text)
+    (tmp_path / "disk.csv").write_text("x,y,radius,mass\n0,0.5,0.5,1\n1,0.5,0.5,1\n")
+    with pytest.raises(nscdd.Error, match=refused.format("2 disks and at most 1 walls")):
+        nscdd.simulate(tmp_path / "case.toml")
+    late = (tmp_path / "out/DATBOX/Vloc_Rloc.INI").read_text().replace("time= 0.2", "time= 0.3")
+    (tmp_path / "out/DATBOX/Vloc_Rloc.INI").write_text(late)
+    with pytest.raises(nscdd.Error, match=r"Vloc_Rloc.INI: expected the time of DOF.INI, 0.002 s, met 0.003 s"):
         nscdd.simulate(tmp_path / "case.toml")
     (tmp_path / "case.toml").write_text(text.replace('"out"', '"nowhere"'))
     with pytest.raises(nscdd.Error, match=r"packing.forces: .*nowhere"):
@@ -181,7 +203,7 @@ def test_a_record_starts_a_run_and_names_a_contact_problem(tmp_path):
     bodies = 6
     with h5py.File(tmp_path / "box/lmgc90.h5", "w") as file:
         group = file.create_group("Evolution/ID_3")
-        for name, value in (("TPS", 0.25), ("dt", 0.005), ("NStep", np.int32(50))):
+        for name, value in (("TPS", 0.25), ("dt", 0.004), ("NStep", np.int32(50))):
             group[name] = np.array([value])
         state = np.zeros((bodies, 6))
         state[0, [1, 3]] = 2e-3, 0.5  # m, m/s
@@ -199,6 +221,6 @@ def test_a_record_starts_a_run_and_names_a_contact_problem(tmp_path):
         contact = [3, 1, 9, 9, 1, 1, 6, 5, 3, 4, 9, 9, 2, 1, 1, 1, 1, 0, 6, 0, 0, 0]
         file["Evolution/ID_3/VlocRloc/idata"] = np.array([contact], "i4")
         file["Evolution/ID_3/VlocRloc/rdata"] = np.array([[40.0, 200, 0, 0, 0, 2, 0, 0, 1, 0]])
-    start = nscdd.simulate(record, settings={"dynamics.steps": 0, "dynamics.step": 0.005}).last
+    start = nscdd.simulate(record, settings={"dynamics.steps": 0}).last  # h = dt
     assert list(by_bodies(start)) == [(4, 6)]
-    np.testing.assert_allclose(start.impulse, [[1, -0.2, 0]], rtol=1e-15)
+    np.testing.assert_allclose(start.impulse, [[0.8, -0.16, 0]], rtol=1e-15)

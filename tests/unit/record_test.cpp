@@ -100,7 +100,7 @@ TEST_CASE("record: levers of disks, of hollow disks and of clusters are those of
   const FclibFile expected = problem_of_texts({texts, contacts});
   const std::string run = write_run(folder, texts, {{"ID_1", arrays}});
   check_same(read_contact_problem(run), expected);
-  const std::vector<RememberedImpulse> forces = read_contact_forces(run);
+  const std::vector<RememberedImpulse> forces = read_contact_forces(run).forces;
   REQUIRE(forces.size() == 3);
   for (std::size_t k = 0; k < 3; ++k) {  // the wall comes after the disk and the cluster
     CHECK(std::pair(forces[k].a, forces[k].b) ==

@@ -151,7 +151,7 @@ TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
     check_error([&] { problem_of(texts); }, names);
   };
   const auto contacts = &NetworkTexts::contacts;
-  spoil(contacts, "RBDY2      3  POLYG", "RBDY2      4  POLYG", {"Vloc_Rloc.INI:18:", "3 bodies", "'4'"});
+  spoil(contacts, "RBDY2      3  POLYG", "RBDY2      4  POLYG", {"Vloc_Rloc.INI:16:", "3 bodies", "met 4"});
   spoil(contacts, "RBDY2      1  POLYG      1  ANSEG", "RBDY2      3  POLYG      1  ANSEG", {":18:", "body 3 twice"});
   spoil(contacts, "RBDY2      3  POLYG", "MAILx      3  POLYG", {":18:", "RBDY2", "MAILx"});
   spoil(contacts, "n(1)= 0.6000000D+00", "n(1)= 0.7000000D+00", {":16:", "unit", "1.06"});

@@ -264,7 +264,7 @@ Case resolve(CaseSpec spec) {
       return moves ? datbox_packing(read_datbox(path), DatboxGrains::all) : read_packing(path);
     });
     if (!file->forces.empty())
-      one.forces = at_key(one.spec, "packing.forces", [&] { return read_contact_forces(beside(file->forces)); });
+      one.start = at_key(one.spec, "packing.forces", [&] { return read_contact_forces(beside(file->forces)); });
   }
   add_clumps(one);
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))

@@ -104,9 +104,13 @@ void read_state(const RecordPlace& place, Datbox& datbox) {
   const RecordRows<double> state(bodies, "rdata", space ? 21 : 6, count(datbox.bodies));
   const RecordRows<std::int64_t> visible(bodies, "idata", 1, count(datbox.bodies));
   datbox.start = record.number("TPS");
+  if (record.has("dt") && record.number("dt") > 0) datbox.command.step = record.number("dt");
   for (std::size_t k = 0; k < datbox.bodies.size(); ++k) {
     DatboxBody& body = datbox.bodies[k];
     if (visible(k, 0) == 0) refuse(visible.place(k), "expected bodies that are visible, met one that is not");
+    for (const std::size_t first :
+         space ? std::array<std::size_t, 4>{0, 3, 6, 9} : std::array<std::size_t, 4>{0, 3, 0, 3})
+      if (!state.three(k, first).allFinite()) refuse(state.place(k), "expected finite numbers in rdata, met others");
     body.velocity_place = state.place(k);
     body.position += state.three(k, 0);
     body.velocity = state.three(k, space ? 6 : 3);

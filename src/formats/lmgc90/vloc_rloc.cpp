@@ -154,6 +154,9 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
   Index rows = 0;
   const std::vector<NetworkBody> bodies = network_bodies(datbox, h, rows);
   std::vector<DatboxContact> contacts = network.contacts;
+  for (const DatboxContact& one : contacts)
+    if (const Index last = std::max(one.candidate, one.antagonist); last >= count(bodies))
+      refuse(one.place, "expected one of the {} bodies of BODIES.DAT, met {}", bodies.size(), last + 1);
   std::erase_if(contacts, [&](const DatboxContact& one) {
     return bodies[at(one.candidate)].row < 0 && bodies[at(one.antagonist)].row < 0;
   });
@@ -192,18 +195,22 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
   return file;
 }
 
+DatboxNetwork read_vloc_rloc(const std::string& path, const Datbox& datbox, const std::string& state) {
+  DatboxNetwork network = parse_vloc_rloc(read_text(path), path, datbox);
+  if (std::abs(network.time - datbox.start) > 1e-6 * std::max(network.time, datbox.start))
+    fail("{}: expected the time of {}, {} s, met {} s", path, state, datbox.start, network.time);
+  return network;
+}
+
 FclibFile read_vloc_rloc(const std::string& path) {
   if (const auto record = record_at(path)) {
     const Datbox datbox = read_datbox(path, DatboxShapes::any);
     return contact_problem_of(datbox, read_network(*record, datbox), path);
   }
   if (!has_vloc_rloc_name(path)) return read_vloc_rloc(vloc_rloc_in_datbox(path));
-  const std::string text = read_text(path), state = state_beside(path);
+  const std::string state = state_beside(path);
   const Datbox datbox = read_datbox(datbox_beside(path), DatboxShapes::any, is_there(state) ? state : "");
-  const DatboxNetwork network = parse_vloc_rloc(text, path, datbox);
-  if (std::abs(network.time - datbox.start) > 1e-6 * std::max(network.time, datbox.start))
-    fail("{}: expected the time of {}, {} s, met {} s", path, state, datbox.start, network.time);
-  return contact_problem_of(datbox, network, path);
+  return contact_problem_of(datbox, read_vloc_rloc(path, datbox, state), path);
 }
 
 std::string vloc_rloc_of_datbox(const std::string& path) {

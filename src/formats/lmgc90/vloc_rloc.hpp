@@ -7,16 +7,20 @@
 /// Contact networks of LMGC90, files Vloc_Rloc.INI and Vloc_Rloc.OUT.K of a step, between bodies of any shapes.
 namespace nscdd {
 
-/// Reads the contacts of these bodies. Names such as "rln/H" say what a number is: their order depends on the kind.
-/// Throws Error with file and line for bodies that are missing or not rigid, a contact without one of its numbers or of
-/// one body, and a frame that is not orthonormal to 10^-5.
+/// Reads the contacts of these bodies, and of others, if BODIES.DAT has changed since. Names such as "rln/H" say what a
+/// number is: their order depends on the kind. Throws Error with file and line for bodies that are not rigid, a contact
+/// without one of its numbers or of one body, and a frame that is not orthonormal to 10^-5.
 DatboxNetwork parse_vloc_rloc(std::string_view text, const std::string& name, const Datbox& datbox);
+
+/// Reads such a file at the state of `datbox`, which `state` names. Throws Error also for another time.
+DatboxNetwork read_vloc_rloc(const std::string& path, const Datbox& datbox, const std::string& state);
 
 /// The contact problem of the step after the state of `datbox`, with the points of its contacts, and with LMGC90's
 /// forces times h as a guess. h is that of the network, else its time / step number, else the default of cases. M is
 /// diagonal, with three rows per body, in space six, spins along its own axes; bodies that are driven in all degrees of
-/// freedom have none. Throws Error for other laws than those of DatboxLaw, a mass that is not positive, a point beyond
-/// the reach of its body (an image in a periodic cell), and for no contacts at all; `name` is that of the file.
+/// freedom have none. Throws Error for other bodies than those of `datbox`, for other laws than those of DatboxLaw, a
+/// mass that is not positive, a point beyond the reach of its body (an image in a periodic cell), and for no contacts
+/// at all; `name` is that of the file.
 FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network, const std::string& name);
 
 /// Reads such a file, a record (record.hpp), or Vloc_Rloc.INI of a folder that `holds_datbox`. DOF.INI, or DOF.OUT.K of

@@ -25,18 +25,14 @@ void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& c
     const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), number);
     return status == std::errc() && *end == '\0' ? number - 1 : -1;
   };
-  const auto body = [&](const std::string& word) {
-    const Index number = number_of(word);
-    if (number < 0 || number >= count(datbox.bodies))
-      lines.refuse(fmt::format("expected one of the {} bodies of BODIES.DAT", datbox.bodies.size()), "'" + word + "'");
-    return number;
-  };
-  contact.candidate = body(words[1]);
+  contact.candidate = number_of(words[1]);
   contact.candidate_shape = number_of(words[3]);
   contact.law = *(second - 1);
-  contact.antagonist = body(*(second + 1));
+  contact.antagonist = number_of(*(second + 1));
   contact.antagonist_shape = words.end() - second > 3 ? number_of(*(second + 3)) : -1;
   contact.slid = std::any_of(second, words.end(), [](const auto& word) { return word.find("sl") != word.npos; });
+  if (contact.candidate < 0 || contact.antagonist < 0)
+    lines.refuse("expected numbers of bodies from 1", "'" + line + "'");
   if (contact.candidate == contact.antagonist)
     lines.refuse("expected two bodies", fmt::format("body {} twice", contact.candidate + 1));
 }

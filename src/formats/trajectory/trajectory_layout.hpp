@@ -121,6 +121,15 @@ inline constexpr auto bond_columns = [](auto&& visit) {
   visit("gap", "m", [](auto& bond) { return &bond.gap; });
 };
 
+inline constexpr auto start_columns = [](auto&& visit) {
+  visit("a", "1", [](auto& one) { return &one.a; });
+  visit("b", "1", [](auto& one) { return &one.b; });
+  visit("impulse_1", "N s", [](auto& one) { return &one.impulse[0]; });
+  visit("impulse_2", "N s", [](auto& one) { return &one.impulse[1]; });
+  visit("impulse_3", "N s", [](auto& one) { return &one.impulse[2]; });
+  visit("slid", "1", [](auto& one) { return &one.slid; });
+};
+
 inline constexpr auto released_columns = [](auto&& visit) {
   visit("grain", "1", [](auto& released) { return &released.grain; });
 };
@@ -158,6 +167,7 @@ inline auto wall_columns(Index dimension, bool radii, bool lengths) {
 /// A number in its type in the file.
 inline double stored(double value) { return value; }
 inline std::int32_t stored(Index value) { return static_cast<std::int32_t>(value); }
+inline std::int8_t stored(bool value) { return value ? 1 : 0; }
 inline std::int8_t stored(ContactStatus value) { return static_cast<std::int8_t>(value); }
 
 }  // namespace nscdd::layout

@@ -95,7 +95,14 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
   if (group.has("released"))
     state.released = get_list<ReleasedGrain>(group.group("released"), layout::released_columns, here);
   if (group.has("models")) state.models = get_list<RememberedModel>(group.group("models"), layout::model_columns, here);
-  check_numbers(step, root.group("system").group("walls").rows("point_x"), group);
+  const Index walls = root.group("system").group("walls").rows("point_x");
+  check_numbers(step, walls, group);
+  if (state.step == 0 && root.has("start")) {
+    state.impulses = get_structs<RememberedImpulse>(root.group("start"), layout::start_columns);
+    for (const RememberedImpulse& one : state.impulses)
+      for (const Index body : {one.a, one.b})
+        require_within(body, 0, count(state.x) + walls, "a or b", root.group("start"));
+  }
   for (const TrajectoryContact& c : step.contacts) {
     state.subdomains.push_back({c.geometry.a, c.geometry.b, c.subdomain});
     if (!c.carries()) continue;

@@ -100,15 +100,18 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
 
 // The impulses of a step before the first, which had the same time step and these forces.
 void set_forces(const Case& one, Index grains, Simulation& simulation) {
+  const ContactForces& start = one.start;
+  if (start.forces.empty()) return;
   const GranularSystem& system = simulation.system;
-  simulation.state.impulses = one.forces;
+  if (start.dimension != system.dimension || start.grains != grains || start.walls > count(system.walls))
+    throw Error("packing.forces",
+                fmt::format("expected contacts of {} {}s and at most {} walls, met those of {} {}s and {} walls",
+                            grains, shape_of_grains(system.dimension), system.walls.size(), start.grains,
+                            shape_of_grains(start.dimension), start.walls));
+  simulation.state.impulses = start.forces;
   for (RememberedImpulse& each : simulation.state.impulses) {
     for (double& component : each.impulse) component *= simulation.dynamics.time.step;
     if (each.b >= grains) each.b += system.grains() - grains;  // behind the disks of boundaries
-    if (each.b >= system.grains() + count(system.walls))
-      throw Error("packing.forces",
-                  fmt::format("expected contacts of the {} grains and {} walls of this case, met more", grains,
-                              system.walls.size()));
   }
 }
 
@@ -145,16 +148,53 @@ Model without_parts(const Case& one, const Monitor& monitor) try {
   throw located(one.spec, error);
 }
 
+std::string content(const Packing& packing) {
+  std::string all;  // with the length of each list: masses of disks are not heights of spheres
+  for (const auto* values : {&packing.x, &packing.y, &packing.radius, &packing.mass, &packing.z})
+    all += fmt::format("{} {} ", values->size(), fingerprint(*values));
+  return fmt::format("{} grains, content {}", packing.size(), fingerprint(all));
+}
+
+std::string content(const GlobalFrictionProblem& problem) {
+  std::vector<double> all;
+  for (const SparseMatrix* matrix : {&problem.mass, &problem.h})
+    for (Index j = 0; j < matrix->cols(); ++j)
+      for (SparseMatrix::InnerIterator e(*matrix, j); e; ++e)
+        all.insert(all.end(), {static_cast<double>(e.row()), static_cast<double>(j), e.value()});
+  for (const Vector* values : {&problem.f, &problem.w, &problem.friction}) {
+    all.push_back(static_cast<double>(values->size()));
+    all.insert(all.end(), values->begin(), values->end());
+  }
+  return fmt::format("{} contacts, content {}", problem.contacts(), fingerprint(all));
+}
+
+// The name of a file, without its folder, and its content.
+std::string file_text(const std::string& path, const std::string& content) {
+  return fmt::format("{} ({})", std::filesystem::path(path).filename().string(), content);
+}
+
 }  // namespace
 
 std::string fingerprint_of_forces(const Case& one) {
   std::vector<double> numbers;
-  for (const RememberedImpulse& each : one.forces) {
+  for (const RememberedImpulse& each : one.start.forces) {
     const auto& [x, y, z] = each.impulse;
     numbers.insert(numbers.end(),
                    {static_cast<double>(each.a), static_cast<double>(each.b), x, y, z, each.slid ? 1.0 : 0.0});
   }
   return fingerprint(std::span<const double>(numbers));
+}
+
+std::string text_with_contents(const Case& one, CaseSpec spec) {
+  if (auto* file = std::get_if<PackingFile>(&spec.packing)) {
+    file->path = file_text(file->path, content(one.packing));
+    if (!file->forces.empty()) file->forces = file_text(file->forces, fingerprint_of_forces(one));
+  }
+  if (auto* file = std::get_if<ContactProblemFile>(&spec.packing))
+    file->path = file_text(file->path, content(one.problem));
+  if (auto* settled = std::get_if<SettledFrom>(&spec.packing))
+    settled->name = fmt::format("{} ({})", settled->name, content(one.packing));
+  return fmt::format("name = {}\n", field_text(spec.name)) + to_toml(spec);
 }
 
 std::optional<Index> dimension_of(const Case& one) {

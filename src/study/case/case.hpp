@@ -11,10 +11,10 @@ namespace nscdd {
 /// A case file with the contents of the files that it names (see `resolve`).
 struct Case {
   CaseSpec spec;
-  Packing packing = {};                        ///< of a packing file, or settled (with masses); else empty
-  std::vector<RememberedImpulse> forces = {};  ///< N, of PackingFile::forces; walls count from the size of the packing
-  GlobalFrictionProblem problem = {};          ///< of the file of a contact problem; else empty
-  Matrix points = {};                          ///< of its contacts, D x contacts, m; empty where the file has none
+  Packing packing = {};                ///< of a packing file, or settled (with masses); else empty
+  ContactForces start = {};            ///< of PackingFile::forces
+  GlobalFrictionProblem problem = {};  ///< of the file of a contact problem; else empty
+  Matrix points = {};                  ///< of its contacts, D x contacts, m; empty where the file has none
   /// Of a settled packing: the case file it was settled from, then those which that one was settled from in turn.
   std::string settled_from = {};
   /// Called with every model of this case before it is decomposed, for remarks on its contacts and subdomains.
@@ -23,6 +23,9 @@ struct Case {
 
 /// A fingerprint of the bits of its forces.
 std::string fingerprint_of_forces(const Case& one);
+
+/// The case file of `spec` with its name, and fingerprints of what its files hold in `one` in place of their folders.
+std::string text_with_contents(const Case& one, CaseSpec spec);
 
 /// 2 in the plane, 3 in space. None for a contact problem, and for a packing of a file or case before it is resolved.
 std::optional<Index> dimension_of(const Case& one);

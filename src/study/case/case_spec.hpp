@@ -20,6 +20,12 @@ struct ContactProblemFile {
   std::string path;  ///< [problem] file = "...": M and H without geometry in place of a packing
 };
 
+/// Contact forces in a packing with so many grains, and that many walls behind them.
+struct ContactForces {
+  Index dimension = 2, grains = 0, walls = 0;
+  std::vector<RememberedImpulse> forces = {};  ///< in N, ascending by (a, b)
+};
+
 /// A case file, before any of the files that it names is read.
 struct CaseSpec {
   std::string name;    ///< stem of the file; the `case` column of every table

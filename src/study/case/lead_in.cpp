@@ -64,7 +64,7 @@ Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
   CaseSpec spec = one.spec;
   spec.dynamics->solver = used;
   spec.dynamics->time.steps = 0;
-  std::map<Index, Arrival>& kept = known_[to_toml(spec)];
+  std::map<Index, Arrival>& kept = known_[text_with_contents(one, spec)];
   if (kept.empty()) kept.emplace(0, Arrival{simulation_of(one), {}});
   Arrival arrival = std::prev(kept.upper_bound(steps))->second;
   arrival.simulation.dynamics.solver = used;

@@ -51,44 +51,6 @@ Combination combination_of(const StudyTable& table, Index number) {
 
 constexpr Index shown_values = 64;  // longer lists are identified by their fingerprint
 
-std::string content(const Packing& packing) {
-  std::string all;  // with the length of each list: masses of disks are not heights of spheres
-  for (const auto* values : {&packing.x, &packing.y, &packing.radius, &packing.mass, &packing.z})
-    all += fmt::format("{} {} ", values->size(), fingerprint(*values));
-  return fmt::format("{} grains, content {}", packing.size(), fingerprint(all));
-}
-
-std::string content(const GlobalFrictionProblem& problem) {
-  std::vector<double> all;
-  for (const SparseMatrix* matrix : {&problem.mass, &problem.h})
-    for (Index j = 0; j < matrix->cols(); ++j)
-      for (SparseMatrix::InnerIterator e(*matrix, j); e; ++e)
-        all.insert(all.end(), {static_cast<double>(e.row()), static_cast<double>(j), e.value()});
-  for (const Vector* values : {&problem.f, &problem.w, &problem.friction}) {
-    all.push_back(static_cast<double>(values->size()));
-    all.insert(all.end(), values->begin(), values->end());
-  }
-  return fmt::format("{} contacts, content {}", problem.contacts(), fingerprint(all));
-}
-
-// The name of a file, without its folder, and its content.
-std::string file_text(const std::string& path, const std::string& content) {
-  return fmt::format("{} ({})", std::filesystem::path(path).filename().string(), content);
-}
-
-std::string case_text(const Case& one) {
-  CaseSpec spec = one.spec;
-  if (auto* file = std::get_if<PackingFile>(&spec.packing)) {
-    file->path = file_text(file->path, content(one.packing));
-    if (!file->forces.empty()) file->forces = file_text(file->forces, fingerprint_of_forces(one));
-  }
-  if (auto* file = std::get_if<ContactProblemFile>(&spec.packing))
-    file->path = file_text(file->path, content(one.problem));
-  if (auto* settled = std::get_if<SettledFrom>(&spec.packing))
-    settled->name = fmt::format("{} ({})", settled->name, content(one.packing));
-  return fmt::format("name = {}\n", field_text(spec.name)) + to_toml(spec);
-}
-
 std::string list_text(const std::vector<std::string>& items) {
   const std::string text = fmt::format("{}", fmt::join(items, ", "));
   if (count(items) <= shown_values) return fmt::format("[{}]", text);
@@ -231,7 +193,7 @@ std::string code_identity() {
 
 WorkIdentity work_identity(const StudyTable& table) {
   std::string cases;
-  for (const Case& one : table.cases) cases += case_text(one);
+  for (const Case& one : table.cases) cases += text_with_contents(one, one.spec);
   return {code_identity(), cases, options_text(table), effort_text(table.sweep.spectral)};
 }
 
