@@ -60,23 +60,36 @@ std::optional<fs::path> cache_folder() {
 // damage. Further remarks hold the case that was settled.
 constexpr std::string_view mark = "# content ";
 
-std::string entry_text(const Packing& packing, const std::string& resolved) {
+// Marks what is said of a packing whenever it is used.
+constexpr std::string_view remark_mark = "# remark: ";
+
+struct Settled {
+  Packing packing;
+  std::vector<std::string> remarks = {};
+};
+
+std::string entry_text(const Settled& settled, const std::string& resolved) {
   std::istringstream lines(resolved);
   std::string text;
+  for (const std::string& remark : settled.remarks) text += fmt::format("{}{}\n", remark_mark, remark);
   for (std::string line; std::getline(lines, line);) text += fmt::format("# {}\n", line);
-  text += packing_csv(packing);
+  text += packing_csv(settled.packing);
   return fmt::format("{}{}\n{}", mark, fingerprint(text), text);
 }
 
 // None if the entry is missing or damaged.
-std::optional<Packing> cached(const fs::path& entry) {
+std::optional<Settled> cached(const fs::path& entry) {
   if (!is_file(entry)) return std::nullopt;
   try {
     const std::string text = read_text(entry.string());
     const std::size_t start = text.find('\n') + 1;  // 0 where there is none
     if (text.substr(0, start) != fmt::format("{}{}\n", mark, fingerprint(std::string_view(text).substr(start))))
       return std::nullopt;
-    return parse_packing(text, entry.string());
+    Settled found{parse_packing(text, entry.string())};
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+      if (line.starts_with(remark_mark)) found.remarks.push_back(line.substr(remark_mark.size()));
+    return found;
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -92,7 +105,7 @@ void remember(const fs::path& entry, const std::string& text) {
   }
 }
 
-Packing simulate_to_the_end(const Case& one) {
+Settled simulate_to_the_end(const Case& one) {
   const Packing packing = packing_of(one);
   Simulation simulation = simulation_of(one);
   if (!simulation.system.free_bodies.empty())
@@ -106,11 +119,13 @@ Packing simulate_to_the_end(const Case& one) {
   sinks.monitor = progress("settle " + one.spec.name, 0, "step");
   const RunOutcome outcome = run_simulation(simulation, sinks);
   if (failed(outcome.end)) fail("case '{}': cannot be settled: {}", one.spec.name, outcome.reason);
+  Settled settled{free_grains(simulation.system, simulation.state, packing.size())};
   if (outcome.end == RunEnd::completed && one.spec.dynamics->time.rest_speed > 0)
-    note("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.spec.name, simulation.state.step,
-         totals.last.mean_speed);
-  if (const std::string words = lack_of_room(totals); !words.empty()) note("case '{}': {}", one.spec.name, words);
-  return free_grains(simulation.system, simulation.state, packing.size());
+    settled.remarks.push_back(fmt::format("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.spec.name,
+                                          simulation.state.step, totals.last.mean_speed));
+  if (const std::string words = lack_of_room(totals); !words.empty())
+    settled.remarks.push_back(fmt::format("case '{}': {}", one.spec.name, words));
+  return settled;
 }
 
 std::string settled_file(const CaseSpec& spec) {
@@ -168,12 +183,13 @@ Case settle(const CaseSpec& spec, const std::vector<fs::path>& open) {
   const auto cache = cache_folder();
   const std::string key = fingerprint(settled.settled_from + build_fingerprint());
   const fs::path entry = cache ? *cache / fmt::format("{}-{}.csv", start.spec.name, key) : fs::path();
-  if (std::optional<Packing> found = cached(entry)) {
-    settled.packing = *std::move(found);
-    return settled;
+  std::optional<Settled> found = cached(entry);
+  if (!found) {
+    found = simulate_to_the_end(start);
+    if (cache) remember(entry, entry_text(*found, settled.settled_from));
   }
-  settled.packing = simulate_to_the_end(start);
-  if (cache) remember(entry, entry_text(settled.packing, settled.settled_from));
+  for (const std::string& remark : found->remarks) note("{}", remark);
+  settled.packing = std::move(found->packing);
   return settled;
 }
 

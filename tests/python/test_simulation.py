@@ -388,3 +388,43 @@ velocity = [0.0, -0.2]
     assert np.all(run.steps["margin"] < 0) and np.allclose(run.steps["closing_speed"], 0.2)
     run = nscdd.simulate(tmp_path / "fall.toml", settings={"dynamics.steps": 3, "solver.verdict": "every"})
     assert list(run.steps["verdict"]) == ["exists"] * 3 and np.all(np.isposinf(run.steps["margin"]))
+
+
+def test_cases_of_equal_text_in_two_folders_are_two_cases(tmp_path):
+    """A study keeps states by what the files of a case hold, not by their names."""
+    grains = {"a": "x,y,radius\n0,1,0.1\n", "b": "x,y,radius\n5,7,0.1\n6,7,0.2\n"}
+    for folder, text in grains.items():
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "grains.csv").write_text(text)
+        (tmp_path / folder / "drop.toml").write_text("""[packing]
+file = "grains.csv"
+[masses]
+density = 1000
+[partition]
+grid = [1, 1]
+[dynamics]
+step = 0.001
+steps = 10
+""")
+    (tmp_path / "study.toml").write_text("""title = "two folders"
+[[table]]
+name = "conf"
+observable = "configuration"
+cases = ["a/drop.toml", "b/drop.toml"]
+steps = [0, 10]
+lead_in = "own"
+""")
+    subprocess.run([os.environ["NSCDD_PROGRAM"], "run", tmp_path, "--output", tmp_path / "res"], check=True,
+                   capture_output=True)
+    path, = (tmp_path / "res").glob("*/conf.csv")
+    table = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    assert list(table["radius"]) == 2 * [0.1] + 2 * [0.1, 0.2]
+
+
+def test_a_packing_that_did_not_come_to_rest_is_named_each_time(tmp_path):
+    (tmp_path / "bed.toml").write_text(FALL.replace("steps = 100", "steps = 2\nrest_speed = 1e-3"))
+    (tmp_path / "use.toml").write_text('[packing]\nsettled = "bed.toml"\n[partition]\ngrid = [1, 1]\n')
+    for _ in range(2):  # the second time from the cache
+        ended = subprocess.run([os.environ["NSCDD_PROGRAM"], "inspect", tmp_path / "use.toml"], check=True,
+                               capture_output=True, text=True, env={**os.environ, "NSCDD_CACHE": str(tmp_path / "kept")})
+        assert "case 'bed': not at rest after 2 steps, mean speed 0.2 m/s" in ended.stderr
