@@ -43,12 +43,13 @@ int run_generate(const GenerateOptions& options, const Context& context) {
   const Case one = resolve_case(spec, {options.output});
   OutputFile file(options.output, options.force);
   const Packing packing = packing_of(one, progress("generate"));
-  if (!packing.clump.empty())
-    fail(
-        "{}: expected free grains, met clumps, which have no column in CSV and HDF5: nscdd simulate takes them from a "
-        "text of YADE",
-        options.spec);
-  file.bytes(packing_bytes(format, packing, provenance(context, {one})));
+  std::string bytes;
+  try {
+    bytes = packing_bytes(format, packing, provenance(context, {one}));
+  } catch (const Error& error) {
+    fail("{}: {}", options.spec, error.what());
+  }
+  file.bytes(bytes);
   file.finish();
   return 0;
 }

@@ -17,6 +17,8 @@ void check_options(Index dimension, Index contacts, const FrictionSolverOptions&
 }
 
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {
+  if (impulses.size() != problem.size())
+    fail("impulses: expected {} x contacts, {}, met {}", problem.dimension, problem.size(), impulses.size());
   return in_dimension(problem, [&](auto dimension) {
     constexpr int D = dimension();
     const StoredContacts<D> stored(problem);

@@ -197,6 +197,11 @@ void check(const LocalFrictionProblem& problem, const std::string& name) {
   const Index size = problem.size();
   require_shape(name + ": W", problem.w, size, size);
   require_size(name + ": q", problem.q.size(), fmt::format("{} x contacts", problem.dimension), size);
+  if (const Index dofs = problem.mass.rows(); dofs > 0 || problem.h.size() > 0) {
+    require_shape(name + ": M", problem.mass, dofs, dofs);
+    require_shape(name + ": H", problem.h, dofs, size);
+  }
+  if (problem.speeds.size() > 0) require_size(name + ": speeds", problem.speeds.size(), "contacts", problem.contacts());
   require_finite(name + ": W", problem.w);
   require_finite(name + ": q", problem.q);
   require_friction(name, problem.friction);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "packing/bounds.hpp"
 #include "packing/grain_grid.hpp"
 #include "packing/precision.hpp"
 
@@ -239,6 +240,7 @@ ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& d
     throw Error(
         "expected free grains, met clumps: only cases that move have them (nscdd simulate); without their numbers the "
         "members are free grains");
+  require_bounds(detection, "contacts");
   NearPairs pairs(packing, detection);
   // r_i + r_j + tolerance min(r_i, r_j) is at most stretch (r_i + r_j).
   const double stretch = 1 + 0.5 * pairs.reach();

@@ -151,6 +151,7 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
 }
 
 double stable_eta(const Decomposition& parts, double relaxation, const SpectralOptions& options) {
+  if (parts.interface_size() == 0) return 0;
   const InterfaceOperator generic = InterfaceFamily(parts).at(infinity);
   Spectra spectra(parts, generic, options);
   // max - 2/omega falls from large values at eta = 0 to 1 - 2/omega.
@@ -158,6 +159,7 @@ double stable_eta(const Decomposition& parts, double relaxation, const SpectralO
 }
 
 double optimal_eta(const Decomposition& parts, const Decomposition& active, const SpectralOptions& options) {
+  if (parts.interface_size() == 0) return infinity;
   const InterfaceOperator system = InterfaceFamily(active).at(0.0);
   Spectra spectra(parts, system, options);
   const Range range(system);

@@ -57,12 +57,13 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
 
 /// The eta in [1e-8, 1e8] x mean of diag(X) where the ends of X_eta^-1 S are equal and opposite about 1, to a relative
 /// 1e-3, enough for a run. S = X_0 of `active`, the same gluing on fewer contacts. If the sum of the ends is at least 2
-/// at the largest eta: this eta. If the radius falls down to eta = 0: the eta with nine tenths of the gain.
+/// at the largest eta: this eta. If the radius falls down to eta = 0: the eta with nine tenths of the gain. Infinity
+/// without an interface.
 double optimal_eta(const Decomposition& parts, const Decomposition& active, const SpectralOptions& options = {});
 
 /// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 if it is below
-/// 2 throughout. From this eta up Stage 2 is stable whichever contacts open or slide: with an exact Stage 1 and any set
-/// of active contacts S <= X, so omega lambda_max(S, X_eta) <= 2. Requires 0 < omega < 2.
+/// 2 throughout, or without an interface. From this eta up Stage 2 is stable whichever contacts open or slide: with an
+/// exact Stage 1 and any set of active contacts S <= X, so omega lambda_max(S, X_eta) <= 2. Requires 0 < omega < 2.
 double stable_eta(const Decomposition& parts, double relaxation = 1, const SpectralOptions& options = {});
 
 }  // namespace nscdd

@@ -168,6 +168,13 @@ Packing parse_text_packing(std::string_view text, const std::string& name) {
   return packing;
 }
 
+void require_no_clumps(const Packing& packing) {
+  if (!packing.clump.empty())
+    fail(
+        "expected free grains, met clumps, which have no column in CSV and HDF5: nscdd simulate takes them from a text "
+        "of YADE");
+}
+
 }  // namespace
 
 std::optional<PackingFormat> packing_format(const std::string& path) {
@@ -245,6 +252,7 @@ Packing read_packing(const std::string& path) {
 }
 
 std::string packing_csv(const Packing& packing) {
+  require_no_clumps(packing);
   const auto columns = columns_of(packing);
   std::string text = header_of(columns) + '\n';
   Row row(columns.size());
@@ -257,6 +265,7 @@ std::string packing_csv(const Packing& packing) {
 
 std::string packing_bytes(PackingFormat format, const Packing& packing, const Provenance& provenance) {
   if (format == PackingFormat::csv) return remarks(provenance) + packing_csv(packing);
+  require_no_clumps(packing);
   return hdf5::new_file_bytes([&](const hdf5::Group& root) {
     hdf5::put_provenance(root, provenance);
     const hdf5::Group group = root.make_group("packing");

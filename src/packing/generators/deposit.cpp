@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "linalg/random.hpp"
+#include "packing/bounds.hpp"
 #include "packing/drop_and_roll.hpp"
 #include "packing/sphere_heap.hpp"
 #include <nscdd/packing/generators/deposit.hpp>
@@ -12,13 +13,6 @@ namespace {
 
 // A drop that never comes to rest is repeated elsewhere; none did so among 10^7 of all kinds.
 constexpr int most_drops = 10;
-
-template <class Parameters>
-void require_bounds(const Parameters& parameters) {
-  Parameters::fields(parameters, [](std::string_view key, const auto& value, const Field& field) {
-    check_bounds(value, field, fmt::format("packing.{}", key));
-  });
-}
 
 std::function<double(double)> lognormal_quantile(const SizeDistribution& sizes) {
   const double a = sizes.radius_min, b = sizes.radius_max, sigma = sizes.sigma;
@@ -44,7 +38,7 @@ using Sides = std::vector<std::pair<const char*, double>>;
 
 template <class AnyDeposit>
 std::vector<double> draw_radii(const AnyDeposit& deposit, const Sides& sides, RandomStream& random) {
-  require_bounds(deposit);
+  require_bounds(deposit, "packing");
   const auto radius_of = radius_quantile(deposit.sizes);
   const double least = 2 * deposit.sizes.radius_max;
   for (const auto& [key, size] : sides)
@@ -76,7 +70,7 @@ void drop_all(const std::vector<double>& radii, const Monitor& monitor, const Dr
 }  // namespace
 
 std::function<double(double)> radius_quantile(const SizeDistribution& sizes) {
-  require_bounds(sizes);
+  require_bounds(sizes, "packing");
   const double a = sizes.radius_min, b = sizes.radius_max;
   if (a > b) fail("packing.radius_min: expected at most radius_max = {}, met {}", b, a);
   switch (sizes.distribution) {

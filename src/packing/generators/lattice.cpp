@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "linalg/random.hpp"
+#include "packing/bounds.hpp"
 #include <nscdd/packing/generators/lattice.hpp>
 
 #include <numbers>
@@ -65,6 +66,7 @@ std::array<double, 3> centre_of(Stacking stacking, Index column, Index row, Inde
 }  // namespace
 
 Packing generate(const TriangularStrip& strip, const Monitor& monitor) {
+  require_bounds(strip, "packing");
   Packing packing;
   for (Index i = 0; i < strip.grains; ++i) {
     if (i % 4096 == 0 && !report(monitor, i, strip.grains)) break;
@@ -76,6 +78,7 @@ Packing generate(const TriangularStrip& strip, const Monitor& monitor) {
 }
 
 Packing generate(const HexagonalLattice& lattice, const Monitor& monitor) {
+  require_bounds(lattice, "packing");
   if (lattice.columns * lattice.rows > most_sites)
     fail("packing: expected at most {} disks, met {} columns x {} rows", most_sites, lattice.columns, lattice.rows);
   const auto add_centre = [&](Packing& packing, Index column, Index row) {
@@ -86,6 +89,7 @@ Packing generate(const HexagonalLattice& lattice, const Monitor& monitor) {
 }
 
 Packing generate(Stacking stacking, const SphereSites& sites, const Monitor& monitor) {
+  require_bounds(sites, "packing");
   if (sites.columns * sites.rows > most_sites || sites.columns * sites.rows * sites.layers > most_sites)
     fail("packing: expected at most {} spheres, met {} columns x {} rows x {} layers", most_sites, sites.columns,
          sites.rows, sites.layers);
