@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+from itertools import combinations
 from pathlib import Path
 
 sys.dont_write_bytecode = True
@@ -41,9 +42,8 @@ REFUSED = {"RIGID_2D_200DK_BoxJC_MD": ["TACT_BEHAV.DAT:2:", "MD_JKRs"],
            "RIGID_2D_clusterDKPL_GroundJC": ["BODIES.DAT:27:", "POLYG"],
            "RIGID_3D_Wall_PR": ["BODIES.DAT:29:", "POLYR"]}
 STEP_ONE = 0.025  # relative difference of the velocities of step 1 from the run of LMGC90 to 1e-7
-# LMGC90's own runs differ by 5.2 and 6.9 % in steps 10 and 20: with friction solutions are not unique. Step 20 of two
-# runs of nscdd, to 1e-8 and to 1e-10, differs by 4.1 %, and step 10 on two processors, whose BLAS rounds otherwise, was
-# 5.4 and 6.0 % away.
+# With friction solutions are not unique: LMGC90's own runs are up to 6.8 and 6.9 % apart in steps 10 and 20. nscdd is
+# 5.9 and 6.2 % from its undivided run; with other kernels of the BLAS or tolerances 5.1 to 7.5 and 5.8 to 7.7 %.
 LATER = {10: 0.08, 20: 0.08}
 
 
@@ -92,7 +92,11 @@ def main(program, source):
         for step, run, most in [(1, "ex1_seq_tight", STEP_ONE), *((k, "ex1_seq", most) for k, most in LATER.items())]:
             of_lmgc90 = velocities(*(reference / run).glob(f"DOF.OUT.{step}.of_*"))
             met = distance(velocities(work / "out" / "OUTBOX" / f"DOF.OUT.{step}"), of_lmgc90)
-            print(f"Ddm_exemple1, step {step}: velocities differ from {run} by {100 * met:.2f} %")
+            own = [velocities(*files) for folder in sorted(reference.glob("ex1_*")) if not folder.name.endswith("tight")
+                   if (files := list(folder.glob(f"DOF.OUT.{step}.of_*")))]
+            spread = max((distance(a, b) for a, b in combinations(own, 2)), default=0)
+            print(f"Ddm_exemple1, step {step}: velocities differ from {run} by {100 * met:.2f} %, those of LMGC90's runs "
+                  f"among each other by up to {100 * spread:.2f} %")
             if not met <= most:
                 failed = True
                 print(f"  expected at most {100 * most:g} %")
