@@ -96,7 +96,9 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
     note("{}: no DATBOX is written: {}", folder.string(), reason);
   }
   if (const Period& period = chosen.header.system.period; period.any())
-    note("{}: the period is in none of its files: x {} m, y {} m", folder.string(), period.x, period.y);
+    note("{}: LMGC90's files do not have the period: {} m along x, {} m along y", folder.string(), period.x, period.y);
+  if (first.state.step == 0 && !first.state.impulses.empty())
+    note("{}: Vloc_Rloc.INI does not have the forces of step 0, whose contacts are found in step 1", folder.string());
   const auto write = into("OUTBOX");
   write("BODIES.OUT", writer.bodies());
   write("BULK_BEHAV.OUT", writer.bulk());

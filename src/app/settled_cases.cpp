@@ -44,7 +44,7 @@ std::optional<fs::path> known_file(const std::string& name, const fs::path& file
   return std::nullopt;
 }
 
-std::string listed(const std::vector<std::string>& names) {
+std::string name_list(const std::vector<std::string>& names) {
   return names.empty() ? "none; NSCDD_DATA names the folder that holds them"
                        : fmt::format("{}", fmt::join(names, ", "));
 }
@@ -233,7 +233,7 @@ std::string find_case(const std::string& name) {
   fail(
       "case '{}': expected a case file (.toml), a packing file (.csv, .h5 or .txt), a folder of LMGC90, a contact "
       "problem or one of the known cases ({}), met no such file{}",
-      name, listed(known), suggestion(name, known));
+      name, name_list(known), suggestion(name, known));
 }
 
 std::string find_study(const std::string& name) {
@@ -245,7 +245,7 @@ std::string find_study(const std::string& name) {
     return file->parent_path().string();
   const std::vector<std::string> known = known_names("studies");
   fail("study '{}': expected a folder with a study.toml or one of the known studies ({}), met none{}", name,
-       listed(known), suggestion(name, known));
+       name_list(known), suggestion(name, known));
 }
 
 Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs) {

@@ -13,7 +13,7 @@
 namespace nscdd::app {
 namespace {
 
-// ExportOptions of `nscdd export CASE --operators FOLDER`.
+// Options of `nscdd export CASE --operators FOLDER`.
 struct OperatorsOptions {
   CaseOptions one;  // its name is the CASE of every export
   std::string folder, epsilon, eta = "inf";

@@ -26,7 +26,7 @@ struct ReportOptions {
   Limits limits;
 };
 
-// ReportOptions of runs, and of runs and packings. All others are of packings.
+// Options of runs, and of runs and packings. All others are of packings.
 constexpr std::array<std::string_view, 2> of_runs{"--steps", "--convergence"};
 constexpr std::array<std::string_view, 3> of_both{"CASE", "-o,--output", "--force"};
 

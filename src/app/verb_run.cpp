@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct StudyOptions {
+struct RunOptions {
   std::string study, output = "results";
   Reopening how;
   bool check = false, large = false;
@@ -30,7 +30,7 @@ struct Work {
   }
 };
 
-Work read_work(const StudyOptions& options) {
+Work read_work(const RunOptions& options) {
   Work work;
   work.source = find_study(options.study);
   work.study = parse_study(read_text(work.study_file()), work.study_file(), [&](const std::string& name) {
@@ -125,7 +125,7 @@ void check_outputs(const Work& work) {
   require_no_input(names, inputs);
 }
 
-int compute(const Work& work, const std::vector<Case>& cases, const StudyOptions& options, const Context& context) {
+int compute(const Work& work, const std::vector<Case>& cases, const RunOptions& options, const Context& context) {
   // Throws Error before hours of work, not after them.
   for (const StudyTable& table : work.study.tables) kept_rows(work.csv(table), table_work(table), options.how);
   Interruption interruption;
@@ -152,7 +152,7 @@ int compute(const Work& work, const std::vector<Case>& cases, const StudyOptions
   return options.check ? check_baselines(work) : 0;
 }
 
-int run_studies(const StudyOptions& options, const Context& context) {
+int run_study(const RunOptions& options, const Context& context) {
   const ThreadLimit limit = options.limits.apply(context.machine);
   Work work = read_work(options);
   check_outputs(work);
@@ -172,7 +172,7 @@ int run_studies(const StudyOptions& options, const Context& context) {
 }  // namespace
 
 Action declare_run(Command& command) {
-  auto options = std::make_shared<StudyOptions>();
+  auto options = std::make_shared<RunOptions>();
   command.required("STUDY", options->study, "study folder, or the name of a known study");
   command.preset("--output FOLDER", options->output, "folder that receives STUDY/TABLE.csv and STUDY/STUDY.h5");
   command.add("--force", options->how.force, "replace existing results");
@@ -185,7 +185,7 @@ Examples:
   nscdd run figure-5                              into results/figure-5
   nscdd run studies/figure-7 --output elsewhere --check
   nscdd run my-study --force                      a folder of your own with a study.toml)";
-  return [options](const Context& context) { return run_studies(*options, context); };
+  return [options](const Context& context) { return run_study(*options, context); };
 }
 
 }  // namespace nscdd::app

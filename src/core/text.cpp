@@ -195,11 +195,11 @@ void check_bounds(double value, const Field& field, std::string_view key) {
   fail("{}: expected {}, met {}", key, expected, value);
 }
 
-std::string suggestion(std::string_view met, std::span<const std::string> known, std::string_view before) {
+std::string suggestion(std::string_view met, std::span<const std::string> known, std::string_view prefix) {
   constexpr std::size_t beginning = 5;
   if (met.size() > 64) return "";  // no slip of the finger
   for (const std::string& name : known)
-    if (met.size() >= beginning && name.starts_with(met)) return fmt::format("; did you mean {}{}?", before, name);
+    if (met.size() >= beginning && name.starts_with(met)) return fmt::format("; did you mean {}{}?", prefix, name);
   // A third of the letters may be wrong, and one of a short name.
   std::size_t nearest = std::max<std::size_t>(1, met.size() / 3) + 1;
   std::string_view found;
@@ -208,7 +208,7 @@ std::string suggestion(std::string_view met, std::span<const std::string> known,
       nearest = distance;
       found = name;
     }
-  return found.empty() ? "" : fmt::format("; did you mean {}{}?", before, found);
+  return found.empty() ? "" : fmt::format("; did you mean {}{}?", prefix, found);
 }
 
 std::size_t position_of(std::string_view name, std::span<const std::string_view> names, std::string_view what) {

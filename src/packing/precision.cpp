@@ -74,8 +74,8 @@ Tally tally_of(const Packing& packing, Digits digits, int longest, std::size_t s
 }
 
 std::optional<Precision> decimal_precision(const Packing& packing, Digits digits, int longest) {
-  constexpr std::size_t enough = 100;  // to recognise numbers of full length
-  if (tally_of(packing, digits, longest, packing.x.size() / enough + 1).too_long()) return std::nullopt;
+  constexpr std::size_t sampled_grains = 100;  // to recognise numbers of full length
+  if (tally_of(packing, digits, longest, packing.x.size() / sampled_grains + 1).too_long()) return std::nullopt;
   const Tally tally = tally_of(packing, digits, longest, 1);
   if (tally.too_long()) return std::nullopt;
   // Fixed decimals: numbers with the most significant digits have all decimals; fixed digits: the other way round.

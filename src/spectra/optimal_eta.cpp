@@ -9,7 +9,7 @@ namespace {
 constexpr double decades = 8;  // searched on either side of the natural scale
 
 // Ends of the spectrum of X_eta^-1 S outside its kernel.
-struct EtaEnds {
+struct SpectrumEnds {
   double min = not_a_number, max = not_a_number;
   bool converged = false;
   double imbalance() const { return min + max - 2; }  // 0 where both are equal and opposite about 1
@@ -23,7 +23,7 @@ class Spectra {
   Spectra(const Decomposition& parts, InterfaceOperator system, const SpectralOptions& options)
       : family_(parts), system_(std::move(system)), options_(options) {}
 
-  EtaEnds at(double eta) {
+  SpectrumEnds at(double eta) {
     const SpectralRadius radius = spectral_radius({family_.at(eta), system_}, options_, &memory_);
     ++best.spectra;
     last_residual_ = radius.residual;
@@ -33,8 +33,8 @@ class Spectra {
   }
 
   // At a reported point. (A search also tries an eta at which X_eta is numerically singular: residuals do not count.)
-  EtaEnds reported(double eta) {
-    const EtaEnds ends = at(eta);
+  SpectrumEnds reported(double eta) {
+    const SpectrumEnds ends = at(eta);
     best.residual = std::max(best.residual, last_residual_);
     if (all_converged && !ends.converged) best.failure = fmt::format("eta = {}: {}", eta, last_failure_);
     all_converged = all_converged && ends.converged;
@@ -79,7 +79,7 @@ void find_relaxed(Spectra& spectra, const Range& range) {
   Optimum& best = spectra.best;
   const int samples = 4 * static_cast<int>(2 * decades) + 1;
   const auto radius = [&](double x) {
-    const EtaEnds ends = spectra.at(std::exp(x));
+    const SpectrumEnds ends = spectra.at(std::exp(x));
     return ends.converged ? ends.relaxed_radius() : 1.0;  // known relaxed radii are below 1
   };
   const double first = std::log(range.low), length = std::log(range.high) - first;
@@ -104,7 +104,7 @@ void find_relaxed(Spectra& spectra, const Range& range) {
   } else if (lowest + 1 < samples && values[at(lowest - 1)] > *least && values[at(lowest + 1)] > *least) {
     x = find_minimum(radius, point(lowest - 1), x, point(lowest + 1), 1e-6).x;
   }
-  const EtaEnds ends = spectra.reported(std::exp(x));
+  const SpectrumEnds ends = spectra.reported(std::exp(x));
   best.relaxed_eta = std::exp(x);
   best.relaxed_radius = ends.relaxed_radius();
   best.relaxation = ends.relaxation();
@@ -119,7 +119,7 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
   const InterfaceOperator system = InterfaceFamily(stage_one).at(epsilon);
   Spectra spectra(parts, system, options);
   Optimum& best = spectra.best;
-  const EtaEnds generic = spectra.reported(infinity);
+  const SpectrumEnds generic = spectra.reported(infinity);
   best.generic_radius = generic.radius();
   best.generic_relaxed_radius = generic.relaxed_radius();
   best.generic_relaxation = generic.relaxation();
@@ -139,11 +139,11 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
     range.high = std::max(range.high, epsilon * 100);
   }
   const auto root = [&](auto&& f) { return range.decreasing_root([&](double e) { return f(spectra.at(e)); }, 1e-12); };
-  const double eta = root([](const EtaEnds& ends) { return ends.imbalance(); });
+  const double eta = root([](const SpectrumEnds& ends) { return ends.imbalance(); });
   best.eta = eta > 0 ? eta : range.low;
   best.radius = spectra.reported(best.eta).radius();
-  best.convergent_from = root([](const EtaEnds& ends) { return ends.max - 2; });
-  best.better_from = root([&](const EtaEnds& ends) { return ends.max - 1 - best.generic_radius; });
+  best.convergent_from = root([](const SpectrumEnds& ends) { return ends.max - 2; });
+  best.better_from = root([&](const SpectrumEnds& ends) { return ends.max - 1 - best.generic_radius; });
   for (const double threshold : {best.convergent_from, best.better_from})
     if (threshold > 0) spectra.reported(threshold);
   find_relaxed(spectra, range);

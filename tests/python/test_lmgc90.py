@@ -179,19 +179,21 @@ radius = 0.1
     assert abs(spin(tmp_path / "case.toml")) == pytest.approx(slid / 2, rel=1e-5)
     (tmp_path / "case.toml").write_text(text[:text.index("[[boundary]]")])
     refused = "toml:3: packing.forces: expected contacts of {}, met those of 1 disks and 1 walls"
-    with pytest.raises(nscdd.Error, match=refused.format("1 disks and at most 0 walls")):
+    with pytest.raises(nscdd.Error, match=refused.format("1 disks and 0 walls")):
         nscdd.simulate(tmp_path / "case.toml")
     (tmp_path / "case.toml").write_text(text)
     (tmp_path / "disk.csv").write_text("x,y,radius,mass\n0,0.5,0.5,1\n1,0.5,0.5,1\n")
-    with pytest.raises(nscdd.Error, match=refused.format("2 disks and at most 1 walls")):
+    with pytest.raises(nscdd.Error, match=refused.format("2 disks and 1 walls")):
         nscdd.simulate(tmp_path / "case.toml")
     late = (tmp_path / "out/DATBOX/Vloc_Rloc.INI").read_text().replace("time= 0.2", "time= 0.3")
     (tmp_path / "out/DATBOX/Vloc_Rloc.INI").write_text(late)
-    with pytest.raises(nscdd.Error, match=r"Vloc_Rloc.INI: expected the time of DOF.INI, 0.002 s, met 0.003 s"):
+    with pytest.raises(nscdd.Error, match=r"Vloc_Rloc.INI: expected the time of the initial state, 0.002 s, met 0.003 s"):
         nscdd.simulate(tmp_path / "case.toml")
-    (tmp_path / "case.toml").write_text(text.replace('"out"', '"nowhere"'))
-    with pytest.raises(nscdd.Error, match=r"packing.forces: .*nowhere"):
-        nscdd.simulate(tmp_path / "case.toml")
+    for changed, words in ((text.replace('"out"', '"nowhere"'), "packing.forces: .*nowhere: expected a folder"),
+                           (text[:text.index("[interaction]")], r"toml:3: packing.forces: .*section \[dynamics\]")):
+        (tmp_path / "case.toml").write_text(changed)
+        with pytest.raises(nscdd.Error, match=words):
+            nscdd.simulate(tmp_path / "case.toml")
 
 
 def test_a_record_starts_a_run_and_names_a_contact_problem(tmp_path):

@@ -17,9 +17,9 @@ Dense inverse(const Dense& w) { return pseudo_inverse(w, 1e-11); }
 
 // C_E, with H_E C_E = G_E.
 Dense selection(const Subdomain& subdomain, const std::vector<char>& active) {
-  Index kept = 0;
-  for (const Index contact : subdomain.contacts) kept += active[at(contact)];
-  Matrix c = Matrix::Zero(count(subdomain.contacts), kept);
+  Index h_active = 0;
+  for (const Index contact : subdomain.contacts) h_active += active[at(contact)];
+  Matrix c = Matrix::Zero(count(subdomain.contacts), h_active);
   Index column = 0;
   for (Index i = 0; i < count(subdomain.contacts); ++i)
     if (active[at(subdomain.contacts[at(i)])]) c(i, column++) = 1;
@@ -79,10 +79,10 @@ Dense LiteralFormulas::y_bar(const std::vector<char>& active) const {
   Dense sum = zero(parts.interface_size(), parts.interface_size());
   for (const Subdomain& subdomain : parts.subdomains) {
     const Matrices e = matrices(subdomain);
-    const Dense kept = e.h * selection(subdomain, active);
-    if (kept.cols() == 0) continue;
-    const Dense a_bar_transposed = kept.transpose() * e.inverse_mass * e.a.transpose();
-    sum += a_bar_transposed.transpose() * inverse(kept.transpose() * e.inverse_mass * kept) * a_bar_transposed;
+    const Dense h_active = e.h * selection(subdomain, active);
+    if (h_active.cols() == 0) continue;
+    const Dense a_bar_transposed = h_active.transpose() * e.inverse_mass * e.a.transpose();
+    sum += a_bar_transposed.transpose() * inverse(h_active.transpose() * e.inverse_mass * h_active) * a_bar_transposed;
   }
   return sum;
 }
@@ -93,12 +93,12 @@ Dense LiteralFormulas::y_bar(const std::vector<char>& active, double eta) const 
     const Matrices e = matrices(subdomain);
     if (e.h.cols() == 0) continue;
     const Dense c = selection(subdomain, active);
-    const Dense kept = e.h * c;
+    const Dense h_active = e.h * c;
     Dense z = -e.h.transpose() * e.inverse_mass / eta;
-    if (kept.cols() > 0) {
-      const Dense w_bar_inverse = inverse(kept.transpose() * e.inverse_mass * kept);
-      z += c * w_bar_inverse * kept.transpose() * e.inverse_mass +
-           e.h.transpose() * e.inverse_mass * kept * w_bar_inverse * kept.transpose() * e.inverse_mass / eta;
+    if (h_active.cols() > 0) {
+      const Dense w_bar_inverse = inverse(h_active.transpose() * e.inverse_mass * h_active);
+      z += c * w_bar_inverse * h_active.transpose() * e.inverse_mass +
+           e.h.transpose() * e.inverse_mass * h_active * w_bar_inverse * h_active.transpose() * e.inverse_mass / eta;
     }
     const Dense m_eta = e.mass + e.k / eta;
     sum += e.a * m_eta.inverse() * e.h * z * e.a.transpose();

@@ -118,11 +118,11 @@ std::vector<SymmetricProblem> every_symmetric_problem() {
   }
   // Groups of five rows, chained, with diagonal blocks that only pivoting inside a group can factorise.
   Matrix chain = Matrix::Zero(300, 300);
-  for (Index m = 0; m < 60; ++m) {
-    const Dense random = random_matrix(5, 5, 100 + static_cast<std::uint64_t>(m));
-    chain.block(5 * m, 5 * m, 5, 5) = (random + random.transpose()).entries();
-    chain.block(5 * m, 5 * m, 5, 5).diagonal().setZero();
-    if (m > 0) chain(5 * m, 5 * m - 1) = chain(5 * m - 1, 5 * m) = 0.3;
+  for (Index group = 0; group < 60; ++group) {
+    const Dense random = random_matrix(5, 5, 100 + static_cast<std::uint64_t>(group));
+    chain.block(5 * group, 5 * group, 5, 5) = (random + random.transpose()).entries();
+    chain.block(5 * group, 5 * group, 5, 5).diagonal().setZero();
+    if (group > 0) chain(5 * group, 5 * group - 1) = chain(5 * group - 1, 5 * group) = 0.3;
   }
   SymmetricProblem chained{"chain of groups with empty diagonals", lower_triangle(chain), {}};
   for (Index i = 0; i < 300; ++i) chained.group.push_back(i / 5);

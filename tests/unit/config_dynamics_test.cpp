@@ -13,7 +13,7 @@ namespace {
 
 CaseSpec parse_moving(const std::string& text) { return parse_case(text, "c.toml"); }
 
-void refused_moving(const std::string& text, const Names& names) {
+void refused_file(const std::string& text, const Names& names) {
   CAPTURE(text);
   check_error([&] { parse_moving(text); }, names);
 }
@@ -22,7 +22,7 @@ void refused_when_built(const std::string& text, const Names& names) {
   check_error([&] { simulation_of(resolve(parse_moving(text))); }, names);
 }
 
-const Spoilt spoilt_moving{moving_case(), parse_moving};
+const Spoilt spoilt_case{moving_case(), parse_moving};
 
 }  // namespace
 
@@ -70,8 +70,8 @@ TEST_CASE("moving case: oscillations, initial velocities and spins, written and 
   other("spin = 7\n", "", {"boundary[3].oscillation[1].velocity:", "amplitudes"});
   other("velocity = [4, 5]", "velocity = [4, 5, 6]", {"boundary[3].oscillation:", "numbers for the plane"});
   other("spin = -9", "spin = [1, 2, 3]", {"prescribed[0].spin:", "one number in the plane"});
-  refused_moving(case_text("strip") + "[[prescribed]]\ngrain = 0\nvelocity = [0.5, 0]\nspin = -9\n",
-                 {"c.toml:", "prescribed:", "a spin only with [dynamics]"});
+  refused_file(case_text("strip") + "[[prescribed]]\ngrain = 0\nvelocity = [0.5, 0]\nspin = -9\n",
+               {"c.toml:", "prescribed:", "a spin only with [dynamics]"});
 }
 
 TEST_CASE("moving case: written and read back it is the same case") {
@@ -93,67 +93,66 @@ TEST_CASE("moving case: written and read back it is the same case") {
 }
 
 TEST_CASE("moving case: every error names file, line and key") {
-  spoilt_moving("friction = 0.3", "frictions = 0.3", {"c.toml:12: unknown key 'interaction.frictions'"});
-  spoilt_moving("friction = 0.3", "friction = -1", {"c.toml:12: interaction.friction"});
-  spoilt_moving("friction = 0.3", "law = \"glue\"", {"c.toml:12: interaction.law"});
-  spoilt_moving("steps = 20", "steps = 2.5", {"c.toml:15: dynamics.steps:", "integer"});
-  spoilt_moving("step = 0.005", "step = 0", {"c.toml:14: dynamics.step:"});
-  spoilt_moving("step = 0.005", "theta = 0.4", {"c.toml:14: dynamics.theta"});
-  spoilt_moving("\"generic\"", "\"gauss\"", {"c.toml:17: solver.algorithm:", "one of"});
-  spoilt_moving("warm_start = true", "warm_start = 1", {"c.toml:18: solver.warm_start"});
-  spoilt_moving("warm_start = true", "eta = \"best\"",
-                {"c.toml:18: solver.eta:", "\"optimal\"", "30 W", "met \"best\""});
-  spoilt_moving("warm_start = true", "eta = true", {"30 W", "met the boolean 'true'"});
-  spoilt_moving("warm_start = true", "eta = \"0\"", {"c.toml:18: solver.eta"});
-  spoilt_moving("warm_start = true", "eta = 0", {"c.toml:18: solver.eta"});
-  spoilt_moving("friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"-1 W\"",
-                {"c.toml:13: interaction.epsilon:", ">= 0", "met -1"});
-  spoilt_moving("friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"2 V\"",
-                {"c.toml:13: interaction.epsilon:", "30 W", "met \"2 V\""});
-  spoilt_moving("[dynamics]\nstep = 0.005\nsteps = 20\n", "", {"c.toml:11: interaction:", "[dynamics]", "met none"});
-  spoilt_moving("[dynamics]", "[dynamic]", {"unknown key 'dynamic'"});
-  spoilt_moving("name = \"floor\"", "name = \"left\"", {"boundary[1].name:", "met \"left\" again"});
-  spoilt_moving("name = \"floor\"\n", "", {"boundary[0].name:", "met none"});
+  spoilt_case("friction = 0.3", "frictions = 0.3", {"c.toml:12: unknown key 'interaction.frictions'"});
+  spoilt_case("friction = 0.3", "friction = -1", {"c.toml:12: interaction.friction"});
+  spoilt_case("friction = 0.3", "law = \"glue\"", {"c.toml:12: interaction.law"});
+  spoilt_case("steps = 20", "steps = 2.5", {"c.toml:15: dynamics.steps:", "integer"});
+  spoilt_case("step = 0.005", "step = 0", {"c.toml:14: dynamics.step:"});
+  spoilt_case("step = 0.005", "theta = 0.4", {"c.toml:14: dynamics.theta"});
+  spoilt_case("\"generic\"", "\"gauss\"", {"c.toml:17: solver.algorithm:", "one of"});
+  spoilt_case("warm_start = true", "warm_start = 1", {"c.toml:18: solver.warm_start"});
+  spoilt_case("warm_start = true", "eta = \"best\"", {"c.toml:18: solver.eta:", "\"optimal\"", "30 W", "met \"best\""});
+  spoilt_case("warm_start = true", "eta = true", {"30 W", "met the boolean 'true'"});
+  spoilt_case("warm_start = true", "eta = \"0\"", {"c.toml:18: solver.eta"});
+  spoilt_case("warm_start = true", "eta = 0", {"c.toml:18: solver.eta"});
+  spoilt_case("friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"-1 W\"",
+              {"c.toml:13: interaction.epsilon:", ">= 0", "met -1"});
+  spoilt_case("friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"2 V\"",
+              {"c.toml:13: interaction.epsilon:", "30 W", "met \"2 V\""});
+  spoilt_case("[dynamics]\nstep = 0.005\nsteps = 20\n", "", {"c.toml:11: interaction:", "[dynamics]", "met none"});
+  spoilt_case("[dynamics]", "[dynamic]", {"unknown key 'dynamic'"});
+  spoilt_case("name = \"floor\"", "name = \"left\"", {"boundary[1].name:", "met \"left\" again"});
+  spoilt_case("name = \"floor\"\n", "", {"boundary[0].name:", "met none"});
   for (const std::string name : {"", "a\\nb", "tab\\t", "\\u007f"})
-    spoilt_moving("name = \"floor\"", "name = \"" + name + "\"", {"boundary[0].name:", "text of one line"});
-  spoilt_moving("shape = \"wall\"", "shape = \"spheres\"",
-                {"boundary[2].shape:", "wall", "disks", "grains", "cylinder", "met \"spheres\""});
-  spoilt_moving("shape = \"disks\"", "shape = \"wall\"", {"unknown key 'boundary[0].radius'"});
-  spoilt_moving("shape = \"wall\"", "shape = \"grains\"", {"boundary[2].first:", "met none"});
-  spoilt_moving("spin = -0.075\n", "orientation = \"free\"\n",
-                {"boundary[1].orientation:", "turning", "fixed", "met \"free\""});
-  spoilt_moving("centre = [3, 0]", "orientation = \"fixed\"", {"unknown key 'boundary[2].orientation'"});
-  spoilt_moving("to = [3, 1]", "to = [3, 0]", {"boundary[2].to:", "point"});
-  spoilt_moving("radius = 0.198\n[[", "radius = -1\n[[", {"boundary[0].radius"});
-  spoilt_moving("centre = [3, 0]", "centre = [3, inf]", {"boundary[2].centre"});
-  spoilt_moving("centre = [3, 0]", "spin = 1", {"boundary[2].motion:", "met both"});
-  spoilt_moving("[0.02, 0, 0, -0.075]", "[0, 0, 0, 1]", {"boundary[2].motion:", "met 0 s after 0 s"});
-  spoilt_moving("[0.02, 0, 0, -0.075]", "[0.02, 0, 0]", {"boundary[2].motion"});
-  spoilt_moving("[0.02, 0, 0, -0.075]", "[0.02, 0, 0, nan]", {"boundary[2].motion"});
-  spoilt_moving("[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]", "[]", {"met an empty array"});
+    spoilt_case("name = \"floor\"", "name = \"" + name + "\"", {"boundary[0].name:", "text of one line"});
+  spoilt_case("shape = \"wall\"", "shape = \"spheres\"",
+              {"boundary[2].shape:", "wall", "disks", "grains", "cylinder", "met \"spheres\""});
+  spoilt_case("shape = \"disks\"", "shape = \"wall\"", {"unknown key 'boundary[0].radius'"});
+  spoilt_case("shape = \"wall\"", "shape = \"grains\"", {"boundary[2].first:", "met none"});
+  spoilt_case("spin = -0.075\n", "orientation = \"free\"\n",
+              {"boundary[1].orientation:", "turning", "fixed", "met \"free\""});
+  spoilt_case("centre = [3, 0]", "orientation = \"fixed\"", {"unknown key 'boundary[2].orientation'"});
+  spoilt_case("to = [3, 1]", "to = [3, 0]", {"boundary[2].to:", "point"});
+  spoilt_case("radius = 0.198\n[[", "radius = -1\n[[", {"boundary[0].radius"});
+  spoilt_case("centre = [3, 0]", "centre = [3, inf]", {"boundary[2].centre"});
+  spoilt_case("centre = [3, 0]", "spin = 1", {"boundary[2].motion:", "met both"});
+  spoilt_case("[0.02, 0, 0, -0.075]", "[0, 0, 0, 1]", {"boundary[2].motion:", "met 0 s after 0 s"});
+  spoilt_case("[0.02, 0, 0, -0.075]", "[0.02, 0, 0]", {"boundary[2].motion"});
+  spoilt_case("[0.02, 0, 0, -0.075]", "[0.02, 0, 0, nan]", {"boundary[2].motion"});
+  spoilt_case("[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]", "[]", {"met an empty array"});
 }
 
 TEST_CASE("moving case: a value without effect is refused, and written as its default") {
   const std::string good = moving_case();
-  spoilt_moving("warm_start = true", "eta = \"3\"",
-                {"c.toml:18: solver.eta:", "solver.algorithm enriched", "met generic"});
-  spoilt_moving("warm_start = true", "enrichment = \"semi_implicit\"", {"c.toml:18: solver.enrichment"});
-  spoilt_moving("warm_start = true", "seed = 7", {"c.toml:18: solver.seed:", "solver.order random", "met natural"});
-  refused_moving(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
-                 {"c.toml:18: solver.redecompose:", "solver.algorithm generic", "two_stage_admm", "met nlgs"});
-  spoilt_moving("friction = 0.3", "cohesion = 3",
-                {"c.toml:12: interaction.cohesion:", "interaction.law cohesive", "met coulomb"});
-  spoilt_moving("friction = 0.3", "boundary_friction = -0.5",
-                {"c.toml:12: interaction.boundary_friction:", ">= 0", "<= 100", "-1"});
+  spoilt_case("warm_start = true", "eta = \"3\"",
+              {"c.toml:18: solver.eta:", "solver.algorithm enriched", "met generic"});
+  spoilt_case("warm_start = true", "enrichment = \"semi_implicit\"", {"c.toml:18: solver.enrichment"});
+  spoilt_case("warm_start = true", "seed = 7", {"c.toml:18: solver.seed:", "solver.order random", "met natural"});
+  refused_file(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
+               {"c.toml:18: solver.redecompose:", "solver.algorithm generic", "two_stage_admm", "met nlgs"});
+  spoilt_case("friction = 0.3", "cohesion = 3",
+              {"c.toml:12: interaction.cohesion:", "interaction.law cohesive", "met coulomb"});
+  spoilt_case("friction = 0.3", "boundary_friction = -0.5",
+              {"c.toml:12: interaction.boundary_friction:", ">= 0", "<= 100", "-1"});
   CHECK(parse_moving(replaced(good, "friction = 0.3", "boundary_friction = -1")).dynamics.has_value());
-  spoilt_moving("warm_start = true", "switch_after = 3", {"c.toml:18: solver.switch_after:", "solver.switch linear"});
-  spoilt_moving("warm_start = true", "switch = \"linear\"\ninterface_method = \"conjugate_gradient\"",
-                {"c.toml:18: solver.switch:", "solver.interface_method richardson"});
-  refused_moving(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "switch = \"linear\""),
-                 {"c.toml:18: solver.switch:", "solver.algorithm generic", "met nlgs"});
-  refused_moving(replaced(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = 1"),
-                          "warm_start = true", "switch = \"linear\""),
-                 {"solver.switch:", "interaction.law coulomb"});
+  spoilt_case("warm_start = true", "switch_after = 3", {"c.toml:18: solver.switch_after:", "solver.switch linear"});
+  spoilt_case("warm_start = true", "switch = \"linear\"\ninterface_method = \"conjugate_gradient\"",
+              {"c.toml:18: solver.switch:", "solver.interface_method richardson"});
+  refused_file(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "switch = \"linear\""),
+               {"c.toml:18: solver.switch:", "solver.algorithm generic", "met nlgs"});
+  refused_file(replaced(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = 1"), "warm_start = true",
+                        "switch = \"linear\""),
+               {"solver.switch:", "interaction.law coulomb"});
   CaseSpec one = parse_moving(good);
   one.dynamics->solver.interface_preconditioner = "bddc";
   check_dynamics(one);  // of no effect
@@ -169,7 +168,7 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
   CHECK(parse_moving(to_toml(one)).dynamics->solver.switch_after == 3);
   // In the case of a trajectory values without effect may be other defaults.
   const std::string text = replaced(good, "\"zeta\"", "\"none\"");  // with a tolerance of 1e-4
-  refused_moving(text, {"c.toml:22: solver.tolerance:", "solver.criterion zeta"});
+  refused_file(text, {"c.toml:22: solver.tolerance:", "solver.criterion zeta"});
   const CaseSpec earlier = parse_case(text, "run.h5: case", true);
   CHECK(earlier.dynamics->solver.criterion == "none");
   CHECK(to_toml(parse_moving(to_toml(earlier))) == to_toml(earlier));
@@ -207,8 +206,8 @@ TEST_CASE("moving case: where no algorithm is stated, keys that auto has no use 
                     line + "\n");
   };
   const auto refused_by_auto = [&](const std::string& line, const std::string& key, const std::string& algorithm) {
-    refused_moving(with(line),
-                   {"c.toml:17: solver." + key + ":", "solver.algorithm " + algorithm, "met auto, the default"});
+    refused_file(with(line),
+                 {"c.toml:17: solver." + key + ":", "solver.algorithm " + algorithm, "met auto, the default"});
   };
   refused_by_auto("gauss_seidel_sweeps = 1", "gauss_seidel_sweeps", "nlgs");
   refused_by_auto("order = \"interleaved\"", "order", "nlgs");
@@ -219,8 +218,8 @@ TEST_CASE("moving case: where no algorithm is stated, keys that auto has no use 
   CHECK(parse_moving(with("criterion = \"natural_map\"\ncontact_relaxation = 1.2")).dynamics->solver.algorithm ==
         "auto");
   CHECK(parse_moving(with("algorithm = \"auto\"\norder = \"interleaved\"")).dynamics.has_value());  // as it is written
-  refused_moving(with("algorithm = \"auto\"\ncriterion = \"zeta\""),
-                 {"c.toml:18: solver.criterion:", "solver.algorithm nlgs", "met auto"});
+  refused_file(with("algorithm = \"auto\"\ncriterion = \"zeta\""),
+               {"c.toml:18: solver.criterion:", "solver.algorithm nlgs", "met auto"});
 }
 
 TEST_CASE("moving case: parameters are overridden by their path") {
@@ -248,7 +247,7 @@ TEST_CASE("settled packing: read and written by the name of its case, not settle
   check_error([&] { resolve(spec); }, {"c.toml:2: packing.settled:", "file"});
   const Case settled{spec, {{0.5}, {1}, {0.25}, {3}}};
   CHECK(packing_of(settled).mass == std::vector<double>{3});
-  refused_moving("[packing]\nsettled = \"bed\"\nfile = \"a.csv\"\n[partition]\ngrid = [1, 1]\n", {"met more"});
+  refused_file("[packing]\nsettled = \"bed\"\nfile = \"a.csv\"\n[partition]\ngrid = [1, 1]\n", {"met more"});
 }
 
 TEST_CASE("moving case: what grains and criteria refuse names file, line and key") {
@@ -261,7 +260,7 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
   refused_when_built(plain, {"c.toml:21: solver.criterion:", "solver.algorithm generic"});
   const std::string undivided =
       replaced(replaced(good, "\"generic\"\nwarm_start = true", "\"auto\""), "criterion = \"zeta\"\n", "");
-  refused_moving(undivided, {"solver.order:", "solver.algorithm nlgs", "met auto"});
+  refused_file(undivided, {"solver.order:", "solver.algorithm nlgs", "met auto"});
   refused_when_built(replaced(replaced(undivided, "order = \"natural\"\n", ""), "friction = 0.3",
                               "law = \"linear_viscous\"\nepsilon = 1"),
                      {"c.toml:18: solver.algorithm:", "met auto"});

@@ -14,7 +14,7 @@ namespace {
 
 using Values = std::vector<double>;
 
-void refused_rows(const std::string& text, const Names& names) {
+void refused_text_packing(const std::string& text, const Names& names) {
   REQUIRE(is_text_packing(text));
   check_error([&] { parse_packing(text, "p.txt"); }, names);
 }
@@ -66,15 +66,15 @@ TEST_CASE("text packing: read from a file, whatever its ending but those of HDF5
 }
 
 TEST_CASE("text packing: what is none is refused with its line") {
-  refused_rows("0 0 0 1\n2 0 up 1\n", {"p.txt:2: z:", "met 'up'"});
-  refused_rows("0 0 0 1\n2 0 0 0\n", {"p.txt:2: radius: expected"});
-  refused_rows("# a\n0 0\n", {"p.txt:2:", "'x y radius'", "met 2 numbers"});
-  refused_rows("0 0 0 1 7\n", {"met 5 numbers"});
-  refused_rows("0 0 1\n\n0 0 0 1\n", {"p.txt:3:", "3 numbers", "met 4"});
-  refused_rows("0 0 1\n0 0 one\n", {"p.txt:2: radius:", "met 'one'"});
-  refused_rows("0 0 0\n", {"p.txt:1: radius: expected"});
-  refused_rows("0 0 -1\n", {"p.txt:1: radius: expected"});
-  refused_rows("0 nan 1\n", {"p.txt:1: y: expected"});
-  refused_rows("0 0 inf 1\n", {"p.txt:1: z: expected"});
-  refused_rows("1e200 0 1\n", {"p.txt:1: x: expected"});
+  refused_text_packing("0 0 0 1\n2 0 up 1\n", {"p.txt:2: z:", "met 'up'"});
+  refused_text_packing("0 0 0 1\n2 0 0 0\n", {"p.txt:2: radius: expected"});
+  refused_text_packing("# a\n0 0\n", {"p.txt:2:", "'x y radius'", "met 2 numbers"});
+  refused_text_packing("0 0 0 1 7\n", {"met 5 numbers"});
+  refused_text_packing("0 0 1\n\n0 0 0 1\n", {"p.txt:3:", "3 numbers", "met 4"});
+  refused_text_packing("0 0 1\n0 0 one\n", {"p.txt:2: radius:", "met 'one'"});
+  refused_text_packing("0 0 0\n", {"p.txt:1: radius: expected"});
+  refused_text_packing("0 0 -1\n", {"p.txt:1: radius: expected"});
+  refused_text_packing("0 nan 1\n", {"p.txt:1: y: expected"});
+  refused_text_packing("0 0 inf 1\n", {"p.txt:1: z: expected"});
+  refused_text_packing("1e200 0 1\n", {"p.txt:1: x: expected"});
 }

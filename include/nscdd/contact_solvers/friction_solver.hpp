@@ -83,7 +83,7 @@ struct FrictionState {
   Index worst = -1;                      ///< the contact with the largest || m_c ||; -1 if all vanish
 };
 
-/// Evaluates impulses r, D c entries. Sums in a fixed order: equal input gives equal bits.
+/// Evaluates impulses r. Sums in a fixed order: equal input gives equal bits. Throws Error unless r has D c entries.
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses);
 
 enum class FrictionStatus {

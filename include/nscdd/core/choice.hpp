@@ -80,8 +80,8 @@ struct Alternatives<std::variant<Types...>> {
   }
 };
 
-/// "; did you mean NAME?" for the first known name that begins so, else for the nearest by edit distance (swaps count
-/// as one), or "" if none is near. `before` stands before the name.
-std::string suggestion(std::string_view met, std::span<const std::string> known, std::string_view before = "");
+/// "; did you mean NAME?" for the first known name that begins with `met`, else for the nearest by edit distance (swaps
+/// count as one), or "" if none is near. `prefix` precedes the name.
+std::string suggestion(std::string_view met, std::span<const std::string> known, std::string_view prefix = "");
 
 }  // namespace nscdd

@@ -175,6 +175,8 @@ void read_sections(StrictTable& root, CaseSpec& spec, bool effects_wanted) {
   root.read_section("loads", spec.loads);
   for (const StrictTable& prescribed : root.tables("prescribed")) read_prescribed(prescribed, spec);
   spec.dynamics = read_dynamics(root, effects_wanted);
+  if (const auto* file = std::get_if<PackingFile>(&spec.packing); file && !file->forces.empty() && !spec.dynamics)
+    root.section("packing", true).fail("forces", "a section [dynamics] with it", "none");
   const auto spins = [](const PrescribedVelocity& one) { return one.spin != std::array<double, 3>{}; };
   if (!spec.dynamics && std::ranges::any_of(spec.prescribed, spins))
     root.fail("prescribed", "a spin only with [dynamics], since the linear study has none", "one without");
@@ -263,8 +265,9 @@ Case resolve(CaseSpec spec) {
       const bool moves = one.spec.dynamics.has_value() && holds_datbox(path);
       return moves ? datbox_packing(read_datbox(path), DatboxGrains::all) : read_packing(path);
     });
+    const auto read_forces = [&] { return read_contact_forces(beside(file->forces)); };
     if (!file->forces.empty())
-      one.start = at_key(one.spec, "packing.forces", [&] { return read_contact_forces(beside(file->forces)); });
+      one.start = one.spec.source.empty() ? read_forces() : at_key(one.spec, "packing.forces", read_forces);
   }
   add_clumps(one);
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))

@@ -55,10 +55,12 @@ ContactForces contact_forces_of(const Datbox& datbox, const DatboxNetwork& netwo
 }
 
 ContactForces read_contact_forces(const std::string& path) {
+  if (!holds_datbox(path)) fail("{}: expected a folder with BODIES.DAT or a record of LMGC90, met another", path);
   const Datbox datbox = read_datbox(path);
   if (const auto record = record_at(path)) return contact_forces_of(datbox, read_network(*record, datbox));
   const std::string file = vloc_rloc_of_datbox(path);
-  return contact_forces_of(datbox, file.empty() ? DatboxNetwork() : read_vloc_rloc(file, datbox, "DOF.INI"));
+  if (file.empty()) fail("{}: expected contacts in Vloc_Rloc.INI, met none", path);
+  return contact_forces_of(datbox, read_vloc_rloc(file, datbox, "the initial state"));
 }
 
 }  // namespace nscdd

@@ -10,7 +10,7 @@ namespace nscdd {
 struct DatboxContact {
   std::string kind;                                 ///< of the contactors, such as DKDKx
   Index candidate = 0, antagonist = 0;              ///< bodies, from 0
-  Index candidate_shape = 0, antagonist_shape = 0;  ///< of the body, from 0; -1: its number cannot be read
+  Index candidate_shape = 0, antagonist_shape = 0;  ///< contactors of the body, from 0
   std::string law;
   Eigen::Vector3d point{0, 0, 0};  ///< m
   Eigen::Matrix3d frame;           ///< n, t and s as columns; s = (0, 0, 1) in the plane

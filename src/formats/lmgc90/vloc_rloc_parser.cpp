@@ -17,8 +17,8 @@ void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& c
   std::istringstream all(line);
   for (std::string word; all >> word;) words.push_back(word);
   const auto second = std::find(words.begin() + 1, words.end(), kind);
-  if (words[0] != kind || second - words.begin() < 4 || words.end() - second < 2)
-    lines.refuse(fmt::format("expected two bodies {} with their numbers and a law between them", kind),
+  if (words[0] != kind || second - words.begin() < 5 || words.end() - second < 4)
+    lines.refuse(fmt::format("expected two bodies {} with their contactors and a law between them", kind),
                  "'" + line + "'");
   const auto number_of = [](const std::string& word) {  // from 0, below it if there is none
     Index number = 0;
@@ -29,10 +29,10 @@ void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& c
   contact.candidate_shape = number_of(words[3]);
   contact.law = *(second - 1);
   contact.antagonist = number_of(*(second + 1));
-  contact.antagonist_shape = words.end() - second > 3 ? number_of(*(second + 3)) : -1;
+  contact.antagonist_shape = number_of(*(second + 3));
   contact.slid = std::any_of(second, words.end(), [](const auto& word) { return word.find("sl") != word.npos; });
-  if (contact.candidate < 0 || contact.antagonist < 0)
-    lines.refuse("expected numbers of bodies from 1", "'" + line + "'");
+  if (std::min({contact.candidate, contact.antagonist, contact.candidate_shape, contact.antagonist_shape}) < 0)
+    lines.refuse("expected numbers of bodies and contactors from 1", "'" + line + "'");
   if (contact.candidate == contact.antagonist)
     lines.refuse("expected two bodies", fmt::format("body {} twice", contact.candidate + 1));
 }

@@ -102,6 +102,9 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
     for (const RememberedImpulse& one : state.impulses)
       for (const Index body : {one.a, one.b})
         require_within(body, 0, count(state.x) + walls, "a or b", root.group("start"));
+    if (!std::ranges::is_sorted(state.impulses, {},
+                                [](const RememberedImpulse& one) { return std::pair(one.a, one.b); }))
+      fail("{}: expected contacts ascending by (a, b), met others", root.group("start").path());
   }
   for (const TrajectoryContact& c : step.contacts) {
     state.subdomains.push_back({c.geometry.a, c.geometry.b, c.subdomain});

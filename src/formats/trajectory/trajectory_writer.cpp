@@ -139,7 +139,7 @@ TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHead
     for (const char* group : {"steps", "last"})
       put_steps(root.make_group(group), {&first, 1}, false, lists_of(header.system));
     const auto impulses = [](const TrajectoryStep& step) -> auto& { return step.state.impulses; };
-    if (!first.state.impulses.empty())  // of a step before the first
+    if (!first.state.impulses.empty())  // given to the first step
       put_structs(root.make_group("start"), std::span(&first, 1), impulses, layout::start_columns, {});
     root.make_group("summary");
     file.flush();

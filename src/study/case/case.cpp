@@ -5,6 +5,8 @@
 #include "core/text.hpp"
 #include "simulation/simulation.hpp"
 
+#include <filesystem>
+
 namespace nscdd {
 namespace {
 
@@ -103,10 +105,10 @@ void set_forces(const Case& one, Index grains, Simulation& simulation) {
   const ContactForces& start = one.start;
   if (start.forces.empty()) return;
   const GranularSystem& system = simulation.system;
-  if (start.dimension != system.dimension || start.grains != grains || start.walls > count(system.walls))
+  if (start.dimension != system.dimension || start.grains != grains || start.walls != count(system.walls))
     throw Error("packing.forces",
-                fmt::format("expected contacts of {} {}s and at most {} walls, met those of {} {}s and {} walls",
-                            grains, shape_of_grains(system.dimension), system.walls.size(), start.grains,
+                fmt::format("expected contacts of {} {}s and {} walls, met those of {} {}s and {} walls", grains,
+                            shape_of_grains(system.dimension), system.walls.size(), start.grains,
                             shape_of_grains(start.dimension), start.walls));
   simulation.state.impulses = start.forces;
   for (RememberedImpulse& each : simulation.state.impulses) {

@@ -24,7 +24,8 @@ struct Case {
 /// A fingerprint of the bits of its forces.
 std::string fingerprint_of_forces(const Case& one);
 
-/// The case file of `spec` with its name, and fingerprints of what its files hold in `one` in place of their folders.
+/// The name and the case file of `spec`. A fingerprint of the content in `one` follows each file name; folders are
+/// omitted.
 std::string text_with_contents(const Case& one, CaseSpec spec);
 
 /// 2 in the plane, 3 in space. None for a contact problem, and for a packing of a file or case before it is resolved.

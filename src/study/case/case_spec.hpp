@@ -20,7 +20,7 @@ struct ContactProblemFile {
   std::string path;  ///< [problem] file = "...": M and H without geometry in place of a packing
 };
 
-/// Contact forces in a packing with so many grains, and that many walls behind them.
+/// Contact forces of LMGC90. Bodies: `grains` grains, then `walls` walls.
 struct ContactForces {
   Index dimension = 2, grains = 0, walls = 0;
   std::vector<RememberedImpulse> forces = {};  ///< in N, ascending by (a, b)

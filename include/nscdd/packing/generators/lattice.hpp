@@ -23,6 +23,7 @@ struct TriangularStrip {
   }
 };
 
+/// Throws Error for parameters out of their bounds.
 Packing generate(const TriangularStrip& strip, const Monitor& monitor = {});
 
 /// The fields of a lattice with defects, see HexagonalLattice.
@@ -66,7 +67,7 @@ struct HexagonalLattice {
   }
 };
 
-/// Throws Error for more than 10^7 sites.
+/// Throws Error for parameters out of their bounds and for more than 10^7 sites.
 Packing generate(const HexagonalLattice& lattice, const Monitor& monitor = {});
 
 /// Common parameters of lattices of touching equal spheres: layers of rows of columns, grain
@@ -125,7 +126,7 @@ using CubicLattice = SphereLattice<Stacking::cubic>;
 using FccLattice = SphereLattice<Stacking::fcc>;
 using HcpLattice = SphereLattice<Stacking::hcp>;
 
-/// Throws Error for more than 10^7 sites.
+/// Throws Error for parameters out of their bounds and for more than 10^7 sites.
 Packing generate(Stacking stacking, const SphereSites& sites, const Monitor& monitor = {});
 template <Stacking stacking>
 Packing generate(const SphereLattice<stacking>& lattice, const Monitor& monitor = {}) {
