@@ -16,8 +16,8 @@ struct LocalFrictionProblem {
   /// M and H if `reduce` computed W = H^T M^-1 H from them; else 0 x 0. Solvers that factorise are faster with them.
   SparseMatrix mass{}, h{};
   Index dimension = 2;  ///< D: 2 or 3
-  /// Of each contact the norm of |H|^T |M^-1 f| + |w|, the speeds that cancel in q, whose rounding is its error, m/s,
-  /// c; empty unless by `reduce`.
+  /// c numbers, m/s: the norm over a contact of |H|^T |M^-1 f| + |w|, the speeds that cancel in q. Their rounding is
+  /// the error of q. Empty unless by `reduce`.
   Vector speeds{};
 
   Index contacts() const { return friction.size(); }

@@ -7,12 +7,11 @@
 namespace nscdd {
 
 /// The nonzero forces of a network on the grains of `datbox_packing` with DatboxGrains::all and the walls of
-/// `boundaries_of_datbox`. As in LMGC90, contacts of bodies or shapes that
-/// BODIES.DAT does not have are left out.
+/// `boundaries_of_datbox`. As in LMGC90, contacts of bodies or contactors that BODIES.DAT does not have are left out.
 ContactForces contact_forces_of(const Datbox& datbox, const DatboxNetwork& network);
 
-/// Those of Vloc_Rloc.INI of a folder that `holds_datbox`, or of a record; none without contacts there. Throws Error as
-/// read_vloc_rloc.
+/// Those of Vloc_Rloc.INI of a folder that `holds_datbox`, or of a record, which may have none. Throws Error as
+/// read_vloc_rloc, and for a folder without contacts.
 ContactForces read_contact_forces(const std::string& path);
 
 }  // namespace nscdd
