@@ -6,8 +6,6 @@
 
 #include <doctest/doctest.h>
 
-#include <numeric>
-
 using namespace nscdd;
 using namespace nscdd::testing;
 
@@ -31,8 +29,7 @@ struct SharedCut {
       partition.subdomain_of_contact.push_back(one.partition.subdomain_of_contact[at(columns[at(k)])]);
     }
     own.h = one.problem.h * chosen;
-    std::vector<Index> numbers(at(one.problem.inertia.size() / 3));
-    std::iota(numbers.begin(), numbers.end(), Index{0});
+    std::vector<Index> numbers = natural_order(one.problem.inertia.size() / 3);
     return {decompose(own, partition, GluingShape::chain, {numbers, process_of, world()}), options};
   }
   std::vector<ContactRelation<2>> of(const std::vector<ContactRelation<2>>& relations) const {

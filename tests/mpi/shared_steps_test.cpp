@@ -3,7 +3,6 @@
 #include "../support/spheres.hpp"
 #include "ranks.hpp"
 #include "simulation/simulation.hpp"
-#include "simulation/step_verdict.hpp"
 #include <nscdd/mpi/bddc.hpp>
 #include <nscdd/packing/generator.hpp>
 
