@@ -7,6 +7,7 @@
 #include "formats/contact_problem/step_fclib.hpp"
 #include "friction.hpp"
 #include "long_work.hpp"
+#include "study/tables/study.hpp"
 
 namespace nscdd::python {
 namespace {
@@ -69,9 +70,7 @@ void write(const ContactProblem& problem, const std::string& path, const Frictio
   }
   require_ending(path, hdf5_endings);
   if (solution != nullptr) file = with_result(std::move(file), *solution);
-  std::string libraries;
-  for (const auto& [name, number] : dependency_versions()) libraries += fmt::format("{} {}\n", name, number);
-  write_file(path, to_hdf5(file, {{"program", "nscdd " + version()}, {"libraries", libraries}}), force);
+  write_file(path, to_hdf5(file, {{"program", "nscdd " + version()}, {"libraries", libraries()}}), force);
 }
 
 // A member of a local or of a global problem; None where the problem is of the other kind.

@@ -2,7 +2,7 @@
 #include "friction.hpp"
 
 #include "arrays.hpp"
-#include "contact_solvers/moderate_problem.hpp"
+#include "contact_solvers/stored_contacts.hpp"
 #include "core/fail.hpp"
 #include "long_work.hpp"
 #include "module.hpp"

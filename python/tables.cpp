@@ -77,7 +77,7 @@ py::list optimised(const Model& model, const std::string& epsilon, const std::st
   SweepParameters parameters = parameters_of(epsilon, contacts, scheme, options);
   LongWork watch(options.progress);
   return table<OptimumResult>(
-      optimum_columns(parameters.relative_epsilon, parameters.scheme), parameters, watch, options.threads,
+      optimum_columns(parameters), parameters, watch, options.threads,
       [&](const auto& sink, const Monitor& monitor) { optima(model, parameters, sink, monitor); });
 }
 
@@ -107,7 +107,7 @@ void bind_tables(py::module_& module) {
              py::arg("options"));
   module.attr("sweep_columns_text") = columns_text(sweep_columns());
   module.attr("curve_columns_text") = columns_text(curve_columns({}));
-  module.attr("optimum_columns_text") = columns_text(optimum_columns(false));
+  module.attr("optimum_columns_text") = columns_text(optimum_columns({}));
 }
 
 }  // namespace nscdd::python

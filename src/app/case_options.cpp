@@ -2,7 +2,6 @@
 #include "app/case_options.hpp"
 
 #include "formats/case/case_file.hpp"
-#include "study/linear/values.hpp"
 
 namespace nscdd::app {
 namespace {
@@ -21,17 +20,10 @@ PrescribedVelocity parse_prescribed(const std::string& text) {
 
 }  // namespace
 
-void GivenParameters::add(const std::string& key, const std::string& option) {
-  const auto before = std::ranges::find(all_, key, &One::key);
-  if (before != all_.end()) fail("{}: expected {} once, met {} too", option, key, before->option);
-  all_.push_back({key, option});
-}
-
-void GivenParameters::add_partition(const std::string& subdomains) {
-  if (subdomains.empty()) return;
-  const auto name = [](const auto& partitioner) { return partitioner.name; };
-  const Partitioner partitioner = parse_partitioner(subdomains, "--subdomains");
-  add(fmt::format("partition.{}", std::visit(name, partitioner)), "--subdomains");
+void add_given(GivenParameters& given, const std::string& key, const std::string& option) {
+  const auto before = std::ranges::find(given, key, &GivenParameter::key);
+  if (before != given.end()) fail("{}: expected {} once, met {} too", option, key, before->option);
+  given.push_back({key, option});
 }
 
 void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings, GivenParameters& given) {
@@ -39,7 +31,7 @@ void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings, Gi
     const auto equals = setting.find('=');
     if (equals == std::string::npos) fail("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting);
     const std::string key = setting.substr(0, equals);
-    given.add(key, "--set " + key);
+    add_given(given, key, "--set " + key);
     override_case(spec, key, setting.substr(equals + 1));
   }
 }
@@ -67,14 +59,18 @@ void CaseOptions::declare_options(Command& command) {
   command.add("--set KEY=VALUE", settings, "a parameter of the case, such as packing.grains=16");
 }
 
-void set_partition(CaseSpec& spec, const std::string& subdomains) {
+void set_partition(CaseSpec& spec, const std::string& subdomains, GivenParameters& given) {
+  if (subdomains.empty()) return;
   spec.partition = parse_partitioner(subdomains, "--subdomains");
   std::erase_if(spec.lines, [](const auto& line) { return line.first.starts_with("partition"); });
+  const auto name = [](const auto& partitioner) { return partitioner.name; };
+  add_given(given, fmt::format("partition.{}", std::visit(name, spec.partition)), "--subdomains");
 }
 
 Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
   CaseSpec spec = spec_of_file(find_case(name));
-  if (!subdomains.empty()) set_partition(spec, subdomains);
+  GivenParameters given;
+  set_partition(spec, subdomains, given);
   if (!prescribed.empty()) {
     spec.prescribed.clear();
     std::erase_if(spec.lines, [](const auto& line) { return line.first.starts_with("prescribed"); });
@@ -85,23 +81,15 @@ Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
       fail("--prescribed: expected each grain once, met grain {} again", velocity.grain);
     spec.prescribed.push_back(velocity);
   }
-  GivenParameters given;
-  given.add_partition(subdomains);
   for (const auto& [value, key, option] : {std::tuple(density, "masses.density", "--density"),
                                            {tolerance, "contacts.tolerance", "--tolerance"},
                                            {overlap_tolerance, "contacts.overlap_tolerance", "--overlap-tolerance"}}) {
     if (!value) continue;
-    given.add(key, option);
+    add_given(given, key, option);
     override_case(spec, key, field_text(*value));
   }
   apply_settings(spec, settings, given);
   return resolve_case(spec, outputs);
-}
-
-std::string libraries() {
-  std::string text;
-  for (const auto& [name, number] : dependency_versions()) text += fmt::format("{} {}\n", name, number);
-  return text;
 }
 
 Provenance provenance(const Context& context, const std::vector<Case>& cases) {

@@ -6,26 +6,20 @@
 
 namespace nscdd::app {
 
-/// Parameters on the command line, each with the option that gives it.
-class GivenParameters {
- public:
-  struct One {
-    std::string key, option;
-  };
-  /// Throws Error if another option gave the parameter.
-  void add(const std::string& key, const std::string& option);
-  void add_partition(const std::string& subdomains);  ///< that of --subdomains, unless empty
-  const std::vector<One>& all() const { return all_; }
-
- private:
-  std::vector<One> all_;
+/// A parameter on the command line and the option that gives it.
+struct GivenParameter {
+  std::string key, option;
 };
+using GivenParameters = std::vector<GivenParameter>;
+
+/// Throws Error if another option gave the parameter.
+void add_given(GivenParameters& given, const std::string& key, const std::string& option);
 
 /// Sets parameters of a case from texts KEY=VALUE, and adds them to `given`.
 void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings, GivenParameters& given);
 
-/// Replaces the [partition] of a case by that of --subdomains.
-void set_partition(CaseSpec& spec, const std::string& subdomains);
+/// Replaces the [partition] of a case by that of --subdomains, unless that is empty, and adds it to `given`.
+void set_partition(CaseSpec& spec, const std::string& subdomains, GivenParameters& given);
 
 /// CASE and its options, the same for all verbs that take a case.
 struct CaseOptions {
@@ -41,9 +35,6 @@ struct CaseOptions {
   /// The case with all options applied, see resolve_case.
   Case resolve(const std::vector<std::string>& outputs) const;
 };
-
-/// Names and versions of the libraries, one a line.
-std::string libraries();
 
 /// Versions, command line and resolved cases of a result file: equal for equal runs.
 Provenance provenance(const Context& context, const std::vector<Case>& cases);

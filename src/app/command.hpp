@@ -72,10 +72,8 @@ struct Command {
     return option;
   }
   template <class Value>
-  Option& required(const std::string& form, Value& value, std::string help) {
-    Option& option = add(form, value, std::move(help));
-    option.required = true;
-    return option;
+  void required(const std::string& form, Value& value, std::string help) {
+    add(form, value, std::move(help)).required = true;
   }
   /// An option whose help shows its default.
   template <class Value>

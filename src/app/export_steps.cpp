@@ -2,11 +2,10 @@
 #include "app/export_steps.hpp"
 
 #include "app/case_options.hpp"
+#include "core/text.hpp"
 #include "formats/lmgc90/datbox_writer.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "formats/vtk/vtkhdf.hpp"
-#include "mechanics/grain_source.hpp"
-#include "study/linear/values.hpp"
 
 namespace nscdd::app {
 namespace {
@@ -23,8 +22,7 @@ struct Chosen {
 };
 
 // Passes the steps to `take` one by one until the user interrupts. Returns their number.
-Index hand_over(const Chosen& chosen,
-                const std::function<void(Index, const GranularSystem&, const TrajectoryStep&)>& take) {
+Index hand_over(const Chosen& chosen, const std::function<void(const GranularSystem&, const TrajectoryStep&)>& take) {
   GranularSystem system = chosen.header.system;
   Interruption interruption;
   const Monitor monitor = interruption.watch("export " + fs::path(chosen.trajectory).filename().string(), 0, "step");
@@ -33,7 +31,7 @@ Index hand_over(const Chosen& chosen,
     TrajectoryStep shown = read_trajectory_step(chosen.trajectory, step);
     free_released_grains(system, shown.state);
     if (chosen.draws) add_chain(chosen.trajectory, shown);
-    take(step, system, shown);
+    take(system, shown);
     if (!report(monitor, ++done, count(chosen.steps))) break;
   }
   return done;
@@ -49,8 +47,8 @@ int finished(const Chosen& chosen, const std::string& name) {
 int export_vtk(const Chosen& chosen, const fs::path& folder) {
   make_folder(folder.string(), chosen.force);
   std::vector<VtkFile> files;
-  const Index done = hand_over(chosen, [&](Index step, const GranularSystem& system, const TrajectoryStep& shown) {
-    files.push_back({shown.state.time, fmt::format("step-{:06}.vtp", step)});
+  const Index done = hand_over(chosen, [&](const GranularSystem& system, const TrajectoryStep& shown) {
+    files.push_back({shown.state.time, fmt::format("step-{:06}.vtp", shown.state.step)});
     write_file((folder / files.back().path).string(), vtp_text(system, shown), chosen.force);
   });
   const std::string collection = (folder / (fs::path(chosen.trajectory).stem().string() + ".pvd")).string();
@@ -64,7 +62,7 @@ int export_vtk(const Chosen& chosen, const fs::path& folder) {
 // All steps in one file, which takes its name once it is complete.
 int export_vtkhdf(const Chosen& chosen, const std::string& path) {
   VtkhdfFile file(path, chosen.force);
-  const Index done = hand_over(chosen, [&](Index, const GranularSystem& system, const TrajectoryStep& shown) {
+  const Index done = hand_over(chosen, [&](const GranularSystem& system, const TrajectoryStep& shown) {
     file.append(picture_of(system, shown));
   });
   if (done < count(chosen.steps)) return interrupted("{}: interrupted; nothing was written", path);
@@ -88,8 +86,7 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
     write("BODIES.DAT", writer.bodies());
     write("BULK_BEHAV.DAT", writer.bulk());
     write("TACT_BEHAV.DAT", writer.tact());
-    write("DRV_DOF.DAT", writer.driven());
-    for (const auto& [name, text] : writer.tables()) write(name, text);
+    for (const auto& [name, text] : writer.driven()) write(name, text);
     write("DOF.INI", writer.dof(first));
     write("Vloc_Rloc.INI", writer.vloc_rloc(first));
   } else {
@@ -102,9 +99,9 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
   const auto write = into("OUTBOX");
   write("BODIES.OUT", writer.bodies());
   write("BULK_BEHAV.OUT", writer.bulk());
-  const Index done = hand_over(chosen, [&](Index step, const GranularSystem&, const TrajectoryStep& shown) {
-    write(fmt::format("DOF.OUT.{}", step), writer.dof(shown));
-    write(fmt::format("Vloc_Rloc.OUT.{}", step), writer.vloc_rloc(shown));
+  const Index done = hand_over(chosen, [&](const GranularSystem&, const TrajectoryStep& shown) {
+    write(fmt::format("DOF.OUT.{}", shown.state.step), writer.dof(shown));
+    write(fmt::format("Vloc_Rloc.OUT.{}", shown.state.step), writer.vloc_rloc(shown));
   });
   if (done < count(chosen.steps))
     return interrupted("{}: interrupted after {} of {} steps", folder.string(), done, chosen.steps.size());
@@ -112,17 +109,6 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
 }
 
 }  // namespace
-
-StepRange parse_step_range(const std::string& text) {
-  if (text.empty()) return {};
-  std::vector<Index> numbers;
-  for (const std::string_view number : split(text, ':'))
-    numbers.push_back(parse_integer(number, "--steps A, A:B or A:B:K"));
-  const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0], numbers.size() > 2 ? numbers[2] : 1};
-  if (numbers.size() > 3 || range.first < 0 || range.last < range.first || range.stride < 1)
-    fail("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text);
-  return range;
-}
 
 std::string step_ranges_text(const std::vector<Index>& steps) {
   std::string text;
@@ -139,10 +125,22 @@ std::string step_ranges_text(const std::vector<Index>& steps) {
   return text;
 }
 
-std::vector<Index> chosen_steps(const std::string& trajectory, const StepRange& range) {
+std::vector<Index> chosen_steps(const std::string& trajectory, const std::string& range) {
+  Index first = 0, last = std::numeric_limits<Index>::max(), stride = 1;
+  if (!range.empty()) {
+    std::vector<Index> numbers;
+    for (const std::string_view number : split(range, ':'))
+      numbers.push_back(parse_integer(number, "--steps A, A:B or A:B:K"));
+    first = numbers[0];
+    last = numbers.size() > 1 ? numbers[1] : first;
+    if (numbers.size() > 2) stride = numbers[2];
+    if (numbers.size() > 3 || first < 0 || last < first || stride < 1)
+      fail("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", range);
+  }
   const std::vector<Index> kept = trajectory_steps(trajectory);
   std::vector<Index> steps;
-  std::ranges::copy_if(kept, std::back_inserter(steps), [&](Index step) { return range.holds(step); });
+  std::ranges::copy_if(kept, std::back_inserter(steps),
+                       [&](Index step) { return step >= first && step <= last && (step - first) % stride == 0; });
   if (steps.empty())
     fail("--steps: expected a range with some of the steps that {} keeps ({}), met none", trajectory,
          step_ranges_text(kept));
@@ -154,8 +152,7 @@ int export_steps(const StepsOptions& options, const std::string& trajectory, boo
     require_no_input({options.vtkhdf}, {trajectory});
     require_ending(options.vtkhdf, vtkhdf_endings);
   }
-  const StepRange range = parse_step_range(options.range);
-  const Chosen steps{trajectory, read_trajectory_header(trajectory), chosen_steps(trajectory, range), force,
+  const Chosen steps{trajectory, read_trajectory_header(trajectory), chosen_steps(trajectory, options.range), force,
                      options.lmgc90.empty()};
   if (!options.lmgc90.empty()) return export_lmgc90(steps, options.lmgc90);
   return options.vtkhdf.empty() ? export_vtk(steps, options.vtk) : export_vtkhdf(steps, options.vtkhdf);

@@ -90,13 +90,11 @@ int run(int argc, char** argv, const Machine& machine) {
   for (Verb& verb : verbs) verb.action = verb.declare(verb.command);
   const auto arguments = std::span<const char* const>(argv, static_cast<std::size_t>(argc)).subspan(argc > 0 ? 1 : 0);
   const Request request = parse_command_line(verbs, arguments, machine);
-  if (!machine.processes.alone()) {
-    const auto* asked = std::get_if<const Verb*>(&request);
-    require_same({asked == nullptr ? -1.0 : static_cast<double>(*asked - verbs.data())}, "command line",
+  const auto* verb = std::get_if<const Verb*>(&request);
+  if (!machine.processes.alone())
+    require_same({verb == nullptr ? -1.0 : static_cast<double>(*verb - verbs.data())}, "command line",
                  machine.processes);
-  }
-  if (const auto* verb = std::get_if<const Verb*>(&request))
-    return (*verb)->action({command_line(argc, argv, machine.program), verbs, machine});
+  if (verb != nullptr) return (*verb)->action({command_line(argc, argv, machine.program), verbs, machine});
   fmt::print("{}", std::get<std::string>(request));
   return 0;
 }

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/run_summary.hpp"
+#include "app/simulate_output.hpp"
 
 #include <fmt/format.h>
 
 namespace nscdd::app {
 namespace {
 
+Index number_of(const std::map<std::string_view, Index>& counted, std::string_view word) {
+  const auto found = counted.find(word);
+  return found == counted.end() ? 0 : found->second;
+}
+
 // Advice for steps that did not converge. If no solution may exist, no setting of a solver helps.
 std::string advice(const RunTotals& totals, const Dynamics& dynamics) {
   if (totals.no_room > 0) return "check first that the boundaries leave room";
   const bool bounded = !dynamics.boundaries.empty();
-  const auto found = totals.statuses.find(to_string(SolverStatus::stalled));
-  const Index stalled = found == totals.statuses.end() ? 0 : found->second;
+  const Index stalled = number_of(totals.statuses, to_string(SolverStatus::stalled));
   const std::string more = fmt::format("--iterations allows more than {}{}", dynamics.solver.maximum_iterations,
                                        bounded ? ", which helps unless the boundaries leave no room" : "");
   if (stalled == 0) return more;
@@ -32,8 +36,7 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
         "attention: bodies overlap by up to {:.3g} of the smaller radius: a packing that begins with overlaps, "
         "boundaries that leave no room, or a step or tolerance too coarse\n",
         totals.relative_overlap);
-  const auto proved = totals.verdicts.find(to_string(VerdictKind::impossible));
-  const Index open = totals.steps - totals.converged - (proved == totals.verdicts.end() ? 0 : proved->second);
+  const Index open = totals.steps - totals.converged - number_of(totals.verdicts, to_string(VerdictKind::impossible));
   if (open > 0 && (solver.criterion != Criterion::none || is_contact_solver(solver.algorithm)))
     text +=
         fmt::format("attention: {} of {} steps ended before {} fell to {}{}; {}\n", open, totals.steps,
@@ -78,18 +81,15 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
 
 std::string lack_of_room(const RunTotals& totals) {
   if (totals.no_room == 0) return "";
-  if (const auto proved = totals.verdicts.find(to_string(VerdictKind::impossible));
-      proved != totals.verdicts.end() && proved->second == totals.no_room)
-    return fmt::format(
-        "in {} of {} steps, at first in step {}, the boundaries leave no room: it is proved that no impulses are a "
-        "solution (work of the boundaries in the run: {:.3g} J)",
-        totals.no_room, totals.steps, totals.first_no_room, totals.boundary_work);
+  const bool proved = number_of(totals.verdicts, to_string(VerdictKind::impossible)) == totals.no_room;
   return fmt::format(
-      "in {} of {} steps, at first in step {}, contacts close although their impulses have grown far beyond what "
-      "drives the step: the boundaries may leave no room, and then no impulses are a solution and more iterations do "
-      "not help; or these steps ended far from their solution, which a smaller --tolerance tells (work of the "
-      "boundaries in the run: {:.3g} J)",
-      totals.no_room, totals.steps, totals.first_no_room, totals.boundary_work);
+      "in {} of {} steps, at first in step {}, {} (work of the boundaries in the run: {:.3g} J)", totals.no_room,
+      totals.steps, totals.first_no_room,
+      proved ? "the boundaries leave no room: it is proved that no impulses are a solution"
+             : "contacts close although their impulses have grown far beyond what drives the step: the boundaries may "
+               "leave no room, and then no impulses are a solution and more iterations do not help; or these steps "
+               "ended far from their solution, which a smaller --tolerance tells",
+      totals.boundary_work);
 }
 
 std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/settled_cases.hpp"
 
-#include "app/run_summary.hpp"
+#include "app/simulate_output.hpp"
 #include "formats/case/case_file.hpp"
 #include "formats/lmgc90/record.hpp"
-#include "formats/trajectory/trajectory.hpp"
 #include "study/linear/inspection.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
@@ -19,8 +18,7 @@ namespace fs = std::filesystem;
 
 std::optional<fs::path> named_folder(const char* variable) {
   const char* value = std::getenv(variable);
-  if (value == nullptr || *value == '\0') return std::nullopt;
-  return value;
+  return value == nullptr || *value == '\0' ? std::nullopt : std::optional<fs::path>(value);
 }
 
 std::vector<fs::path> data_folders() {

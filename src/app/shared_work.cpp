@@ -47,12 +47,6 @@ ResultColumns<ProcessCounts> count_columns() {
                                  {"memory", "B", "largest resident set of the process", &ProcessCounts::memory}}});
 }
 
-double largest_resident_set() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
 }  // namespace
 
 void Limits::declare_threads(Command& command) {
@@ -174,7 +168,10 @@ CountsTable::CountsTable(const std::string& path, bool force, const Machine& mac
 
 void CountsTable::finish() {
   if (!wanted_) return;
-  const ProcessCounts own{processes_.rank, *processes_.counts, seconds() - begun_, largest_resident_set()};
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const ProcessCounts own{processes_.rank, *processes_.counts, seconds() - begun_,
+                          1024.0 * static_cast<double>(usage.ru_maxrss)};
   const std::vector<ProcessCounts> all = processes_.gather_each(own);
   if (!csv_) return;
   for (const ProcessCounts& one : all) csv_->write(row(count_columns(), one));

@@ -2,7 +2,6 @@
 #include "app/simulate_output.hpp"
 
 #include "core/fail.hpp"
-#include "mechanics/grain_source.hpp"
 
 #include <sstream>
 
@@ -123,13 +122,12 @@ void require_same_start(const std::string& path, const GranularState& asked) {
     const std::vector<double>&had = found.*values, &has = asked.*values;
     if (had.size() != has.size())
       fail("{}: expected {} {}s in its first step, met {}", path, has.size(), shape, had.size());
-    const auto differs = std::mismatch(had.begin(), had.end(), has.begin());
-    if (differs.first == had.end()) continue;
-    const auto i = static_cast<std::size_t>(differs.first - had.begin());
-    fail(
-        "{}: expected the start of the run it holds, met {} {} elsewhere or at another velocity, at ({}, {}) m "
-        "instead of ({}, {}) m",
-        path, shape, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i));
+    const auto i = static_cast<std::size_t>(std::ranges::mismatch(had, has).in1 - had.begin());
+    if (i < had.size())
+      fail(
+          "{}: expected the start of the run it holds, met {} {} elsewhere or at another velocity, at ({}, {}) m "
+          "instead of ({}, {}) m",
+          path, shape, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i));
   }
 }
 

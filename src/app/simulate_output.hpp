@@ -26,6 +26,12 @@ void check_restart(const std::string& path, const std::string& table, const Case
 /// there or started elsewhere (unless the trajectory has lost its first step).
 void take_up(Simulation& simulation, const std::string& path);
 
+/// A warning about steps whose boundaries may leave no room (no_room); empty if there are none.
+std::string lack_of_room(const RunTotals& totals);
+
+/// The report that ends a run, with its warnings.
+std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome);
+
 /// The output files of a run.
 struct RunFiles {
   std::string output, convergence;         ///< the trajectory; the table of iterations, empty for none

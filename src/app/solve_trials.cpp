@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/solve_trials.hpp"
 
-#include "contact_solvers/moderate_problem.hpp"
+#include "contact_solvers/stored_contacts.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
-#include "formats/lmgc90/datbox.hpp"
 #include "formats/lmgc90/record.hpp"
 #include "formats/lmgc90/vloc_rloc.hpp"
 
@@ -59,18 +58,19 @@ std::string fingerprint_of(const fs::path& file) try {
   return "unreadable";
 }
 
-TableWork trial_work(const std::vector<fs::path>& files, const TrialOptions& options) {
-  std::string cases, solvers;
+TableWork trial_work(const std::vector<fs::path>& files, const std::vector<FrictionAlgorithm>& solvers,
+                     const SolveOptions& options) {
+  std::string cases, names;
   for (const fs::path& file : files)
     cases += fmt::format("{} (content {})\n", file.filename().string(), fingerprint_of(file));
-  for (const FrictionAlgorithm solver : options.solvers) solvers += fmt::format("solver {}\n", to_string(solver));
-  const Index each = count(options.solvers);
-  return {{code_identity(), cases, solvers,
+  for (const FrictionAlgorithm solver : solvers) names += fmt::format("solver {}\n", to_string(solver));
+  const Index each = count(solvers);
+  return {{code_identity(), cases, names,
            field_lines(options.solver) +
                fmt::format("time_limit = {}\nverdict = {}\n", options.time_limit.value_or(infinity), options.verdict)},
           headings(columns()),
           count(files) * each,
-          [files, each, solvers = options.solvers](Index row) {
+          [files, each, solvers](Index row) {
             return KnownCells{{"problem", files[at(row / each)].filename().string()},
                               {"solver", std::string(to_string(solvers[at(row % each)]))}};
           }};
@@ -110,9 +110,9 @@ void print_summary(const Table& table, const std::vector<FrictionAlgorithm>& sol
 }
 
 // The rows from `first` on.
-void run_trials(const std::vector<fs::path>& files, const TrialOptions& options, Interruption& interruption,
-                Index first, const RowSink& sink) {
-  const Index each = count(options.solvers), total = count(files) * each;
+void run_trials(const std::vector<fs::path>& files, const std::vector<FrictionAlgorithm>& solvers,
+                const SolveOptions& options, Interruption& interruption, Index first, const RowSink& sink) {
+  const Index each = count(solvers), total = count(files) * each;
   const Monitor monitor = interruption.watch("solve", first, "run");
   std::optional<LocalFrictionProblem> problem;
   std::optional<Verdict> verdict;  // on the problem, once a solver failed or it is asked for
@@ -123,7 +123,7 @@ void run_trials(const std::vector<fs::path>& files, const TrialOptions& options,
       verdict = {};
     }
     FrictionSolverOptions solver = options.solver;
-    solver.algorithm = options.solvers[at(number % each)];
+    solver.algorithm = solvers[at(number % each)];
     NamedTrial one{file.filename().string(), {.solver = solver.algorithm}};
     if (problem)
       one.trial = try_solver(*problem, solver, options.time_limit.value_or(infinity),
@@ -147,16 +147,18 @@ LocalFrictionProblem local_problem(const FclibFile& file, const std::string& nam
   return std::get<LocalFrictionProblem>(file.problem);
 }
 
-int solve_trials(const TrialOptions& options, const Machine& machine) {
-  const std::vector<fs::path> files = problem_files(options.path);
+int solve_trials(const SolveOptions& options, const Machine& machine) {
+  std::vector<FrictionAlgorithm> solvers{options.solver.algorithm};
+  if (!options.algorithms.empty()) solvers = contact_solvers_named(options.algorithms, "--solver");
+  const std::vector<fs::path> files = problem_files(options.file);
   require_no_input({options.csv}, files);
-  const TableWork work = trial_work(files, options);
+  const TableWork work = trial_work(files, solvers, options);
   if (nothing_to_resume(options.csv, "", work, options.how, machine)) return 0;
   Interruption interruption;
   ResumableTable csv(options.csv, work, options.how);
   Table table{headings(columns()), {}};
   csv.replay([&](const Row& row) { table.rows.push_back(row); });
-  run_trials(files, options, interruption, csv.kept(), [&](const Row& row) {
+  run_trials(files, solvers, options, interruption, csv.kept(), [&](const Row& row) {
     csv.write(row);
     table.rows.push_back(row);
   });
@@ -167,8 +169,8 @@ int solve_trials(const TrialOptions& options, const Machine& machine) {
     return std::get<std::string>(row[status]) == "refused";
   });
   if (refused > 0)
-    note("{} of {} problems were refused: see the column 'status'", refused / count(options.solvers), files.size());
-  if (!is_stream(options.csv)) print_summary(table, options.solvers);
+    note("{} of {} problems were refused: see the column 'status'", refused / count(solvers), files.size());
+  if (!is_stream(options.csv)) print_summary(table, solvers);
   return refused > 0 ? 1 : 0;
 }
 

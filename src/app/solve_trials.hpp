@@ -9,21 +9,22 @@
 
 namespace nscdd::app {
 
-/// A table of solver trials: each contact problem of a folder, or one file, by each solver of a list.
-struct TrialOptions {
-  std::string path;  ///< a file, or a folder of files *.hdf5, *.h5 and *.dat
-  std::vector<FrictionAlgorithm> solvers;
-  FrictionSolverOptions solver;  ///< except the algorithm
+struct SolveOptions {
+  std::string file, convergence, output, csv;
+  std::vector<std::string> algorithms;  ///< the names given as --solver
+  FrictionSolverOptions solver;
   std::optional<double> time_limit;
+  Index guess = 0;
   bool verdict = false;  ///< on every problem, not only where a solver fails
-  std::string csv;
+  Limits limits;
   Reopening how;
 };
 
-/// Writes the table, a row per problem and solver (solvers vary fastest), and prints how many problems each solver
-/// brought to each compared residual. A file without a contact problem is noted, and its rows have the status
-/// "refused". Returns 1 if there are any, else 0. Throws Error for a folder without files.
-int solve_trials(const TrialOptions& options, const Machine& machine);
+/// Writes the table of --csv: a row for each contact problem (of the file, or of the files *.hdf5, *.h5 and *.dat
+/// of the folder) and each solver; solvers vary fastest. Prints how many problems each solver brought to each compared
+/// residual. A file without a contact problem is noted, and its rows have the status "refused". Returns 1 if there are
+/// any, else 0. Throws Error for a folder without files.
+int solve_trials(const SolveOptions& options, const Machine& machine);
 
 /// The problem of a file in the unknowns of the contacts; `name`: of the file, for errors.
 LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name);

@@ -10,9 +10,8 @@ namespace {
 
 struct CoarseOptions {
   CaseOptions one;
-  Choice<ContactSet> contacts = ContactSet::all;
+  StudyTable work{.name = "coarse", .observable = &observables::coarse_space};
   std::string epsilon = "1e-6W,1e-4W,1e-2W", preconditioner, scaling, space, csv;
-  CoarseParameters parameters;
   Reopening how;
   Limits limits;
 };
@@ -40,9 +39,7 @@ void print_heading() {
 }
 
 void print_row(const CoarseResult& result) {
-  const auto number = [](double value, const char* form = "{:.4g}") {
-    return std::isnan(value) ? std::string("-") : fmt::format(fmt::runtime(form), value);
-  };
+  const auto number = [](double value) { return std::isnan(value) ? "-" : fmt::format("{:.4g}", value); };
   const CoarseMethod& method = result.method;
   fmt::print("{:<11.4g}{:<16}{:<14}{:<8}{:>6}{:>11}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}{}\n", result.epsilon / result.scale,
              to_string(*method.preconditioner), method.scaling ? to_string(*method.scaling) : "-",
@@ -55,12 +52,8 @@ void print_row(const CoarseResult& result) {
 }
 
 StudyTable table_of(const CoarseOptions& options, const Machine& machine) {
-  StudyTable work;
-  work.name = "coarse";
-  work.observable = &observables::coarse_space;
+  StudyTable work = options.work;
   std::tie(work.sweep.epsilon, work.sweep.relative_epsilon) = parse_epsilon(options.epsilon);
-  work.sweep.contacts = options.contacts;
-  work.coarse = options.parameters;
   const auto names = [](const std::string& spec, const char* option, auto& all) {
     if (!spec.empty()) all = parse_names<typename std::decay_t<decltype(all)>::value_type>(spec, option);
   };
@@ -77,7 +70,7 @@ StudyTable table_of(const CoarseOptions& options, const Machine& machine) {
 int run_coarse(const CoarseOptions& options, const Context& context) {
   const Machine& machine = context.machine;
   options.limits.limit_memory(machine.processes_here);
-  if (options.parameters.counts) require_one_process(machine, "--counts");
+  if (options.work.coarse.counts) require_one_process(machine, "--counts");
   const StudyTable work = in_turn(machine.processes, [&] { return table_of(options, machine); });
   if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
   if (nothing_to_resume(options.csv, "", table_work(work), options.how, machine)) return 0;
@@ -114,10 +107,11 @@ int run_coarse(const CoarseOptions& options, const Context& context) {
 
 Action declare_coarse(Command& command) {
   auto options = std::make_shared<CoarseOptions>();
+  CoarseParameters& coarse = options->work.coarse;
   options->one.declare(command);
   command.preset("--epsilon SPEC", options->epsilon,
                  "flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); above 0");
-  declare_contacts(command, options->contacts);
+  declare_contacts(command, options->work.sweep.contacts);
   command.add("--preconditioner LIST", options->preconditioner,
               "X, X_eta, X_eta_active, lumped, dirichlet [dirichlet], and bddc by nscdd-mpi; X_eta: eta = 10 epsilon, "
               "on all contacts or on those of X_epsilon");
@@ -126,11 +120,11 @@ Action declare_coarse(Command& command) {
               "and bddc");
   command.add("--coarse-space LIST", options->space,
               "none, rigid, geneo [none,geneo]; with dirichlet, and without rigid with bddc");
-  command.add("--kappa NUMBER", options->parameters.kappa,
+  command.add("--kappa NUMBER", coarse.kappa,
               "condition number that geneo shall keep [30]; its threshold is N_n / kappa, N_n the most subdomains that "
               "share grains with one, itself included");
-  command.add("--threshold NUMBER", options->parameters.threshold, "threshold of geneo, in place of that of --kappa");
-  command.add("--counts", options->parameters.counts, "ranks and counts only, without spectra");
+  command.add("--threshold NUMBER", coarse.threshold, "threshold of geneo, in place of that of --kappa");
+  command.add("--counts", coarse.counts, "ranks and counts only, without spectra");
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);

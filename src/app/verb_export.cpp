@@ -8,7 +8,6 @@
 #include "formats/trajectory/trajectory.hpp"
 #include "study/linear/inspection.hpp"
 #include "study/linear/values.hpp"
-#include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd::app {
 namespace {
@@ -26,28 +25,30 @@ struct OperatorsOptions {
 struct ExportOptions {
   OperatorsOptions operators;
   StepsOptions steps;
-  std::string trajectory, output;
+  std::string output;
   std::optional<Index> step, subdomain;
   bool local = false, force = false;
+
+  const std::string& trajectory() const { return operators.one.name; }
 };
 
 // The step before the exported one. If it is not kept, throws Error with the steps that follow a kept state.
 TrajectoryStep state_before(const ExportOptions& options) {
-  if (auto before = find_trajectory_step(options.trajectory, *options.step - 1)) return *std::move(before);
-  const Index last = read_last_step(options.trajectory).state.step;
-  std::vector<Index> kept = trajectory_steps(options.trajectory);
+  if (auto before = find_trajectory_step(options.trajectory(), *options.step - 1)) return *std::move(before);
+  const Index last = read_last_step(options.trajectory()).state.step;
+  std::vector<Index> kept = trajectory_steps(options.trajectory());
   if (kept.empty() || kept.back() != last) kept.push_back(last);
   std::vector<Index> possible = kept;
   for (Index& step : possible) ++step;
   fail(
       "--fclib: {}: expected a step whose state before it is kept, so one of {}, met step {}; states are kept after "
       "steps {} (nscdd simulate --save-every 1 keeps all)",
-      options.trajectory, step_ranges_text(possible), *options.step, step_ranges_text(kept));
+      options.trajectory(), step_ranges_text(possible), *options.step, step_ranges_text(kept));
 }
 
 FclibInfo info_of(const ExportOptions& options, const TrajectoryHeader& header, const Simulation& before, bool solved) {
   FclibInfo info;
-  info.title = fmt::format("{}, step {}", name_of_case(options.trajectory, header), *options.step);
+  info.title = fmt::format("{}, step {}", name_of_case(options.trajectory(), header), *options.step);
   if (options.subdomain) *info.title += fmt::format(", subdomain {}", *options.subdomain);
   const double h = before.dynamics.time.step;
   const bool space = before.system.dimension == 3;
@@ -98,23 +99,21 @@ void print_report(const ExportOptions& options, const FclibFile& file, const Loc
 }
 
 FclibFile subdomain_file(const ExportOptions& options, const Simulation& before,
-                         const std::optional<TrajectoryStep>& after) {
+                         const std::optional<TrajectoryStep>& after) try {
   if (!after)
-    fail("--subdomain: {}: expected a step that is kept, for its interface impulses ({}), met step {}",
-         options.trajectory, step_ranges_text(trajectory_steps(options.trajectory)), *options.step);
-  try {
-    return fclib_of_subdomain(before, *after, *options.subdomain);
-  } catch (const Error& error) {
-    fail("--subdomain: {}: {}", options.trajectory, error.what());
-  }
+    fail("expected a step that is kept, for its interface impulses ({}), met step {}",
+         step_ranges_text(trajectory_steps(options.trajectory())), *options.step);
+  return fclib_of_subdomain(before, *after, *options.subdomain);
+} catch (const Error& error) {
+  fail("--subdomain: {}: {}", options.trajectory(), error.what());
 }
 
 int export_fclib(const ExportOptions& options, const Context& context) {
-  require_no_input({options.output}, {options.trajectory});
+  require_no_input({options.output}, {options.trajectory()});
   if (!has_siconos_name(options.output)) require_ending(options.output, hdf5_endings);
-  const TrajectoryHeader header = read_trajectory_header(options.trajectory);
-  const Simulation before = rebuilt_simulation(options.trajectory, header, state_before(options).state);
-  const std::optional<TrajectoryStep> after = find_trajectory_step(options.trajectory, *options.step);
+  const TrajectoryHeader header = read_trajectory_header(options.trajectory());
+  const Simulation before = rebuilt_simulation(options.trajectory(), header, state_before(options).state);
+  const std::optional<TrajectoryStep> after = find_trajectory_step(options.trajectory(), *options.step);
   FclibFile file =
       options.subdomain ? subdomain_file(options, before, after) : fclib_of_step(before, after ? &*after : nullptr);
   const FclibFile local = local_form(file);
@@ -161,9 +160,7 @@ int export_operators(const OperatorsOptions& options, bool force, const Context&
   };
   if (!case_operators(model, selection, wanted, add, interruption.watch("B", 0, "column")))
     return interrupted("{}: interrupted; it is left as it was", options.folder);
-  OperatorsHead head{selection.of_case, model.problem.dofs_per_grain, {}};
-  if (wanted.dense) head.dense = wanted;
-  folder.finish(head, provenance(context, {what}));
+  folder.finish(selection.of_case, model.problem.dofs_per_grain, wanted, provenance(context, {what}));
   fmt::print("{}: {} operators of {}, {} interface unknowns", (path / OperatorsFolder::manifest_name).string(),
              operators, model.name, model.parts.interface_size());
   if (wanted.dense) fmt::print(", epsilon {} 1/kg, eta {} 1/kg", field_text(wanted.epsilon), field_text(wanted.eta));
@@ -186,7 +183,7 @@ int run_export(const ExportOptions& options, const Context& context) {
   if (!options.operators.folder.empty()) return export_operators(options.operators, options.force, context);
   if (options.step && options.output.empty()) fail("--fclib: expected -o FILE.hdf5 (or FILE.dat) with it, met none");
   if (options.step) return export_fclib(options, context);
-  return export_steps(options.steps, options.trajectory, options.force);
+  return export_steps(options.steps, options.trajectory(), options.force);
 }
 
 // Declares --operators, which it returns, and the options that need it.
@@ -248,10 +245,7 @@ Examples:
   nscdd export run.h5 --fclib 5 --subdomain 1 --local -o part.hdf5
   nscdd solve problem.hdf5 --tolerance 1e-6
   nscdd export hexagonal --operators matrices --epsilon 1e-3 --eta 0.3)";
-  return [options](const Context& context) {
-    options->trajectory = options->operators.one.name;
-    return run_export(*options, context);
-  };
+  return [options](const Context& context) { return run_export(*options, context); };
 }
 
 }  // namespace nscdd::app

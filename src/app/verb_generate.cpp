@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "files/output_file.hpp"
 #include "formats/case/case_file.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
@@ -24,16 +23,10 @@ CaseSpec spec_of(const std::string& name) {
   return spec;
 }
 
-PackingFormat output_format(const std::string& output) {
-  if (output == "-") return PackingFormat::csv;
-  const auto format = packing_format(output);
-  if (!format)
-    fail("{}: expected a file name that ends in .csv, .h5 or .hdf5, or - for CSV on standard output", output);
-  return *format;
-}
-
 int run_generate(const GenerateOptions& options, const Context& context) {
-  const PackingFormat format = output_format(options.output);
+  const auto format = options.output == "-" ? PackingFormat::csv : packing_format(options.output);
+  if (!format)
+    fail("{}: expected a file name that ends in .csv, .h5 or .hdf5, or - for CSV on standard output", options.output);
   CaseSpec spec = spec_of(options.spec);
   for (const std::string& setting : options.settings)
     if (!setting.starts_with("packing.") && !setting.starts_with("masses."))
@@ -45,7 +38,7 @@ int run_generate(const GenerateOptions& options, const Context& context) {
   const Packing packing = packing_of(one, progress("generate"));
   std::string bytes;
   try {
-    bytes = packing_bytes(format, packing, provenance(context, {one}));
+    bytes = packing_bytes(*format, packing, provenance(context, {one}));
   } catch (const Error& error) {
     fail("{}: {}", options.spec, error.what());
   }

@@ -2,7 +2,6 @@
 #include "app/case_options.hpp"
 #include "app/shared_work.hpp"
 #include "study/linear/inspection.hpp"
-#include <nscdd/study/sweep.hpp>
 
 namespace nscdd::app {
 namespace {

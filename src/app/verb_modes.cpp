@@ -12,10 +12,7 @@ constexpr std::size_t interfaces_shown = 8;
 
 struct ModesOptions {
   CaseOptions one;
-  SpectralOptions spectral;
-  Choice<ContactSet> contacts = ContactSet::all;
-  Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
-  Choice<SpectrumSide> end = SpectrumSide::slowest;
+  ModeParameters wanted;
   std::string epsilon, eta = "inf", output;
   bool force = false;
   Limits limits;
@@ -23,14 +20,11 @@ struct ModesOptions {
 
 // `scale`: of relative flexibilities, 1/kg.
 ModeParameters parameters(const ModesOptions& options, const Machine& machine, double scale) {
-  ModeParameters result;
+  ModeParameters result = options.wanted;
   result.epsilon = one_value(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
   result.eta = one_value(parse_eta(options.eta), scale, "--eta", options.eta);
-  result.contacts = options.contacts;
-  result.scheme = options.scheme;
-  result.side = options.end;
-  result.spectral = spectra_on(machine, options.spectral);
-  check_sweep({.eta = {result.eta}, .spectral = result.spectral, .scheme = options.scheme}, "--");
+  result.spectral = spectra_on(machine, result.spectral);
+  check_sweep({.eta = {result.eta}, .spectral = result.spectral, .scheme = result.scheme}, "--");
   return result;
 }
 
@@ -144,10 +138,10 @@ Action declare_modes(Command& command) {
                    "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   command.preset("--eta NUMBER[W]", options->eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
-  declare_contacts(command, options->contacts);
-  declare_scheme(command, options->scheme);
-  command.fields(options->spectral);
-  command.preset("--end", options->end,
+  declare_contacts(command, options->wanted.contacts);
+  declare_scheme(command, options->wanted.scheme);
+  command.fields(options->wanted.spectral);
+  command.preset("--end", options->wanted.side,
                  "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high");
   command.required("--output PREFIX", options->output, "the tables PREFIX-impulses.csv and PREFIX-velocities.csv");
   command.add("--force", options->force, "replace existing outputs");

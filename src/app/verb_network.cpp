@@ -17,8 +17,9 @@ struct NetworkOptions {
 // A contact problem has no places of grains and no loads.
 int write_problem(const NetworkOptions& options, const Model& model) {
   if (!options.grains.empty()) require_geometry(model, "--grains");
-  CsvWriter csv(options.csv, options.force, headings(problem_contact_columns()));
-  problem_contacts(model, [&](const ProblemContact& one) { csv.write(row(problem_contact_columns(), one)); });
+  const ResultColumns<ProblemContact> columns = problem_contact_columns();
+  CsvWriter csv(options.csv, options.force, headings(columns));
+  problem_contacts(model, [&](const ProblemContact& one) { csv.write(row(columns, one)); });
   csv.finish();
   return 0;
 }

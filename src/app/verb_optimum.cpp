@@ -10,9 +10,7 @@ namespace {
 
 struct OptimumOptions {
   CaseOptions one;
-  SpectralOptions spectral;
-  Choice<ContactSet> contacts = ContactSet::active;
-  Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
+  StudyTable work{.name = "optimum", .observable = &observables::optimum, .sweep = {.contacts = ContactSet::active}};
   std::string epsilon = "0", csv;
   Reopening how;
   Limits limits;
@@ -20,20 +18,16 @@ struct OptimumOptions {
 
 // One quantity per line.
 void print_report(const OptimumResult& result, DecompositionScheme scheme) {
-  for (const auto& [heading, value] : optimum_columns(true, scheme)) {
+  for (const auto& [heading, value] : optimum_columns({.relative_epsilon = true, .scheme = scheme})) {
     const std::string unit = heading.unit == "1" || heading.unit.empty() ? "" : " " + heading.unit;
     fmt::print("{:<26}{:<30}{}\n", heading.name, to_text(value(result)) + unit, heading.description);
   }
 }
 
 StudyTable table_of(const OptimumOptions& options, const Machine& machine) {
-  StudyTable work;
-  work.name = "optimum";
-  work.observable = &observables::optimum;
+  StudyTable work = options.work;
   std::tie(work.sweep.epsilon, work.sweep.relative_epsilon) = parse_epsilon(options.epsilon);
-  work.sweep.contacts = options.contacts;
-  work.sweep.scheme = options.scheme;
-  work.sweep.spectral = spectra_on(machine, options.spectral);
+  work.sweep.spectral = spectra_on(machine, work.sweep.spectral);
   check_sweep(work.sweep, "--");
   work.cases = {options.one.resolve({options.csv})};
   return work;
@@ -63,7 +57,7 @@ int run_optimum(const OptimumOptions& options, const Context& context) {
   }
   Interruption interruption(machine.processes);
   SharedTable csv(machine, options.csv, table_work(work), options.how);
-  const ResultColumns<OptimumResult> columns = optimum_columns(work.sweep.relative_epsilon, work.sweep.scheme);
+  const ResultColumns<OptimumResult> columns = optimum_columns(work.sweep);
   const auto write = [&](const OptimumResult& result) {
     tell(result);
     csv->write(row(columns, result));
@@ -83,9 +77,9 @@ Action declare_optimum(Command& command) {
   options->one.declare(command);
   command.preset("--epsilon SPEC", options->epsilon,
                  "flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
-  declare_contacts(command, options->contacts);
-  declare_scheme(command, options->scheme);
-  command.fields(options->spectral, {"certify", "eigenvalues"});
+  declare_contacts(command, options->work.sweep.contacts);
+  declare_scheme(command, options->work.sweep.scheme);
+  command.fields(options->work.sweep.spectral, {"certify", "eigenvalues"});
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);

@@ -6,8 +6,6 @@
 #include "formats/report/report_page.hpp"
 #include "study/linear/values.hpp"
 
-#include <set>
-
 namespace nscdd::app {
 namespace {
 
@@ -18,10 +16,9 @@ constexpr const char* nothing_written = "{}: interrupted; nothing was written";
 
 struct ReportOptions {
   CaseOptions one;
-  SpectralOptions spectral;
+  SweepParameters sweep;
   std::string epsilon = "0,1e-3:1e3:7W", eta = "1e-3:1e3:25W,inf", output, steps, convergence;
   std::vector<std::string> contacts;
-  Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
   bool no_optimum = false, force = false;
   Limits limits;
 };
@@ -32,17 +29,16 @@ constexpr std::array<std::string_view, 3> of_both{"CASE", "-o,--output", "--forc
 
 PackingReportParameters parameters(const ReportOptions& options, const Machine& machine) {
   PackingReportParameters result;
-  SweepParameters& sweep = result.sweep;
-  sweep.spectral = spectra_on(machine, options.spectral);
+  SweepParameters& sweep = result.sweep = options.sweep;
+  sweep.spectral = spectra_on(machine, sweep.spectral);
   std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(options.epsilon);
   std::tie(sweep.eta, sweep.relative_eta) = parse_eta(options.eta);
-  sweep.scheme = options.scheme;
   if (sweep.schwarz() && options.eta == ReportOptions{}.eta) std::tie(sweep.eta, sweep.relative_eta) = parse_eta("inf");
   check_sweep(sweep, "--");
   for (auto* of_slider : {&sweep.epsilon, &sweep.eta}) sort_unique(*of_slider);
-  std::set<ContactSet> sets;
-  for (const std::string& name : options.contacts) sets.insert(Choice<ContactSet>::parse(name, "--contacts"));
-  result.contact_sets.assign(sets.begin(), sets.end());
+  for (const std::string& name : options.contacts)
+    result.contact_sets.push_back(Choice<ContactSet>::parse(name, "--contacts"));
+  sort_unique(result.contact_sets);
   result.optima = !options.no_optimum && !sweep.schwarz();  // the best eta
   return result;
 }
@@ -106,7 +102,7 @@ int report_of_run(const ReportOptions& options, const Context& context) {
   require_drawable(path, system.grains(), system.dimension == 3 ? "spheres" : "disks");
   std::vector<Series> iterations;
   if (!options.convergence.empty()) iterations = read_iterations(options.convergence, path);
-  const std::vector<Index> asked = chosen_steps(path, parse_step_range(options.steps));
+  const std::vector<Index> asked = chosen_steps(path, options.steps);
   const std::vector<Index> steps = options.steps.empty() ? steps_to_draw(path, asked, bytes_of_steps) : asked;
   Interruption interruption;
   auto report = report_run(path, steps,
@@ -152,8 +148,8 @@ Action declare_report(Command& command) {
            "contacts of Stage 1: all, active, unilateral or frozen; may be given again; by default all, and with a "
            "load active too")
       .words = all_names<ContactSet>();
-  declare_scheme(command, options->scheme);
-  command.fields(options->spectral, {"eigenvalues"});
+  declare_scheme(command, options->sweep.scheme);
+  command.fields(options->sweep.spectral, {"eigenvalues"});
   command.named("--certify").help += "; the page shows the intervals";
   command.add("--no-optimum", options->no_optimum, "leave out the best eta, which takes some 130 spectra per epsilon");
   command.add("--steps A[:B[:K]]", options->steps,

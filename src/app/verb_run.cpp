@@ -106,12 +106,6 @@ int check_baselines(const Work& work) {
   return exit_code;
 }
 
-// Whether all results exist, without a record of an interrupted run.
-bool is_complete(const Work& work) {
-  const auto complete = [&](const StudyTable& table) { return nscdd::is_complete(work.csv(table)); };
-  return nscdd::is_complete(work.hdf5()) && std::ranges::all_of(work.study.tables, complete);
-}
-
 // Throws Error if a result would replace an input.
 void check_outputs(const Work& work) {
   std::vector<fs::path> inputs{work.study_file()};
@@ -160,10 +154,11 @@ int run_study(const RunOptions& options, const Context& context) {
   if (options.check)  // throws Error for a missing baseline before hours of work
     for (const StudyTable& table : work.study.tables) baseline_of(work, table);
   const std::vector<Case> cases = resolve_cases(work.study);
-  std::error_code status;
-  fs::create_directories(work.output, status);
-  if (status) fail("{}: cannot be made: {}", work.output.string(), status.message());
-  if (!options.how.resume || options.how.force || !is_complete(work)) return compute(work, cases, options, context);
+  make_folder(work.output.string(), true);
+  const auto complete = [&](const StudyTable& table) { return is_complete(work.csv(table)); };
+  if (!options.how.resume || options.how.force || !is_complete(work.hdf5()) ||
+      !std::ranges::all_of(work.study.tables, complete))
+    return compute(work, cases, options, context);
   for (const StudyTable& table : work.study.tables) require_rows_of(table_work(table), work.csv(table));
   note("{}: already complete, nothing to resume", work.output.string());
   return options.check ? check_baselines(work) : 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/case_options.hpp"
-#include "app/run_summary.hpp"
 #include "app/shared_work.hpp"
+#include "app/simulate_output.hpp"
 #include "formats/case/case_file.hpp"
 
 namespace nscdd::app {
@@ -35,7 +35,7 @@ struct SimulateOptions {
 
 // Throws Error for a parameter without effect. On one subdomain, which has no interface, a note does: a loop over
 // numbers of subdomains may begin with 1.
-void require_effect(const GivenParameters::One& given, const CaseSpec& spec) {
+void require_effect(const GivenParameter& given, const CaseSpec& spec) {
   nscdd::require_effect(spec, given.key, given.option);
   Dynamics undivided = *spec.dynamics;
   undivided.solver.algorithm = StepAlgorithm::nlgs;
@@ -55,14 +55,13 @@ void set(CaseSpec& spec, const ParameterOption& parameter) try {
 void apply(const SimulateOptions& options, CaseSpec& spec) {
   if (!spec.dynamics) fail("{}: expected a case with a section [dynamics], met one without", options.name);
   GivenParameters given;
-  given.add_partition(options.subdomains);
-  if (!options.subdomains.empty()) set_partition(spec, options.subdomains);
+  set_partition(spec, options.subdomains, given);
   for (const ParameterOption& parameter : options.parameters)
-    if (parameter.value) given.add(parameter.key, parameter.option);
+    if (parameter.value) add_given(given, parameter.key, parameter.option);
   apply_settings(spec, options.settings, given);
   for (const ParameterOption& parameter : options.parameters)
     if (parameter.value) set(spec, parameter);
-  for (const GivenParameters::One& parameter : given.all()) require_effect(parameter, spec);
+  for (const GivenParameter& parameter : given) require_effect(parameter, spec);
   try {
     check_dynamics(spec);
   } catch (const Error& error) {
@@ -160,7 +159,6 @@ int run_simulate(const SimulateOptions& options, const Context& context) {
   });
   if (!one) one = in_turn(all, [&] { return resolved(spec); });
   std::optional<RunSoFar> found;
-  std::vector<double> speeds;
   Simulation simulation = all.together([&] {
     Simulation start = simulation_of(*one);
     start.processes = all;
@@ -169,7 +167,6 @@ int run_simulate(const SimulateOptions& options, const Context& context) {
     if (!options.restart) return start;
     take_up(start, options.files.output);
     found = run_so_far(options.files.output);
-    speeds = found->speeds;
     return start;
   });
   if (!all.alone()) require_same(features(simulation, to_toml(spec), options), spec.name, all);
@@ -188,7 +185,7 @@ int run_simulate(const SimulateOptions& options, const Context& context) {
     output.add(after, solved, report);
     totals.add(report);
   };
-  const RunOutcome outcome = run_simulation(simulation, sinks, speeds);
+  const RunOutcome outcome = run_simulation(simulation, sinks, found ? found->speeds : std::vector<double>{});
   output.end(outcome);
   counts.finish();
   return close(options, simulation, outcome, totals);
@@ -212,12 +209,12 @@ Action declare_simulate(Command& command) {
   const Option* convergence = &command.add("--convergence FILE", options->files.convergence,
                                            "also a table of the iterations of every step, - for standard output; with "
                                            "--restart the rows of the steps taken now are added to it");
-  Option& every =
-      command.add("--convergence-every", options->files.convergence_every,
-                  "rows of every Nth iteration, without it about ten per decade; a row costs several sweeps. "
-                  "The last iteration of a step always has one",
-                  {.minimum = 1, .maximum = 1e9});
-  every.needs = convergence;
+  command
+      .add("--convergence-every", options->files.convergence_every,
+           "rows of every Nth iteration, without it about ten per decade; a row costs several sweeps. "
+           "The last iteration of a step always has one",
+           {.minimum = 1, .maximum = 1e9})
+      .needs = convergence;
   CountsTable::declare(command, options->counts);
   command.preset("--save-every", options->files.save_every, "keep every Nth step; the last one is always kept",
                  {.minimum = 1, .maximum = 1e9});

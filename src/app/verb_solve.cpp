@@ -1,26 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/solve_trials.hpp"
-#include "contact_solvers/moderate_problem.hpp"
+#include "contact_solvers/stored_contacts.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
 #include "formats/lmgc90/record.hpp"
 #include "formats/trajectory/trajectory.hpp"
-#include <nscdd/contact_solvers/friction_solver.hpp>
-#include <nscdd/contact_solvers/verdict.hpp>
 
 namespace nscdd::app {
 namespace {
-
-struct SolveOptions {
-  std::string file, convergence, output, csv;
-  std::vector<std::string> algorithms;
-  FrictionSolverOptions solver;
-  std::optional<double> time_limit;
-  Index guess = 0;
-  bool verdict = false;
-  Limits limits;
-  Reopening how;
-};
 
 ResultColumns<FrictionSolution> check_columns() {
   const ResultColumns<FrictionState> of_state{
@@ -58,14 +45,13 @@ Vector starting_impulses(const FclibFile& file, const SolveOptions& options) {
   return file.guesses[at(options.guess - 1)].r;
 }
 
-const char* in_space(const LocalFrictionProblem& local) { return local.dimension == 3 ? ", in space" : ""; }
-
 void print_problem(const FclibFile& file, const LocalFrictionProblem& local) {
+  const char* space = local.dimension == 3 ? ", in space" : "";
   if (file.info.title) fmt::print("title                {}\n", printable(*file.info.title));
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
-    fmt::print("problem              global, {} velocities of bodies{}\n", global->mass.rows(), in_space(local));
+    fmt::print("problem              global, {} velocities of bodies{}\n", global->mass.rows(), space);
   else
-    fmt::print("problem              local{}\n", in_space(local));
+    fmt::print("problem              local{}\n", space);
   fmt::print("contacts             {}\n", local.contacts());
   if (local.contacts() > 0)
     fmt::print("friction             {} ... {}\n", field_text(local.friction.minCoeff()),
@@ -73,15 +59,9 @@ void print_problem(const FclibFile& file, const LocalFrictionProblem& local) {
   fmt::print("entries of W         {}\n", local.w.nonZeros());
 }
 
-bool is_impossible(const FrictionSolution& solution, const std::optional<Verdict>& verdict) {
-  return verdict &&
-         proves_impossible(*verdict, solution.status == FrictionStatus::converged, solution.state.driven_residual);
-}
-
-void print_solution(const FrictionSolution& solution, const std::optional<Verdict>& verdict, double tolerance,
-                    double duration) {
+void print_solution(const FrictionSolution& solution, bool impossible, double tolerance, double duration) {
   const FrictionState& state = solution.state;
-  fmt::print("status               {}\n", is_impossible(solution, verdict) ? "impossible" : to_string(solution.status));
+  fmt::print("status               {}\n", impossible ? "impossible" : to_string(solution.status));
   fmt::print("sweeps               {}\n", solution.sweeps);
   fmt::print("factorisations       {}\n", solution.factorisations);
   fmt::print("residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
@@ -184,13 +164,7 @@ void check_options(const SolveOptions& options) {
 
 int run_solve(const SolveOptions& options, const Context& context) {
   const ThreadLimit limit = options.limits.limit_threads(context.machine);
-  if (!options.csv.empty()) {
-    std::vector<FrictionAlgorithm> solvers{options.solver.algorithm};
-    if (!options.algorithms.empty()) solvers = contact_solvers_named(options.algorithms, "--solver");
-    return solve_trials(
-        {options.file, solvers, options.solver, options.time_limit, options.verdict, options.csv, options.how},
-        context.machine);
-  }
+  if (!options.csv.empty()) return solve_trials(options, context.machine);
   check_options(options);
   FrictionSolverOptions solver = options.solver;
   if (!options.algorithms.empty()) solver.algorithm = options.algorithms.front();
@@ -208,21 +182,17 @@ int run_solve(const SolveOptions& options, const Context& context) {
   std::optional<OutputFile> output;
   if (!options.output.empty()) output.emplace(options.output, options.how.force);
   Interruption interruption;
-  FrictionSolution solution;
   const double started = seconds();
-  {
-    const Monitor monitor = interruption.watch("solve");
-    solution = solve_friction(local, solver, guess, [&](const FrictionSolution& check) {
-      if (csv) csv->write(row(columns, check));
-      return report(monitor, check.sweeps, solver.maximum_sweeps);
-    });
-  }
+  const FrictionSolution solution =
+      solve_friction(local, solver, guess, [&, monitor = interruption.watch("solve")](const FrictionSolution& check) {
+        if (csv) csv->write(row(columns, check));
+        return report(monitor, check.sweeps, solver.maximum_sweeps);
+      });
   const double duration = seconds() - started;
+  const bool converged = solution.status == FrictionStatus::converged;
   std::optional<Verdict> verdict;
-  if (solution.status != FrictionStatus::stopped && (options.verdict || solution.status != FrictionStatus::converged)) {
-    const Monitor monitor = interruption.watch("verdict", 0, "factorisation");
-    verdict = verdict_of(local, monitor);
-  }
+  if (solution.status != FrictionStatus::stopped && (options.verdict || !converged))
+    verdict = verdict_of(local, interruption.watch("verdict", 0, "factorisation"));
   if (solution.status == FrictionStatus::stopped || (verdict && interruption.stopped())) {
     if (csv) csv->leave();
     const int code =
@@ -231,17 +201,17 @@ int run_solve(const SolveOptions& options, const Context& context) {
     return code;
   }
   if (csv) csv->finish();
+  const bool impossible = verdict && proves_impossible(*verdict, converged, solution.state.driven_residual);
   print_problem(file, local);
-  print_solution(solution, verdict, solver.tolerance, duration);
+  print_solution(solution, impossible, solver.tolerance, duration);
   print_trouble(local, solution);
-  if (verdict) {
+  if (verdict)
     print_verdict(*verdict);
-    if (is_impossible(solution, verdict)) note_chain(local, *verdict);
-  } else {
+  else
     print_doubt(solution);
-  }
+  if (impossible) note_chain(local, *verdict);
   if (output) write_result(file, solution, options, context, *output);
-  return solution.status == FrictionStatus::converged && !is_impossible(solution, verdict) ? 0 : 1;
+  return converged && !impossible ? 0 : 1;
 }
 
 }  // namespace

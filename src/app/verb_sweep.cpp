@@ -11,25 +11,12 @@ namespace {
 
 struct SweepOptions {
   CaseOptions one;
-  SpectralOptions spectral;
-  Choice<ContactSet> contacts = ContactSet::all;
-  Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
+  StudyTable work{.name = "sweep"};
   std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5, counts;
   Reopening how;
   std::optional<double> curve;
   Limits limits;
 };
-
-// All parameters except the flexibilities, which may be a range (--curve).
-SweepParameters parameters(const SweepOptions& options, const Machine& machine) {
-  SweepParameters result;
-  result.relaxation = parse_relaxation(options.relaxation);
-  result.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
-  result.contacts = options.contacts;
-  result.scheme = options.scheme;
-  result.spectral = spectra_on(machine, options.spectral);
-  return result;
-}
 
 // Passes all rows of the sweep, old and new, to `sink`. Notes rows without proof, unless interrupted.
 int work_through(const Model& model, const StudyTable& work, SharedTable& csv, Interruption& interruption,
@@ -38,12 +25,11 @@ int work_through(const Model& model, const StudyTable& work, SharedTable& csv, I
   const Table layout{headings(columns), {}};
   Index unproved = 0, uncertified = 0, told = 0, diverging = 0, exact = 0;
   const bool certify = work.sweep.spectral.certify;
-  const auto is_true = [](const Row& cells, std::size_t column) { return std::get<bool>(cells[column]); };
   const auto take = [&, converged = layout.column("converged"),
                      certified = certify ? layout.column("certified") : 0](const Row& cells) {
-    const bool open = !is_true(cells, converged);
+    const bool open = !std::get<bool>(cells[converged]);
     unproved += open;
-    uncertified += certify && !open && !is_true(cells, certified);
+    uncertified += certify && !open && !std::get<bool>(cells[certified]);
     sink(cells);
   };
   csv->replay(take);
@@ -114,9 +100,11 @@ struct Asked {
 };
 
 Asked asked(const SweepOptions& options, const Machine& machine) {
-  Asked asked;
-  asked.work.name = "sweep";
-  SweepParameters& sweep = asked.work.sweep = parameters(options, machine);
+  Asked asked{options.work, {}};
+  SweepParameters& sweep = asked.work.sweep;
+  sweep.relaxation = parse_relaxation(options.relaxation);
+  sweep.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
+  sweep.spectral = spectra_on(machine, sweep.spectral);
   if (options.curve) {
     if (sweep.schwarz()) fail("--curve: expected --scheme nscdd, whose curves have bounds, met schwarz");
     if (options.how.resume) fail("--resume: expected a sweep of points given, met --curve, which places them itself");
@@ -156,7 +144,7 @@ int run_sweep(const SweepOptions& options, const Context& context) {
       hdf5.emplace(options.hdf5, options.how.force, kept_of_whole(options.how));
     return true;
   });
-  Table table{curve ? headings(curve_columns(work.sweep)) : headings(sweep_columns(work.sweep)), {}};
+  Table table{rows.columns, {}};
   const RowSink keep = [&table, wanted = hdf5.has_value()](const Row& row) {
     if (wanted) table.rows.push_back(row);
   };
@@ -183,9 +171,9 @@ Action declare_sweep(Command& command) {
                    "flexibility, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   command.preset("--eta SPEC", options->eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
-  declare_contacts(command, options->contacts);
-  declare_scheme(command, options->scheme);
-  command.fields(options->spectral);
+  declare_contacts(command, options->work.sweep.contacts);
+  declare_scheme(command, options->work.sweep.scheme);
+  command.fields(options->work.sweep.spectral);
   command.named("--certify").help += "; adds columns with the intervals";
   command.named("--eigenvalues").help +=
       "; more than one adds columns: their values, and for each end the multiplicity of its first value alone (how "

@@ -31,13 +31,6 @@ std::optional<BodyBlocks<D>> BodyBlocks<D>::of(const LocalFrictionProblem& probl
   return blocks;
 }
 
-template <int D>
-Vector BodyBlocks<D>::velocities(const Vector& impulses) const {
-  Vector y = Vector::Zero(nobody_ + K);
-  for (Index place = 0; place < count(contacts_); ++place) push(place, component<D>(impulses, place), y);
-  return y;
-}
-
 template class BodyBlocks<2>;
 template class BodyBlocks<3>;
 

@@ -5,8 +5,6 @@
 #include "mechanics/contact_frame.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
-#include <optional>
-
 namespace nscdd {
 
 /// W = G^T G by the two bodies of each contact, G = M^-1/2 H. A sweep that carries the scaled velocities y = G r of the
@@ -31,13 +29,17 @@ class BodyBlocks {
     return own;
   }
   /// y = G r, for impulses r by places.
-  Vector velocities(const Vector& impulses) const;
+  Vector velocities(const Vector& impulses) const {
+    Vector y = Vector::Zero(nobody_ + K);
+    for (Index place = 0; place < count(contacts_); ++place) push(place, component<D>(impulses, place), y);
+    return y;
+  }
   /// sum + the row of a place of G^T times y.
   LocalVector<D> add_row(Index place, const Vector& y, const LocalVector<D>& sum) const {
     const Contact& own = contacts_[at(place)];
     const Components u = own.rows[0].lazyProduct(Body::Map(y.data() + own.first[0])) +
                          own.rows[1].lazyProduct(Body::Map(y.data() + own.first[1]));
-    return sum + local_vector(u);
+    return sum + from_directions<D>(u.data());
   }
   /// y += G_c r for the impulse r of a place.
   void push(Index place, const LocalVector<D>& impulse, Vector& y) const {
@@ -51,12 +53,6 @@ class BodyBlocks {
  private:
   using Components = Eigen::Matrix<double, D, 1>;
   using Body = Eigen::Matrix<double, K, 1>;
-  static LocalVector<D> local_vector(const Components& u) {
-    if constexpr (D == 2)
-      return {u[0], u[1]};
-    else
-      return {u[0], {u[1], u[2]}};
-  }
   struct Contact {
     std::array<int, 2> first{};                                                           // rows of y of both bodies
     std::array<Eigen::Matrix<double, D, K, Eigen::RowMajor | Eigen::DontAlign>, 2> rows;  // of G^T

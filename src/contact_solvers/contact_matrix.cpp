@@ -76,23 +76,6 @@ ContactRelation<D> ContactRelation<D>::of(const FrozenContact<D>& frozen, double
 }
 
 template <int D>
-std::vector<ContactRelation<D>> ContactRelation<D>::shifted(const Vector& shift) {
-  std::vector<ContactRelation<D>> relations;
-  for (Index k = 0; k < shift.size(); k += D)
-    relations.push_back({shift.segment<D>(k).asDiagonal(), Block::Identity()});
-  return relations;
-}
-
-template <int D>
-Vector ContactRelation<D>::rest(const std::vector<ContactRelation<D>>& relations, const Vector& b, const Vector& r,
-                                const Vector& u) {
-  Vector rest = b;
-  for (Index c = 0; c < count(relations); ++c)
-    rest.segment<D>(D * c) -= relations[at(c)].p * r.segment<D>(D * c) + relations[at(c)].q * u.segment<D>(D * c);
-  return rest;
-}
-
-template <int D>
 ContactMatrix<D>::ContactMatrix(const LocalFrictionProblem& problem, const SparseMatrix& w) : problem_(problem), w_(w) {
   if (problem.h.cols() > 0) constant_ = with_places<D>(problem.mass, problem.h);
   if (problem.h.cols() > 0 && constant_.nonZeros() < w.nonZeros())
@@ -117,7 +100,7 @@ void ContactMatrix<D>::assemble_bodies() {
   std::copy_n(constant_.valuePtr(), constant_.nonZeros(), matrix_.valuePtr());
   inverse_.resize(bodies_.size());
   stiffness_.resize(bodies_.size());
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic> products;
+  Matrix products;
   for (std::size_t c = 0; c < bodies_.size(); ++c) {
     const Bodies& own = bodies_[c];
     inverse_[c] = relations_[c].p.inverse();
@@ -169,12 +152,6 @@ Vector ContactMatrix<D>::solve(const Vector& b) const {
     if (!worth_while) break;
   }
   return r;
-}
-
-template <int D>
-double ContactMatrix<D>::take_operations() {
-  const double before = std::exchange(taken_, lu_->operations());
-  return taken_ - before;
 }
 
 template struct ContactRelation<2>;

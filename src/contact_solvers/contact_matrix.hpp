@@ -19,9 +19,19 @@ struct ContactRelation {
   /// tangential law of a FrozenContact, with the `rho` of its z (kg; unused in the plane).
   static ContactRelation of(const FrozenContact<D>& frozen, double proximal, double rho);
   /// Those of (W + diag(shift)) r = b, D entries per contact.
-  static std::vector<ContactRelation> shifted(const Vector& shift);
+  static std::vector<ContactRelation> shifted(const Vector& shift) {
+    std::vector<ContactRelation> relations;
+    for (Index k = 0; k < shift.size(); k += D)
+      relations.push_back({shift.segment<D>(k).asDiagonal(), Block::Identity()});
+    return relations;
+  }
   /// The residual b - P r - Q u of all contacts, D c entries, for u = W r.
-  static Vector rest(const std::vector<ContactRelation>& relations, const Vector& b, const Vector& r, const Vector& u);
+  static Vector rest(const std::vector<ContactRelation>& relations, const Vector& b, const Vector& r, const Vector& u) {
+    Vector rest = b;
+    for (Index c = 0; c < count(relations); ++c)
+      rest.segment<D>(D * c) -= relations[at(c)].p * r.segment<D>(D * c) + relations[at(c)].q * u.segment<D>(D * c);
+    return rest;
+  }
 };
 
 /// The linear system  P r + Q W r = b  of all contacts, P and Q with a D x D block per contact, for many P and Q. It is
@@ -42,7 +52,10 @@ class ContactMatrix {
   /// Of P + Q W with the last relations, 1 or -1, for P with positive determinants.
   int determinant_sign() const { return lu_->determinant_sign(); }
   /// Floating-point operations of factorisations and solves since the last call.
-  double take_operations();
+  double take_operations() {
+    const double before = std::exchange(taken_, lu_->operations());
+    return taken_ - before;
+  }
 
  private:
   using Block = Eigen::Matrix<double, D, D>;

@@ -10,42 +10,35 @@ namespace nscdd {
 /// Reductions over all contacts of a problem, called by all ranks together. Vectors have D entries per contact of this
 /// rank, which by default has all contacts. Otherwise contacts belong to subdomains, whose sums are added in their
 /// order: no bit depends on the number of ranks.
-class ContactSums {
- public:
-  ContactSums() = default;
-  ContactSums(std::vector<Index> part_of_contact, Index parts, Processes processes)
-      : part_(std::move(part_of_contact)), parts_(parts), processes_(std::move(processes)) {}
+struct ContactSums {
+  std::vector<Index> part_of_contact = {};
+  Index parts = 0;  ///< 0: all contacts are of this rank
+  Processes processes = {};
 
   /// The sums of `quantities` numbers: add(c, sums) adds those of contact c, for c = 0 ... contacts - 1.
-  template <class Add>
-  Vector add_up(Index quantities, Index contacts, const Add& add) const {
-    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(quantities, std::max<Index>(parts_, 1));
-    for (Index c = 0; c < contacts; ++c) add(c, sums.col(parts_ == 0 ? 0 : part_[at(c)]));
-    return parts_ == 0 ? Vector(sums) : processes_.sum_of_parts(std::move(sums));
+  Vector add_up(Index quantities, Index contacts, const auto& add) const {
+    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(quantities, std::max<Index>(parts, 1));
+    for (Index c = 0; c < contacts; ++c) add(c, sums.col(parts == 0 ? 0 : part_of_contact[at(c)]));
+    return parts == 0 ? Vector(sums) : processes.sum_of_parts(std::move(sums));
   }
   double dot(const Vector& a, const Vector& b) const {
-    if (parts_ == 0) return a.dot(b);
-    const Index size = part_.empty() ? 0 : a.size() / count(part_);
-    return add_up(1, count(part_),
+    if (parts == 0) return a.dot(b);
+    const Index size = part_of_contact.empty() ? 0 : a.size() / count(part_of_contact);
+    return add_up(1, count(part_of_contact),
                   [&](Index c, auto&& sum) { sum[0] += a.segment(size * c, size).dot(b.segment(size * c, size)); })[0];
   }
-  double squared_norm(const Vector& a) const { return parts_ == 0 ? a.squaredNorm() : dot(a, a); }
-  double norm(const Vector& a) const { return parts_ == 0 ? a.norm() : std::sqrt(dot(a, a)); }
+  double squared_norm(const Vector& a) const { return parts == 0 ? a.squaredNorm() : dot(a, a); }
+  double norm(const Vector& a) const { return parts == 0 ? a.norm() : std::sqrt(dot(a, a)); }
 
-  Index total(Index own) const { return processes_.sum(own); }
-  bool any(bool own) const { return processes_.any(own); }
+  Index total(Index own) const { return processes.sum(own); }
+  bool any(bool own) const { return processes.any(own); }
   bool all_zero(const Vector& a) const { return !any(!a.isZero(0)); }
   /// Of entries >= 0; infinite if one is not a number.
   double largest(const Vector& entries) const {
     double own = 0;
     for (const double entry : entries) own = std::isnan(entry) ? infinity : std::max(own, entry);
-    return processes_.maximum(own);
+    return processes.maximum(own);
   }
-
- private:
-  std::vector<Index> part_;
-  Index parts_ = 0;
-  Processes processes_;
 };
 
 /// The impulse that would bring a contact to rest, the others held:  r_c - W_c^-1 u_c.
@@ -76,8 +69,8 @@ struct ContactData {
 
   /// Sets `alone`, `momenta` and `trace`. diagonal(c): the diagonal block of W of contact c. `speeds`, m/s: of each
   /// contact, of both bodies without contact impulses, or |q_c|.
-  template <int D, class Diagonal>
-  void set_sums(const Diagonal& diagonal, const Vector& speeds) {
+  template <int D>
+  void set_sums(const auto& diagonal, const Vector& speeds) {
     const Vector totals = sums.add_up(3, contacts(), [&](Index c, auto&& sum) {
       const FullDelassus<D> w = diagonal(c);
       sum[0] += squared(Coulomb{}.impulse(stopping(w, {}, component<D>(q, c)), w, friction[c]));

@@ -3,15 +3,7 @@
 
 #include "linalg/random.hpp"
 
-#include <numeric>
-
 namespace nscdd {
-
-std::vector<Index> natural_order(Index contacts) {
-  std::vector<Index> order(at(contacts));
-  std::iota(order.begin(), order.end(), Index{0});
-  return order;
-}
 
 std::vector<Index> random_order(Index contacts, std::uint64_t seed) {
   std::vector<Index> order = natural_order(contacts);

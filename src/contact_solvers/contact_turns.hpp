@@ -19,8 +19,7 @@ class GreedyColours {
 
   /// The least colour that no contact of the block has marked at the nodes `seen`; marks it at `marked`. The loops over
   /// two nodes are unrolled.
-  template <class Nodes, class Marked>
-  [[gnu::always_inline]] Index take_least(const Nodes& seen, const Marked& marked, Index block = 0) {
+  [[gnu::always_inline]] Index take_least(const auto& seen, const auto& marked, Index block = 0) {
     for (std::size_t word = 0;; ++word) {
       if (word == words_.size()) words_.emplace_back(words_.front().size());
       std::uint64_t all = 0;
@@ -48,7 +47,6 @@ class GreedyColours {
   std::vector<std::vector<Word>> words_;  // of each node, 64 colours in a word
 };
 
-std::vector<Index> natural_order(Index contacts);
 std::vector<Index> random_order(Index contacts, std::uint64_t seed);
 
 /// Sorts each block of an order by the colours of its contacts (stable).

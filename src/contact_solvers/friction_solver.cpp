@@ -2,7 +2,6 @@
 #include "contact_solvers/solve_contacts.hpp"
 #include "contact_solvers/stored_contacts.hpp"
 #include "core/fail.hpp"
-#include "mechanics/contact_frame.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 
 namespace nscdd {

@@ -32,8 +32,9 @@ class InteriorPointSteps {
       if (!factorise()) return false;
       const Vector apart = s_ - of_normals(problem_.product(all(r_)) + data_.q);
       const Step ahead = step(apart, -s_);
-      const double reach = std::min(1.0, longest(ahead)), now = complementarity({}, 0);
-      const double centre = now * std::pow(std::clamp(complementarity(ahead, reach) / now, 0.0, 1.0), 3);
+      const double reach = std::min(1.0, longest(ahead)), now = complementarity(r_, s_);
+      const double after = complementarity(r_ + reach * ahead.r, s_ + reach * ahead.s);
+      const double centre = now * std::pow(std::clamp(after / now, 0.0, 1.0), 3);
       const Step whole = step(apart, (centre - ahead.r.array() * ahead.s.array()).matrix().cwiseQuotient(r_) - s_);
       const double length = std::min(1.0, towards_edge * longest(whole));
       if (!(length > shortest_step)) return false;
@@ -51,8 +52,8 @@ class InteriorPointSteps {
   };
 
   static Vector of_normals(const Vector& v) { return v(Eigen::seqN(0, v.size() / D, D)); }
-  static Vector all(const Vector& along_normals, double along_tangents = 0) {
-    Vector v = Vector::Constant(D * along_normals.size(), along_tangents);
+  static Vector all(const Vector& along_normals) {
+    Vector v = Vector::Zero(D * along_normals.size());
     v(Eigen::seqN(0, along_normals.size(), D)) = along_normals;
     return v;
   }
@@ -78,10 +79,8 @@ class InteriorPointSteps {
     if (data_.sums.any(!falls.allFinite())) return 0;
     return 1 / data_.sums.largest(falls.cwiseMax(0));
   }
-  double complementarity(const Step& step, double length) const {  // the mean of r_c s_c
-    if (length == 0) return data_.sums.dot(r_, s_) / contacts_;
-    return data_.sums.dot(r_ + length * step.r, s_ + length * step.s) / contacts_;
-  }
+  // The mean of r_c s_c.
+  double complementarity(const Vector& r, const Vector& s) const { return data_.sums.dot(r, s) / contacts_; }
 
   P& problem_;
   SolverRun<D>& run_;

@@ -129,7 +129,7 @@ bool SolverRun<D>::decide(const Vector& impulses, const FrictionStep& step) {
   now.impulses = impulses;
   const double size = data.sums.norm(impulses);
   now.state = state_of(data, impulses, product_(impulses) + data.q, size, largest_plausible());
-  const double maps = natural_maps();
+  const double maps = now.state.residual * now.state.scale;  // || m ||, N s
   now.step = step;
   now.status_changes = changes_of_status();
   if (size <= largest_plausible() && maps < best_maps_) {
@@ -171,12 +171,6 @@ FrictionSolution SolverRun<D>::best() const {
   solution.seconds = now.seconds;
   solution.status = now.status;
   return solution;
-}
-
-template <int D>
-void SolverRun<D>::go_back(const FrictionSolution& earlier) {
-  now.impulses = earlier.impulses;
-  now.state = earlier.state;
 }
 
 template class SolverRun<2>;

@@ -38,9 +38,11 @@ class SolverRun {
   Vector projected() const;
   /// The impulses that converged or, if none did, those with the smallest || m ||, with the present status and counts.
   FrictionSolution best() const;
-  void go_back(const FrictionSolution& earlier);  ///< to its impulses; counts stay
-  /// || m || of the present impulses, N s.
-  double natural_maps() const { return now.state.residual * now.state.scale; }
+  /// Goes back to the impulses of `earlier`; counts stay.
+  void go_back(const FrictionSolution& earlier) {
+    now.impulses = earlier.impulses;
+    now.state = earlier.state;
+  }
   std::vector<Index> unsettled() const;  ///< contacts of this rank whose status changed in the last 10 checks
   /// Evaluates impulses of norm `size` with their `velocities` u = W r + q. Above the norm `believed`, natural maps are
   /// taken to be at least rounding.
@@ -72,14 +74,13 @@ class SolverRun {
 template <int D>
 class StallWatch {
  public:
-  explicit StallWatch(const SolverRun<D>& run) : StallWatch(run, run.options.patience) {}
-  StallWatch(const SolverRun<D>& run, Index patience)  ///< in checks
+  explicit StallWatch(const SolverRun<D>& run, std::optional<Index> patience = {})  ///< in checks
       : sums_(run.data.sums),
         scale_(std::max(run.data.alone, sums_.norm(run.now.impulses))),
         watch_({.tolerance = -1,  // SolverRun::judge decides what has converged
                 .growth = growth_allowed,
                 .fall = progress_wanted,
-                .patience = patience,
+                .patience = patience.value_or(run.options.patience),
                 .longer = 1},
                FrictionStatus::not_finite),
         first_(run.now.impulses),

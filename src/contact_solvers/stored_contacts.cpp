@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact_solvers/stored_contacts.hpp"
 
+#include "core/fail.hpp"
 #include "core/memory.hpp"
-
-#include <fmt/format.h>
 
 namespace nscdd {
 
@@ -35,14 +34,6 @@ typename StoredContacts<D>::Systems& StoredContacts<D>::systems() {
 }
 
 template <int D>
-bool StoredContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
-  Systems& of = systems();
-  of.cholesky.reset();
-  if (!of.matrix) of.matrix.emplace(problem_, of.symmetric);
-  return of.matrix->factorise(std::move(relations));
-}
-
-template <int D>
 bool StoredContacts<D>::factorise_shifted(const Vector& shift) {
   if (problem_.h.cols() > 0) return factorise(ContactRelation<D>::shifted(shift));
   Systems& of = systems();
@@ -54,18 +45,17 @@ bool StoredContacts<D>::factorise_shifted(const Vector& shift) {
   return of.cholesky->positive_definite();
 }
 
-template <int D>
-Vector StoredContacts<D>::solve(const Vector& b) {
-  Systems& of = systems();
-  if (!of.cholesky) return of.matrix->solve(b);
-  of.operations += of.cholesky->solve_operations();
-  return of.cholesky->solve(b);
-}
-
-template <int D>
-double StoredContacts<D>::take_operations() {
-  Systems& of = systems();
-  return std::exchange(of.operations, 0.0) + (of.matrix ? of.matrix->take_operations() : 0.0);
+void require_moderate(const LocalFrictionProblem& problem, const std::string& name) {
+  if (problem.contacts() == 0 || problem.q.isZero(0)) return;
+  constexpr double most = 1e140;
+  const auto require = [&](double size, std::string_view what) {
+    if (!(size <= most && size >= 1 / most))
+      fail("{}: {}: expected a number from {} to {}, met {}", name, what, 1 / most, most, size);
+  };
+  const double largest = problem.q.cwiseAbs().maxCoeff();
+  require(largest, "largest |q|");
+  require(largest / problem.w.diagonal().minCoeff(), "largest |q| over the least of W_nn and W_tt");
+  require(largest / problem.w.diagonal().maxCoeff(), "largest |q| over the largest of W_nn and W_tt");
 }
 
 template class StoredContacts<2>;

@@ -29,10 +29,23 @@ class StoredContacts {
 
   Vector symmetric_product(const Vector& r) { return systems().blocks * r; }
   Vector rest(const Vector& r) { return systems().rest * r; }
-  bool factorise(std::vector<ContactRelation<D>> relations);
+  bool factorise(std::vector<ContactRelation<D>> relations) {
+    Systems& of = systems();
+    of.cholesky.reset();
+    if (!of.matrix) of.matrix.emplace(problem_, of.symmetric);
+    return of.matrix->factorise(std::move(relations));
+  }
   bool factorise_shifted(const Vector& shift);
-  Vector solve(const Vector& b);
-  double take_operations();
+  Vector solve(const Vector& b) {
+    Systems& of = systems();
+    if (!of.cholesky) return of.matrix->solve(b);
+    of.operations += of.cholesky->solve_operations();
+    return of.cholesky->solve(b);
+  }
+  double take_operations() {
+    Systems& of = systems();
+    return std::exchange(of.operations, 0.0) + (of.matrix ? of.matrix->take_operations() : 0.0);
+  }
   int determinant_sign() const { return systems_->matrix->determinant_sign(); }
 
  private:
@@ -50,5 +63,9 @@ class StoredContacts {
   ContactBlocks<D> rows_;
   std::optional<Systems> systems_;
 };
+
+/// Throws Error unless squares of velocities and impulses neither overflow nor vanish: then no impulse at all has a
+/// residual of 0.
+void require_moderate(const LocalFrictionProblem& problem, const std::string& name);
 
 }  // namespace nscdd

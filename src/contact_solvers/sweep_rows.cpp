@@ -27,20 +27,20 @@ std::vector<std::vector<Index>> coupled_contacts(const LocalFrictionProblem& pro
 // Greedy colours, block by block: of contacts that share a body, if sweeps carry velocities, or that W couples.
 template <int D>
 std::vector<Index> colours_of(const LocalFrictionProblem& problem, Index block) {
+  std::vector<Index> colours;
   if (const auto blocks = BodyBlocks<D>::of(problem, natural_order(problem.contacts()))) {
     GreedyColours taken(blocks->bodies());
-    std::vector<Index> colours;
     for (Index c = 0; c < problem.contacts(); ++c) {
       const std::vector<Index> own = blocks->bodies_of(c);
       colours.push_back(taken.take_least(own, own, c / block));
     }
     return colours;
   }
-  const std::vector<std::vector<Index>> coupled = coupled_contacts<D>(problem);
   GreedyColours taken(problem.contacts());
-  std::vector<Index> colours;
-  for (Index c = 0; c < problem.contacts(); ++c)
-    colours.push_back(taken.take_least(coupled[at(c)], std::array{c}, c / block));
+  for (Index c = 0; const std::vector<Index>& coupled : coupled_contacts<D>(problem)) {
+    colours.push_back(taken.take_least(coupled, std::array{c}, c / block));
+    ++c;
+  }
   return colours;
 }
 

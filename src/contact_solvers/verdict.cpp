@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact_solvers/largest_margin.hpp"
+#include "contact_solvers/solver_run.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/contact_solvers/verdict.hpp>
-
-#include <chrono>
-#include <numeric>
 
 namespace nscdd {
 namespace {
@@ -68,7 +66,7 @@ bool proves_impossible(const Verdict& verdict, bool converged, double driven_res
 }
 
 Verdict verdict_of(const LocalFrictionProblem& problem, const Monitor& monitor) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   Verdict verdict;
   verdict.kind = VerdictKind::exists;
   if (problem.contacts() == 0) return verdict;
@@ -99,7 +97,7 @@ Verdict verdict_of(const LocalFrictionProblem& problem, const Monitor& monitor) 
       take_chain(problem, margin_of(problem, frictionless, weights), verdict);
     }
   }
-  verdict.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  verdict.seconds = seconds_since(start);
   return verdict;
 }
 

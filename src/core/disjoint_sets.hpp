@@ -3,15 +3,13 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <numeric>
-
 namespace nscdd {
 
 /// Disjoint sets of the numbers 0 ... n - 1 (union-find with path halving).
 class DisjointSets {
  public:
   /// Each number in its own set.
-  explicit DisjointSets(Index n) : parent_(at(n)) { std::iota(parent_.begin(), parent_.end(), Index{0}); }
+  explicit DisjointSets(Index n) : parent_(natural_order(n)) {}
 
   /// Representative of the set of i, until the next join.
   Index root(Index i) {

@@ -11,18 +11,22 @@
 namespace nscdd {
 namespace {
 
+// Reads a whole text as a number, also with a plus sign.
+template <class Number>
+std::errc read_all(std::string_view text, Number& value) {
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc() && end != text.data() + text.size() ? std::errc::invalid_argument : status;
+}
+
 template <class Number>
 Number parse_all(std::string_view text, std::string_view what, std::string_view expected) {
   text = trimmed(text);
   Number value{};
-  const bool plus = text.size() > 1 && text.front() == '+' && text[1] != '-';
-  const char* first = text.data() + (plus ? 1 : 0);
-  const char* last = text.data() + text.size();
-  const auto [end, status] = std::from_chars(first, last, value);
-  if (status == std::errc::result_out_of_range)
-    fail("{}: expected {}, met '{}', which is out of range", what, expected, text);
-  if (text.empty() || status != std::errc() || end != last) fail("{}: expected {}, met '{}'", what, expected, text);
-  return value;
+  const std::errc status = read_all(text, value);
+  if (status == std::errc()) return value;
+  fail("{}: expected {}, met '{}'{}", what, expected, text,
+       status == std::errc::result_out_of_range ? ", which is out of range" : "");
 }
 
 // Edit distance (Damerau, Levenshtein): insertions, deletions, changes and swaps of neighbours, none within a swap.
@@ -60,11 +64,6 @@ std::string_view without_brackets(std::string_view text) {
   return text.size() >= 2 && text.front() == '[' && text.back() == ']' ? text.substr(1, text.size() - 2) : text;
 }
 
-bool read_all(std::string_view text, double& value) {
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc() && end == text.data() + text.size();
-}
-
 }  // namespace
 
 Error::Error(const std::string& message) : std::runtime_error(printable(message)) {}
@@ -86,14 +85,13 @@ std::string printable(std::string_view text) {
 
 std::optional<double> number_of(std::string_view text) {
   double value = 0;
-  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
-  if (read_all(text, value)) return value;
+  if (read_all(text, value) == std::errc()) return value;
   std::string plain(text);
   for (char& c : plain)
     if (c == 'D' || c == 'd') c = 'e';
   // Otherwise "nand" would be tried as "nane".
   if (plain.empty() || plain.find_first_not_of("0123456789+-.eE") != plain.npos) return std::nullopt;
-  return read_all(plain, value) ? std::optional(value) : std::nullopt;
+  return read_all(plain, value) == std::errc() ? std::optional(value) : std::nullopt;
 }
 
 void require_utf8(std::string_view text, std::string_view name) {

@@ -9,36 +9,25 @@
 
 #include <Eigen/Cholesky>
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
 constexpr double independent_pivot = 1e-12;  // smallest pivot of U^T C U, whose diagonal is 1
 
-// Columns of one subdomain, on its shared unknowns.
-struct LocalVectors {
-  Matrix columns;
-  Vector lambda;
-};
-
-// Sorts by lambda, and within it by subdomain, and scales to norm 1 in C.
-CoarseVectors united(const PrimalInterface& interface, const std::vector<LocalVectors>& local) {
-  struct Place {
-    double lambda;
-    Index subdomain, column;
-  };
-  std::vector<Place> order;
+// Sorts by lambda, and within it by subdomain, and scales to norm 1 in C. `local`: lambda and columns of each
+// subdomain, on its shared unknowns.
+CoarseVectors united(const PrimalInterface& interface, const std::vector<ValuesAndVectors>& local) {
+  std::vector<std::tuple<double, Index, Index>> order;  // lambda, subdomain, column
   for (Index e = 0; e < count(local); ++e)
-    for (Index j = 0; j < local[at(e)].columns.cols(); ++j) order.push_back({local[at(e)].lambda[j], e, j});
-  std::ranges::stable_sort(order, std::less{}, &Place::lambda);
+    for (Index j = 0; j < local[at(e)].values.size(); ++j) order.emplace_back(local[at(e)].values[j], e, j);
+  std::ranges::sort(order);
   SparseEntries entries;
   CoarseVectors all{{}, Vector(count(order)), {}};
   for (Index k = 0; k < count(order); ++k) {
     const auto& [lambda, e, j] = order[at(k)];
     const std::vector<Index>& rows = interface.subdomains[at(e)].rows;
     for (Index i = 0; i < count(rows); ++i)
-      if (const double value = local[at(e)].columns(i, j); value != 0) entries.add(rows[at(i)], k, value);
+      if (const double value = local[at(e)].vectors(i, j); value != 0) entries.add(rows[at(i)], k, value);
     all.lambda[k] = lambda;
     all.subdomains.push_back(e);
   }
@@ -64,13 +53,8 @@ Matrix independent_columns(const Matrix& columns) {
 // Velocities of the shared grains of connected pieces of a subdomain that move as rigid bodies.
 Matrix rigid_motions_of(const CondensedSubdomain& one, const Subdomain& subdomain, Index d) {
   DisjointSets sets(count(subdomain.grains));
-  for (Index c = 0; c < subdomain.h.cols(); ++c) {
-    Index first = -1;
-    for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e) {
-      if (first >= 0) sets.join(first, e.row() / d);
-      first = e.row() / d;
-    }
-  }
+  for (Index c = 0; c < subdomain.h.cols(); ++c)
+    for (SparseMatrix::InnerIterator e(subdomain.h, c), first = e; e; ++e) sets.join(first.row() / d, e.row() / d);
   std::vector<Index> piece;
   for (Index i = 0; i < count(subdomain.grains); ++i) piece.push_back(sets.root(i));
   piece = renumbered(piece);
@@ -103,36 +87,27 @@ Matrix over(Matrix u, const Matrix& lower) {
 CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold) {
   if (!(threshold > 0)) fail("threshold of GenEO: expected a number > 0, met {}", threshold);
   const SparseMatrix c = interface.sparse();
-  std::vector<LocalVectors> local(interface.subdomains.size());
+  std::vector<ValuesAndVectors> local(interface.subdomains.size());
   for_each_in_parallel(count(local), [&](Index e) {
     const CondensedSubdomain& one = interface.subdomains[at(e)];
     const Index n = count(one.rows);
     if (n == 0) return;
-    Matrix own = Matrix::Zero(n, n);  // R_E C R_E^T
-    for (Index j = 0; j < n; ++j)
-      for (SparseMatrix::InnerIterator entry(c, one.rows[at(j)]); entry; ++entry)
-        if (const auto found = std::ranges::lower_bound(one.rows, entry.row());
-            found != one.rows.end() && *found == entry.row())
-          own(found - one.rows.begin(), j) = entry.value();
+    const Matrix own = selected_columns(selected_columns(c, one.rows).transpose(), one.rows);  // R_E C R_E^T, C = C^T
     const Eigen::LLT<Matrix> cholesky(one.flexibility);  // F_E = L L^T; w = L y: (L^T T L) y = y / lambda
     const Matrix weighted = one.weights * cholesky.matrixL().toDenseMatrix();
     const Matrix pencil = weighted.transpose() * own * weighted;
     const ValuesAndVectors pairs = symmetric_eigen(0.5 * (pencil + pencil.transpose()));
     Index kept = 0;
     while (kept < n && pairs.values[n - 1 - kept] * threshold > 1) ++kept;
-    local[at(e)] = {weighted * pairs.vectors.rightCols(kept).rowwise().reverse(),
-                    pairs.values.tail(kept).reverse().cwiseInverse()};
+    local[at(e)] = {pairs.values.tail(kept).reverse().cwiseInverse(),
+                    weighted * pairs.vectors.rightCols(kept).rowwise().reverse()};
   });
   return united(interface, local);
 }
 
-double geneo_threshold(const PrimalInterface& interface, double kappa) {
-  return static_cast<double>(interface.most_neighbours()) / kappa;
-}
-
 CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts) {
   const Index d = interface.dofs_per_grain;
-  std::vector<LocalVectors> local(interface.subdomains.size());
+  std::vector<ValuesAndVectors> local(interface.subdomains.size());
   for (std::size_t e = 0; e < local.size(); ++e) {
     const CondensedSubdomain& one = interface.subdomains[e];
     if (parts.subdomains[e].centres.rows() != d ||
@@ -140,9 +115,8 @@ CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decompositio
       throw Error(
           "coarse space rigid: expected the centres of frictionless grains, met a network without; geneo needs "
           "none");
-    Matrix motions = one.weights * rigid_motions_of(one, parts.subdomains[e], d);
-    const Vector lambda = Vector::Zero(motions.cols());
-    local[e] = {std::move(motions), lambda};
+    local[e].vectors = one.weights * rigid_motions_of(one, parts.subdomains[e], d);
+    local[e].values = Vector::Zero(local[e].vectors.cols());
   }
   return united(interface, local);
 }

@@ -24,7 +24,9 @@ struct CoarseVectors {
 /// `threshold`. With all of them in the coarse space, no eigenvalue of the balanced N C is above N_n / threshold.
 CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold);
 /// The threshold N_n / kappa, with which GenEO keeps a condition number.
-double geneo_threshold(const PrimalInterface& interface, double kappa);
+inline double geneo_threshold(const PrimalInterface& interface, double kappa) {
+  return static_cast<double>(interface.most_neighbours()) / kappa;
+}
 
 /// Needs the centres of the grains (Subdomain::centres), d per grain; throws Error without.
 CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts);

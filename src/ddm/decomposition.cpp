@@ -7,7 +7,6 @@
 #include <metis.h>
 
 #include <map>
-#include <numeric>
 
 namespace nscdd {
 namespace {
@@ -148,6 +147,15 @@ void require_subdomains(Index subdomains, Index processes) {
   if (processes > subdomains) fail("processes: expected at most {} (one per subdomain), met {}", subdomains, processes);
 }
 
+Index own_subdomain(const Decomposition& parts) {
+  const Interface& glued = parts.interface;
+  if (glued.processes().size != count(parts.subdomains))
+    fail("bddc: expected as many processes as subdomains, {}, met {}", count(parts.subdomains), glued.processes().size);
+  Index own = 0;
+  while (glued.process_of(own) != glued.processes().rank) ++own;
+  return own;
+}
+
 std::vector<Index> deal_out(const Decomposition& parts, Index processes) {
   std::vector<Index> weight;
   for (const Subdomain& subdomain : parts.subdomains) weight.push_back(1 + subdomain.inertia.size());
@@ -157,8 +165,7 @@ std::vector<Index> deal_out(const Decomposition& parts, Index processes) {
 std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>& weight, Index processes) {
   const Index subdomains = count(weight);
   require_subdomains(subdomains, processes);
-  std::vector<Index> process_of(at(subdomains), 0);
-  if (processes == 1) return process_of;
+  if (processes == 1) return std::vector<Index>(at(subdomains), 0);
   std::vector<std::map<Index, idx_t>> shared(at(subdomains));  // rows that a subdomain shares with each other one
   for (const Gluing& row : interface.gluing()) {
     ++shared[at(row.first.subdomain)][row.second.subdomain];
@@ -185,7 +192,7 @@ std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>
   });
   if (status != METIS_OK)
     fail("METIS: expected subdomains dealt out to {} processes, met status {}", processes, status);
-  process_of.assign(part.begin(), part.end());
+  std::vector<Index> process_of(part.begin(), part.end());
   fill_empty(process_of, weights, processes);
   return process_of;
 }

@@ -31,10 +31,9 @@ EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index d
     modes_ = diagonalised();
     return;
   }
-  SparseMatrix zero_diagonal(inertia_.size(), inertia_.size());  // keeps M in the pattern of K
-  zero_diagonal.setIdentity();
-  zero_diagonal.coeffs().setZero();
-  stiffness_ = SparseMatrix(h_ * h_.transpose()) + zero_diagonal;  // K = H H^T
+  SparseMatrix identity(inertia_.size(), inertia_.size());
+  identity.setIdentity();
+  stiffness_ = SparseMatrix(h_ * h_.transpose()) + 0.0 * identity;  // K = H H^T, with M in its pattern
 }
 
 EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {

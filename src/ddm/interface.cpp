@@ -4,7 +4,6 @@
 #include <nscdd/ddm/interface.hpp>
 
 #include <map>
-#include <numeric>
 #include <set>
 
 namespace nscdd {
@@ -65,9 +64,6 @@ Interface Interface::of_copies() const {
 Interface shared_interface(Index dofs_per_grain, Index grains, std::vector<std::vector<Index>> held,
                            const std::vector<char>& tied, const std::vector<Index>& process_of_subdomain,
                            const Processes& processes, GluingShape shape) {
-  struct Held {
-    Index grain, subdomain;
-  };
   const Index all_grains = processes.maximum(grains);
   std::vector<char> tied_of_all(at(all_grains), 1);
   std::copy(tied.begin(), tied.end(), tied_of_all.begin());
@@ -75,7 +71,7 @@ Interface shared_interface(Index dofs_per_grain, Index grains, std::vector<std::
   for (const std::vector<Index>& numbers : held)
     for (const Index grain : numbers) copies[at(grain)] += tied_of_all[at(grain)];
   processes.add_up(copies);
-  std::vector<Held> shared;  // grains that several subdomains hold
+  std::vector<std::array<Index, 2>> shared;  // grains that several subdomains hold, and these
   for (Index e = 0; e < count(held); ++e)
     for (const Index grain : held[at(e)])
       if (tied_of_all[at(grain)] != 0 && copies[at(grain)] > 1) shared.push_back({grain, e});
@@ -109,10 +105,6 @@ std::function<void(std::span<double>)> Interface::between_neighbours(
   return processes_.between_neighbours(shared);
 }
 
-std::span<const GrainCopy> Interface::copies(Index grain) const {
-  return {copies_.data() + start_[at(grain)], at(multiplicity(grain))};
-}
-
 SparseMatrix Interface::matrix(Index subdomain) const {
   SparseEntries entries;
   for (const Tie& tie : ties(subdomain))
@@ -121,11 +113,8 @@ SparseMatrix Interface::matrix(Index subdomain) const {
 }
 
 bool Interface::same_rows(const Interface& other) const {
-  return dofs_ == other.dofs_ && std::equal(gluing_.begin(), gluing_.end(), other.gluing_.begin(), other.gluing_.end(),
-                                            [](const Gluing& a, const Gluing& b) {
-                                              return a.grain == b.grain && a.first.subdomain == b.first.subdomain &&
-                                                     a.second.subdomain == b.second.subdomain;
-                                            });
+  const auto key = [](const Gluing& row) { return std::tuple(row.grain, row.first.subdomain, row.second.subdomain); };
+  return dofs_ == other.dofs_ && std::ranges::equal(gluing_, other.gluing_, {}, key, key);
 }
 
 Vector Interface::exchange(const std::vector<Vector>& velocities) const {

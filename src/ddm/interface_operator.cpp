@@ -7,29 +7,23 @@
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
 // The rank of H of the undivided packing. Its rows may lie on any MPI rank.
 MatrixRank rank_of_whole(const Decomposition& parts) {
-  struct Entry {
-    Index row, column;
-    double value;
-  };
   struct Place {
     Index grain;
     std::array<double, 3> centre;  // d of these
   };
   const Index d = parts.dofs_per_grain();
   const Processes& processes = parts.interface.processes();
-  std::vector<Entry> own;
+  std::vector<Eigen::Triplet<double, Index>> own;
   std::vector<Place> places;
   bool unknown = false;
   for (const Subdomain& subdomain : parts.subdomains) {
     for_entries(subdomain.h, [&](Index i, Index j, double value) {
-      own.push_back({d * subdomain.grains[at(i / d)] + i % d, subdomain.contacts[at(j)], value});
+      own.emplace_back(d * subdomain.grains[at(i / d)] + i % d, subdomain.contacts[at(j)], value);
     });
     unknown |= subdomain.centres.cols() != count(subdomain.grains);
     for (Index i = 0; i < subdomain.centres.cols(); ++i) {
@@ -37,16 +31,17 @@ MatrixRank rank_of_whole(const Decomposition& parts) {
       std::copy_n(subdomain.centres.col(i).data(), d, places.back().centre.data());
     }
   }
-  SparseEntries entries;
-  for (const Entry& one : processes.gather(own)) entries.add(one.row, one.column, one.value);
+  const Index rows = d * parts.interface.grains();
+  SparseMatrix h(rows, parts.contacts);
+  own = processes.gather(own);
+  h.setFromTriplets(own.begin(), own.end());
   Matrix centres;
   if (!processes.any(unknown)) {
     centres = Matrix::Zero(d, parts.interface.grains());
     for (const Place& one : processes.gather(places))
       centres.col(one.grain) = Eigen::Map<const Vector>(one.centre.data(), d);
   }
-  const Index rows = d * parts.interface.grains();
-  return rigid_rank(d, centres, Vector::Ones(rows), entries.matrix(rows, parts.contacts));
+  return rigid_rank(d, centres, Vector::Ones(rows), h);
 }
 
 }  // namespace

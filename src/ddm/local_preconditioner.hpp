@@ -2,6 +2,7 @@
 #pragma once
 
 #include "ddm/coarse_space.hpp"
+#include "linalg/krylov.hpp"
 
 namespace nscdd {
 
@@ -14,20 +15,9 @@ enum class LocalStiffness {
 /// ch. 6], with the coarse space of the primal interface built into its jump operator:
 ///     P^-1 = sum_E B_E S_E B_E^T,  B^T g: the velocities w of the copies with jumps g, of zero weighted mean on the
 /// C-complement of the coarse space: U^T sum_E R_E^T S_E w_E = 0. So P^-1 X_eps is symmetric in P, and has the upper
-/// spectrum of the balanced N C: all eigenvalues other than 1.
-class LocalPreconditioner {
- public:
-  /// `parts`: one process; `interface`: weighted, of the same parts; `coarse` needs LocalStiffness::dirichlet.
-  LocalPreconditioner(const Decomposition& parts, std::shared_ptr<const PrimalInterface> interface,
-                      LocalStiffness stiffness, std::shared_ptr<const CoarseProblem> coarse = {});
-
-  Vector solve(const Vector& g) const;  ///< P^-1 g, n_Gamma
-
- private:
-  Interface glued_;
-  std::shared_ptr<const PrimalInterface> interface_;
-  LocalStiffness stiffness_;
-  std::shared_ptr<const CoarseProblem> coarse_;
-};
+/// spectrum of the balanced N C: all eigenvalues other than 1. Returns g -> P^-1 g.
+/// `parts`: one process; `interface`: weighted, of the same parts; `coarse` needs LocalStiffness::dirichlet.
+LinearMap local_preconditioner(const Decomposition& parts, std::shared_ptr<const PrimalInterface> interface,
+                               LocalStiffness stiffness, std::shared_ptr<const CoarseProblem> coarse = {});
 
 }  // namespace nscdd

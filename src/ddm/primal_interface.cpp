@@ -13,33 +13,13 @@
 namespace nscdd {
 namespace {
 
-// sum_E R_E^T A_E R_E u, with block(E) = A_E.
-template <class Block>
-Vector sum_of_blocks(const PrimalInterface& interface, const Vector& u, const Block& block) {
-  std::vector<Vector> parts(interface.subdomains.size());
-  for_each_in_parallel(count(parts), [&](Index e) {
-    const CondensedSubdomain& one = interface.subdomains[at(e)];
-    if (!one.rows.empty()) parts[at(e)] = block(one, Vector(u(one.rows)));  // the BLAS takes no empty matrix
-  });
-  Vector sum = Vector::Zero(u.size());
-  for (std::size_t e = 0; e < parts.size(); ++e) sum(interface.subdomains[e].rows) += parts[e];
-  return sum;
-}
-
 void condense(CondensedSubdomain& one, const Subdomain& subdomain, Index interface_size, double flexibility) {
   if (one.local.empty()) return;
   const Index n = subdomain.inertia.size();
   const SparseMatrix k = SparseMatrix(subdomain.h * subdomain.h.transpose()) / flexibility;
   const OneBlasThread serial_blas;
-  one.block = Matrix::Zero(count(one.local), count(one.local));
-  std::vector<Index> place(at(n), -1);
-  for (Index i = 0; i < count(one.local); ++i) {
-    place[at(one.local[at(i)])] = i;
-    one.block(i, i) = subdomain.inertia[one.local[at(i)]];
-  }
-  for_entries(k, [&](Index i, Index j, double value) {
-    if (place[at(i)] >= 0 && place[at(j)] >= 0) one.block(place[at(i)], place[at(j)]) += value;
-  });
+  one.block = subdomain.inertia(one.local).asDiagonal();
+  one.block += selected_columns(selected_columns(k, one.local).transpose(), one.local);
   SparseEntries selection;
   for (Index i = 0; i < count(one.local); ++i) selection.add(one.rows[at(i)], one.local[at(i)], 1);
   Subdomain selected = subdomain;
@@ -50,13 +30,6 @@ void condense(CondensedSubdomain& one, const Subdomain& subdomain, Index interfa
   one.stiffness = cholesky.solve(Matrix::Identity(one.block.rows(), one.block.rows()));
   one.stiffness = (0.5 * (one.stiffness + one.stiffness.transpose())).eval();
   if (!one.flexibility.allFinite() || cholesky.info() != Eigen::Success) one.stiffness.setConstant(not_a_number);
-}
-
-// The shared grains of each set of subdomains, by their numbers on the primal interface.
-std::map<std::vector<Index>, std::vector<Index>> classes_of(const PrimalInterface& interface) {
-  std::map<std::vector<Index>, std::vector<Index>> classes;
-  for (Index g = 0; g < count(interface.sharing); ++g) classes[interface.sharing[at(g)]].push_back(g);
-  return classes;
 }
 
 // Places, among the shared unknowns of a subdomain, of the unknowns of these shared grains, ascending.
@@ -70,12 +43,14 @@ std::vector<Index> places_of(const CondensedSubdomain& one, const std::vector<In
 
 void weigh_deluxe(PrimalInterface& interface) {
   for (CondensedSubdomain& one : interface.subdomains) one.weights.setZero(one.block.rows(), one.block.rows());
-  for (const auto& [members, grains] : classes_of(interface)) {
-    Matrix sum;
+  std::map<std::vector<Index>, std::vector<Index>> classes;  // the shared grains of each set of subdomains
+  for (Index g = 0; g < count(interface.sharing); ++g) classes[interface.sharing[at(g)]].push_back(g);
+  for (const auto& [members, grains] : classes) {
+    const Index size = interface.dofs_per_grain * count(grains);
+    Matrix sum = Matrix::Zero(size, size);
     for (const Index e : members) {
       const CondensedSubdomain& one = interface.subdomains[at(e)];
       const std::vector<Index> places = places_of(one, grains, interface.dofs_per_grain);
-      if (sum.size() == 0) sum.setZero(count(places), count(places));
       sum += one.stiffness(places, places);
     }
     const Eigen::LLT<Matrix> cholesky(sum);
@@ -103,8 +78,14 @@ Index PrimalInterface::most_neighbours() const {
 }
 
 Vector PrimalInterface::apply(const Vector& u) const {
-  return sum_of_blocks(*this, u,
-                       [](const CondensedSubdomain& one, const Vector& x) -> Vector { return one.stiffness * x; });
+  std::vector<Vector> parts(subdomains.size());
+  for_each_in_parallel(count(parts), [&](Index e) {
+    const CondensedSubdomain& one = subdomains[at(e)];
+    if (!one.rows.empty()) parts[at(e)] = one.stiffness * Vector(u(one.rows));  // the BLAS takes no empty matrix
+  });
+  Vector sum = Vector::Zero(u.size());
+  for (std::size_t e = 0; e < parts.size(); ++e) sum(subdomains[e].rows) += parts[e];
+  return sum;
 }
 
 Vector PrimalInterface::apply_dual(const Interface& glued, const Vector& f) const {
@@ -144,8 +125,7 @@ PrimalInterface condense(const Decomposition& parts, double flexibility) {
   PrimalInterface interface { d, {}, std::vector<CondensedSubdomain>(parts.subdomains.size()) };
   Index last = -1;
   for (const Gluing& row : glued.gluing()) {
-    if (row.grain == last) continue;
-    last = row.grain;
+    if (std::exchange(last, row.grain) == row.grain) continue;
     std::vector<Index>& members = interface.sharing.emplace_back();
     for (const GrainCopy& copy : glued.copies(row.grain)) {
       members.push_back(copy.subdomain);

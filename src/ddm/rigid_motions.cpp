@@ -110,27 +110,14 @@ void find_clusters(Clusters& result, const Matrix& centres, const Vector& inerti
   for (std::size_t k = 0; k < bars.size(); ++k) result.within[at(column_of_bar[k])] = cluster_of(bars[k]) >= 0;
 }
 
-// The matrix without the rows of the grounded bodies, which stay empty.
-SparseMatrix without_rows(const RigidMotions& motions, const std::vector<char>& grounded) {
-  std::vector<char> dropped(at(motions.h.rows()), 0);
-  for (std::size_t b = 0; b < grounded.size(); ++b)
-    if (grounded[b]) std::fill_n(dropped.begin() + motions.bodies[b].first_row, motions.bodies[b].rows, char{1});
-  SparseEntries entries;
-  for_entries(motions.h, [&](Index i, Index j, double value) {
-    if (!dropped[at(i)]) entries.add(i, j, value);
-  });
-  return entries.matrix(motions.h.rows(), motions.h.cols());
-}
-
 // Sets aside, repeatedly, each body that has few columns of Z^T H, all clearly independent by their rows of this body.
-// A column of grounded bodies only is in neither list.
+// An empty column is in neither list.
 class Peeling {
  public:
-  Peeling(const std::vector<RigidBody>& bodies, const std::vector<char>& grounded, const SparseMatrix& h)
-      : bodies_(bodies), h_(h), body_of_row_(at(h.rows()), -1), columns_of_(bodies.size()), remains_(at(h.cols()), 1) {
-    for (Index b = 0; b < count(bodies); ++b)
-      for (Index k = 0; k < bodies[at(b)].rows && (grounded.empty() || !grounded[at(b)]); ++k)
-        body_of_row_[at(bodies[at(b)].first_row + k)] = b;
+  Peeling(const std::vector<RigidBody>& bodies, const SparseMatrix& h)
+      : bodies_(bodies), h_(h), columns_of_(bodies.size()), remains_(at(h.cols()), 1) {
+    for (Index b = 0; b < count(bodies); ++b)  // bodies follow each other
+      body_of_row_.resize(body_of_row_.size() + at(bodies[at(b)].rows), b);
     for (Index c = 0; c < h.cols(); ++c) {
       for (const Index b : bodies_of(c)) columns_of_[at(b)].push_back(c);
       if (bodies_of(c).empty()) remains_[at(c)] = 0;
@@ -148,7 +135,7 @@ class Peeling {
   std::vector<Index> bodies_of(Index column) const {
     std::vector<Index> bodies;
     for (SparseMatrix::InnerIterator e(h_, column); e; ++e)
-      if (const Index b = body_of_row_[at(e.row())]; b >= 0 && std::ranges::count(bodies, b) == 0) bodies.push_back(b);
+      if (const Index b = body_of_row_[at(e.row())]; std::ranges::count(bodies, b) == 0) bodies.push_back(b);
     return bodies;
   }
 
@@ -200,7 +187,7 @@ RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia
   const auto add = [&](Index row, double value) { z.add(row, count(weight), value); };
   for (Index i = 0; i < grains; ++i) {
     if (clusters.of_grain[at(i)] >= 0) continue;
-    motions.bodies.push_back({count(weight), d, 1, i});
+    motions.bodies.push_back({count(weight), d, 1});
     for (Index k = 0; k < d; ++k) {
       add(d * i + k, 1);
       weight.push_back(inertia[d * i + k]);
@@ -209,7 +196,7 @@ RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia
   for (const std::vector<Index>& own : members) {
     const Rotations rotations = rotations_of(centres, inertia, own);
     const Index spins = 3;
-    motions.bodies.push_back({count(weight), d + spins, count(own), -1});
+    motions.bodies.push_back({count(weight), d + spins, count(own)});
     for (Index k = 0; k < d; ++k) {
       for (const Index i : own) add(d * i + k, 1);
       weight.push_back(rotations.mass);
@@ -230,11 +217,10 @@ RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia
   return motions;
 }
 
-RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded, Tilt tilt) {
-  const SparseMatrix h = grounded.empty() ? motions.h : without_rows(motions, grounded);
-  if (!motions.searched) return range_basis(h, tilt);
-  const Peeling peeled(motions.bodies, grounded, h);
-  RangeBasis result = range_basis(selected_columns(h, peeled.left), tilt);
+RangeBasis range_basis(const RigidMotions& motions, Tilt tilt) {
+  if (!motions.searched) return range_basis(motions.h, tilt);
+  const Peeling peeled(motions.bodies, motions.h);
+  RangeBasis result = range_basis(selected_columns(motions.h, peeled.left), tilt);
   for (Index& c : result.columns) c = peeled.left[at(c)];
   result.columns.insert(result.columns.end(), peeled.set_aside.begin(), peeled.set_aside.end());
   std::sort(result.columns.begin(), result.columns.end());
@@ -244,7 +230,7 @@ RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& gro
 MatrixRank rigid_rank(Index d, const Matrix& centres, const Vector& inertia, const SparseMatrix& h) {
   const RigidMotions motions = rigid_motions(d, centres, inertia, h);
   if (!motions.searched) return sparse_rank(h);
-  const Peeling peeled(motions.bodies, {}, motions.h);
+  const Peeling peeled(motions.bodies, motions.h);
   MatrixRank rank = sparse_rank(selected_columns(motions.h, peeled.left));
   rank.value += h.rows() - motions.h.rows() + count(peeled.set_aside);
   return rank;

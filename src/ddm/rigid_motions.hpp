@@ -11,7 +11,6 @@ namespace nscdd {
 struct RigidBody {
   Index first_row = 0, rows = 0;  ///< range of its motions among those of all bodies
   Index grains = 1;
-  Index grain = -1;  ///< local number of a single grain; -1 for a cluster
 };
 
 /// The velocities of a network that its rigid clusters allow, V = Z q. Columns of Z are a translation for each
@@ -30,10 +29,9 @@ struct RigidMotions {
 /// The motions of a network: d unknowns per grain, centres (d x n, m; empty if not known; needed for clusters), M, H.
 RigidMotions rigid_motions(Index d, const Matrix& centres, const Vector& inertia, const SparseMatrix& h);
 
-/// A basis of the range of `motions.h`, or with `grounded` (a flag for each body that does not move) of the range
-/// without the rows of grounded bodies. A body whose few columns are clearly independent is set aside with them,
+/// A basis of the range of `motions.h`. A body whose few columns are clearly independent is set aside with them,
 /// repeatedly: the rest does not depend on it. A sparse factorisation chooses among the remaining columns.
-RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded = {}, Tilt tilt = Tilt::measured);
+RangeBasis range_basis(const RigidMotions& motions, Tilt tilt = Tilt::measured);
 
 /// Rank of H, from that of Z^T H.
 MatrixRank rigid_rank(Index d, const Matrix& centres, const Vector& inertia, const SparseMatrix& h);

@@ -30,16 +30,17 @@ RigidSubdomain rigid_subdomain(const Subdomain& subdomain, Index dofs_per_grain)
   // M^-1/2 may enlarge the tilt. Columns set aside are clearly apart from all others, and have none.
   if (motions.inertia.size() > 0)
     result.tilt = basis.tilt * std::sqrt(motions.inertia.maxCoeff() / motions.inertia.minCoeff());
-  std::vector<char> early(at(result.h.cols()), 0);
-  std::fill_n(early.begin(), basis.columns.size(), char{1});
+  result.early = natural_order(count(basis.columns));
   if (std::ranges::count(result.hub, 1) > 0) {
     RigidMotions chosen = motions;
     chosen.h = result.h.leftCols(count(basis.columns));
-    std::fill(early.begin(), early.end(), char{0});
-    for (const Index c : range_basis(chosen, result.hub, Tilt::not_measured).columns) early[at(c)] = 1;
+    std::vector<char> of_hub;  // for each row; bodies follow each other
+    for (std::size_t b = 0; b < result.hub.size(); ++b)
+      of_hub.resize(of_hub.size() + at(motions.bodies[b].rows), result.hub[b]);
+    chosen.h.prune([&](Index row, Index, double) { return !of_hub[at(row)]; });
+    result.early = range_basis(chosen, Tilt::not_measured).columns;
   }
-  for (std::size_t c = 0; c < early.size(); ++c)
-    (early[c] ? result.early : result.late).push_back(static_cast<Index>(c));
+  std::ranges::set_difference(natural_order(result.h.cols()), result.early, std::back_inserter(result.late));
   return result;
 }
 

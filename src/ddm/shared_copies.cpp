@@ -43,10 +43,8 @@ SharedCopies<D>::SharedCopies(const Interface& interface) {
 template <int D>
 void SharedCopies<D>::add_up(CopiesOfGrains<D>& velocities) const {
   Vector all = Vector::Zero(size<D> * start_.back());
-  for (const Copy& copy : own_) {
-    const GrainUnknowns<D> v = unknowns(copy_in<D>(velocities, copy));
-    std::ranges::copy(v, all.data() + size<D> * copy.place);
-  }
+  for (const Copy& copy : own_)
+    std::ranges::copy(unknowns(copy_in<D>(velocities, copy)), all.data() + size<D> * copy.place);
   add_copies_({all.data(), at(all.size())});
   for (const Copy& copy : own_) {
     GrainVelocity<D>& velocity = copy_in<D>(velocities, copy);
@@ -63,9 +61,8 @@ void SharedCopies<D>::follow(const std::vector<Index>& changed, CopiesOfGrains<D
   Vector all = Vector::Constant(size_with_mark<D> * (count(start_) - 1), -0.0);
   for (const Index k : changed) {
     const Copy& copy = own_[at(k)];
-    const GrainUnknowns<D> v = unknowns(copy_in<D>(velocities, copy));
     double* const entries = all.data() + size_with_mark<D> * copy.shared;
-    std::ranges::copy(v, entries);
+    std::ranges::copy(unknowns(copy_in<D>(velocities, copy)), entries);
     entries[size<D>] = 1;
   }
   add_grains_({all.data(), at(all.size())});

@@ -3,8 +3,6 @@
 
 #include "core/disjoint_sets.hpp"
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
@@ -74,9 +72,6 @@ struct SaddlePointFamily {
   // eliminated with its gluing. A contact impulse goes with the later of its grains if their velocities are rows.
   InertiaPattern pattern() const;
 
-  // The Response that belongs to a solution x, times `scale`, for these epsilon, eta and sigma.
-  ShiftedPencil::Response response(const Vector& x, double epsilon, double eta, double sigma, double scale) const;
-
   // Extends a vector of the interface to the border; `of_interface` is the way back.
   Vector on_border(const Vector& g) const {
     Vector all = Vector::Zero(border_size());
@@ -119,8 +114,7 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
   if (rigid) {
     grain_rows = 0;
     for (const RigidSubdomain& own : rigid->subdomains) {
-      for (std::size_t k = 0; k < own.hub.size(); ++k)
-        grain_rows += own.hub[k] || own.condensed(k) ? 0 : own.motions.bodies[k].rows;
+      if (!own.motions.searched) grain_rows += own.motions.inertia.size();
       impulses += count(own.early);
       late += count(own.late);
     }
@@ -129,16 +123,16 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
   border = system_size + (generic ? 0 : of_preconditioner.dofs);
   interface = border + (rigid ? std::accumulate(rigid->hub_rows.begin(), rigid->hub_rows.end(), Index{0}) : 0);
   SaddleEntries entries;
-  for (SparseEntries* one : {&entries.inertia, &entries.stiffness})  // growth would copy gigabytes
-    if (!rigid)
-      one->reserve(
-          at(of_system.entries + (generic ? b.preconditioner.generic().nonZeros() : of_preconditioner.entries)));
   if (rigid) {
     add_rigid(entries, *rigid, grain_rows, border, interface);
-  } else if (form == SystemForm::augmented) {
-    add_augmented(entries, system, grain_rows, interface);
   } else {
-    add_condensed(entries, system, 0, interface);
+    const Index most = generic ? b.preconditioner.generic().nonZeros() : of_preconditioner.entries;
+    for (SparseEntries* one : {&entries.inertia, &entries.stiffness})  // growth would copy gigabytes
+      one->reserve(at(of_system.entries + most));
+    if (form == SystemForm::augmented)
+      add_augmented(entries, system, grain_rows, interface);
+    else
+      add_condensed(entries, system, 0, interface);
   }
   if (generic) {
     const Interface& tied = system.interface;
@@ -195,47 +189,20 @@ InertiaPattern SaddlePointFamily::pattern() const {
   group.reserve(at(rows()));
   Index keys = grains;
   const auto add = [&](Index key) { group.insert(group.end(), at(system.dofs_per_grain()), key); };
-  const auto add_grains = [&](const Decomposition& parts) {
-    for (const Subdomain& subdomain : parts.subdomains)
-      for (const Index grain : subdomain.grains) add(generic ? keys++ : grain);
+  const auto add_grains = [&](const Subdomain& subdomain) {
+    for (const Index grain : subdomain.grains) add(generic ? keys++ : grain);
   };
-  if (rigid) {
-    for (std::size_t e = 0; e < rigid->subdomains.size(); ++e) {
-      const RigidSubdomain& own = rigid->subdomains[e];
-      for (std::size_t b = 0; b < own.hub.size(); ++b) {
-        const RigidBody& body = own.motions.bodies[b];
-        const bool with_copies = !generic && body.grain >= 0;
-        if (!own.hub[b] && !own.condensed(b))
-          group.insert(group.end(), at(body.rows), with_copies ? system.subdomains[e].grains[at(body.grain)] : keys++);
-      }
-    }
-  } else {
-    add_grains(system);
-  }
+  for (std::size_t e = 0; e < system.subdomains.size(); ++e)
+    if (!rigid || !rigid->subdomains[e].motions.searched) add_grains(system.subdomains[e]);
   if (rigid && grain_rows == 0)
     for (Index impulse = 0; impulse < system_size; ++impulse) group.push_back(keys++);
   else
     group.insert(group.end(), at(system_size - grain_rows), -1);
-  if (!generic) add_grains(contraction.preconditioner.decomposition());
+  if (!generic) std::ranges::for_each(contraction.preconditioner.decomposition().subdomains, add_grains);
   if (rigid)
     for (const Index size : rigid->hub_rows) group.insert(group.end(), at(size), keys++);
   for (const Gluing& row : system.interface.gluing()) add(row.grain);
   return {inertia, renumbered(std::move(group)), border_size()};
-}
-
-ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsilon, double eta, double sigma,
-                                                    double scale) const {
-  const auto energy = [&](Index first, Index last) {  // x^T K x over some columns
-    double sum = 0;
-    for (Index j = first; j < last; ++j)
-      for (SparseMatrix::InnerIterator e(stiffness, j); e; ++e)
-        sum += e.value() * x[e.row()] * x[j] * (e.row() == j ? 1 : 2);
-    return sum;
-  };
-  const double system = rigid ? 0.0 : scale * scale * processes().sum(energy(0, system_size));
-  return {.f = -scale * x.tail(interface_size()),
-          .system = form == SystemForm::augmented ? -system * epsilon : system / epsilon,
-          .preconditioner = generic ? 0.0 : processes().sum(energy(system_size, border)) / (eta * sigma)};
 }
 
 // Without eigenvalues below the shift all rows but the velocities of S are negative; each eigenvalue takes one away.
@@ -257,10 +224,21 @@ Vector ShiftedPencil::solve(const Vector& g) const {
 }
 
 ShiftedPencil::Response ShiftedPencil::respond(const Vector& g) const {
-  const Vector right = matrices_->on_border(g);
+  const SaddlePointFamily& m = *matrices_;
+  const Vector right = m.on_border(g);
   Vector x = factor_.solve_from_border(right);
   if (refinement_) x += factor_.solve(residual(x, right));
-  return matrices_->response(x, epsilon_, eta_, shift_, scale());
+  const auto energy = [&](Index first, Index last) {  // x^T K x over some columns, of all ranks
+    double sum = 0;
+    for (Index j = first; j < last; ++j)
+      for (SparseMatrix::InnerIterator e(m.stiffness, j); e; ++e)
+        sum += e.value() * x[e.row()] * x[j] * (e.row() == j ? 1 : 2);
+    return m.processes().sum(sum);
+  };
+  const double system = m.rigid ? 0.0 : scale() * scale() * energy(0, m.system_size);
+  return {.f = -scale() * m.of_interface(x),
+          .system = m.form == SystemForm::augmented ? -system * epsilon_ : system / epsilon_,
+          .preconditioner = m.generic ? 0.0 : energy(m.system_size, m.border) / (eta_ * shift_)};
 }
 
 Vector ShiftedPencil::residual(const Vector& x, const Vector& g) const {

@@ -19,14 +19,14 @@ bool same_value(const Cell& cell, const std::string& expected, double tolerance,
 }
 
 // The values of one line. `quoted` owns the texts of quoted values.
-template <class Where>
-void split_values(std::string_view line, const Where& where, std::vector<std::string_view>& values,
-                  std::deque<std::string>& quoted) {
+void split_values(std::string_view line, std::vector<std::string_view>& values, std::deque<std::string>& quoted,
+                  const auto& where) {
   values.clear();
   quoted.clear();
   for (std::size_t i = 0;; ++i) {
     const std::size_t start = std::min(line.find_first_not_of(" \t", i), line.size());
-    if (line.substr(start, 1) == "\"") {
+    const bool in_quotes = line.substr(start, 1) == "\"";
+    if (in_quotes) {
       std::string& value = quoted.emplace_back();
       for (i = start + 1;; ++i) {
         if (i >= line.size()) fail("{}: expected a closing quote, met the end of the line", where());
@@ -37,17 +37,14 @@ void split_values(std::string_view line, const Where& where, std::vector<std::st
         value += line[i];
       }
       ++i;
-      const std::size_t comma = std::min(line.find(',', i), line.size());
-      if (!trimmed(line.substr(i, comma - i)).empty())
-        fail("{}: expected a comma after a closing quote, met '{}'", where(), line.substr(i, comma - i));
-      i = comma;
-      values.emplace_back(value);
-    } else {
-      const std::size_t comma = std::min(line.find(',', i), line.size());
-      values.push_back(trimmed(line.substr(i, comma - i)));
-      i = comma;
     }
-    if (i >= line.size()) break;
+    const std::size_t comma = std::min(line.find(',', i), line.size());
+    const std::string_view rest = line.substr(i, comma - i);
+    if (in_quotes && !trimmed(rest).empty())
+      fail("{}: expected a comma after a closing quote, met '{}'", where(), rest);
+    values.push_back(in_quotes ? std::string_view(quoted.back()) : trimmed(rest));
+    if (comma == line.size()) return;
+    i = comma;
   }
 }
 
@@ -56,8 +53,7 @@ void split_values(std::string_view line, const Where& where, std::vector<std::st
 std::vector<std::string> csv_values(std::string_view line, const std::string& where) {
   std::vector<std::string_view> values;
   std::deque<std::string> quoted;
-  split_values(
-      line, [&] { return where; }, values, quoted);
+  split_values(line, values, quoted, [&] { return where; });
   return {values.begin(), values.end()};
 }
 
@@ -122,8 +118,7 @@ bool CsvReader::next_line() {
   while (lines_.next()) {
     const std::string_view content = trimmed(lines_.line());
     if (content.empty() || content.front() == '#') continue;
-    split_values(
-        lines_.line(), [this] { return where(); }, values_, quoted_);
+    split_values(lines_.line(), values_, quoted_, [this] { return where(); });
     return true;
   }
   return false;

@@ -16,6 +16,7 @@ struct Source {
 
   H5T_class_t kind() const { return H5Tget_class(type); }
   std::size_t size() const { return H5Tget_size(type); }
+  bool of_numbers(bool whole) const { return kind() == H5T_INTEGER || (!whole && kind() == H5T_FLOAT); }
   bool of_texts() const { return kind() == H5T_STRING && H5Tis_variable_str(type) == 0; }
   int dimensions() const { return H5Sget_simple_extent_ndims(space); }
   hsize_t extent() const { return static_cast<hsize_t>(H5Sget_simple_extent_npoints(space)); }
@@ -42,6 +43,16 @@ void read_into(const Source& source, hid_t memory_type, void* data, const std::s
             fmt::format("{}: cannot be read", name));
 }
 
+template <class Value>
+Value only_number(const Group& group, const std::string& name) {
+  constexpr bool whole = std::is_integral_v<Value>;
+  const Source source = dataset_of(group, name, whole ? "one whole number" : "one number");
+  source.require_that(source.of_numbers(whole) && source.extent() == 1);
+  Value value = 0;
+  read_into(source, types_of<Value>().memory, &value, group.of(name));
+  return value;
+}
+
 std::string until_zero(std::string_view bytes) { return std::string(bytes.substr(0, bytes.find('\0'))); }
 
 }  // namespace
@@ -53,7 +64,7 @@ std::vector<Value> Group::numbers(const std::string& name, std::optional<Rows> r
       *this, name,
       fmt::format("{} of {}numbers", rows ? "an array" : "a one-dimensional dataset", whole ? "whole " : ""));
   source.require_that(source.dimensions() == 1 || (rows && source.dimensions() == 2));
-  source.require_that(source.kind() == H5T_INTEGER || (!whole && source.kind() == H5T_FLOAT));
+  source.require_that(source.of_numbers(whole));
   hsize_t extent[] = {0, 1}, start[] = {0, 0};
   H5Sget_simple_extent_dims(source.space, extent, nullptr);
   if (rows) {
@@ -81,21 +92,9 @@ Index Group::rows(const std::string& name) const {
   return static_cast<Index>(extent[0]);
 }
 
-std::int64_t Group::integer(const std::string& name) const {
-  const Source source = dataset_of(*this, name, "one whole number");
-  source.require_that(source.kind() == H5T_INTEGER && source.extent() == 1);
-  std::int64_t value = 0;
-  read_into(source, H5T_NATIVE_INT64, &value, of(name));
-  return value;
-}
+std::int64_t Group::integer(const std::string& name) const { return only_number<std::int64_t>(*this, name); }
 
-double Group::number(const std::string& name) const {
-  const Source source = dataset_of(*this, name, "one number");
-  source.require_that((source.kind() == H5T_INTEGER || source.kind() == H5T_FLOAT) && source.extent() == 1);
-  double value = 0;
-  read_into(source, H5T_NATIVE_DOUBLE, &value, of(name));
-  return value;
-}
+double Group::number(const std::string& name) const { return only_number<double>(*this, name); }
 
 std::string Group::text(const std::string& name) const {
   const Source source = dataset_of(*this, name, "a text");

@@ -92,8 +92,7 @@ bool is_file(const fs::path& path) {
 
 bool is_stream(const fs::path& path) {
   std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
+  return path == "-" || fs::is_other(path, ignored);
 }
 
 fs::path partial_path(const fs::path& path) { return fs::path(path.string() + ".partial"); }

@@ -17,6 +17,8 @@ constexpr WorkPart work_parts[] = {{"version", "code version", &WorkIdentity::ve
                                    {"options", "choice of options", &WorkIdentity::options},
                                    {"effort", "choice of solver options", &WorkIdentity::effort}};
 
+std::string record_path(const std::string& table) { return table + ".record"; }
+
 // A multi-line TOML string. Every text ends with a line feed, so its quotes never touch the closing ones.
 std::string lines(const std::string& text) {
   std::string escaped;
@@ -29,22 +31,16 @@ std::string lines(const std::string& text) {
 
 // The first different line of two texts.
 std::string differing_line(std::string_view expected, std::string_view met) {
-  const auto next = [](std::string_view& text) {
-    const auto end = std::min(text.find('\n'), text.size());
-    const std::string line(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-    return line;
-  };
-  while (!expected.empty() || !met.empty()) {
-    const std::string a = next(expected), b = next(met);
-    if (a != b) return fmt::format("expected '{}', met '{}'", a, b);
+  TextLines a(expected), b(met);
+  while (true) {
+    const bool more_a = a.next(), more_b = b.next();
+    if (!more_a && !more_b) return "expected other line ends";
+    if (a.line() != b.line()) return fmt::format("expected '{}', met '{}'", a.line(), b.line());
   }
-  return "expected other line ends";
 }
 
 // Calls f(line, number from 1) for each complete line until it returns false; returns the bytes of the lines before.
-template <class Function>
-std::size_t for_each_line(std::string_view text, Function&& f) {
+std::size_t for_each_line(std::string_view text, auto&& f) {
   std::size_t start = 0;
   Index number = 0;
   for (auto end = text.find('\n'); end != std::string_view::npos; end = text.find('\n', start)) {
@@ -91,14 +87,13 @@ KeptRows usable_rows(const std::string& text, const TableRecord& record, const T
 
 // Throws Error unless the record is of the same work.
 TableRecord matching_record(const std::string& path, const std::string& rows, const TableWork& work) {
-  const std::string name = record_path(path).string();
-  const TableRecord record = [&] {
-    try {
-      return parse_record(read_text(name), name);
-    } catch (const Error& error) {
-      fail("{}: cannot be resumed: {}; --force starts again", rows, error.what());
-    }
-  }();
+  const std::string name = record_path(path);
+  TableRecord record;
+  try {
+    record = parse_record(read_text(name), name);
+  } catch (const Error& error) {
+    fail("{}: cannot be resumed: {}; --force starts again", rows, error.what());
+  }
   const std::string found = difference(record.work, work.identity);
   if (!found.empty()) fail("{}: cannot be resumed: {} (as recorded in {})", rows, found, name);
   return record;
@@ -109,8 +104,7 @@ KeptRows partial_rows(const std::string& path, const TableWork& work) {
   const std::string text = read_text(name);
   if (line_count(text) < 2) return {};  // no row was finished
   if (!is_there(record_path(path)))
-    fail("{}: cannot be resumed: no {} tells what its rows come from; --force starts again", name,
-         record_path(path).string());
+    fail("{}: cannot be resumed: no {} tells what its rows come from; --force starts again", name, record_path(path));
   const TableRecord record = matching_record(path, name, work);
   if (!work.rows) return {};
   return usable_rows(text, record, work, name);
@@ -142,8 +136,6 @@ std::string difference(const WorkIdentity& expected, const WorkIdentity& met) {
       return fmt::format("the {} differs: {}", what, differing_line(expected.*part, met.*part));
   return "";
 }
-
-std::filesystem::path record_path(const std::filesystem::path& table) { return table.string() + ".record"; }
 
 std::string to_toml(const TableRecord& record) {
   std::vector<std::string> types;
@@ -238,17 +230,13 @@ ResumableTable::ResumableTable(std::string path, TableWork work, Reopening how)
   record_is_ours_ = true;
 }
 
+// After an error, what was computed stays.
 ResumableTable::~ResumableTable() {
-  if (!csv_) return;
-  if (written_ > 0 && !stream_ && work_.rows) {  // an error ends the run: what was computed stays
-    try {
-      leave();
-    } catch (const Error&) {  // nothing more can be written: the partial file goes, too
-      if (record_is_ours_) remove_record(path_);
-    }
-  } else if (record_is_ours_) {
-    remove_record(path_);
+  try {
+    if (written_ > 0 && !stream_ && work_.rows) leave();
+  } catch (const Error&) {  // nothing more can be written: the partial file goes, and with it the record
   }
+  if (csv_ && record_is_ours_) remove_record(path_);
 }
 
 void ResumableTable::replay(const std::function<void(const Row&)>& sink) const {
@@ -259,7 +247,7 @@ void ResumableTable::replay(const std::function<void(const Row&)>& sink) const {
 }
 
 void ResumableTable::write_record(const std::string& finished) const {
-  write_file(record_path(path_).string(), to_toml(TableRecord{work_.identity, found_.types, finished}), true);
+  write_file(record_path(path_), to_toml(TableRecord{work_.identity, found_.types, finished}), true);
 }
 
 void ResumableTable::write(const Row& row) {

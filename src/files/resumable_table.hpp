@@ -23,8 +23,6 @@ struct TableRecord {
   std::string finished;            ///< fingerprint of the complete table, else empty
 };
 
-std::filesystem::path record_path(const std::filesystem::path& table);
-
 std::string to_toml(const TableRecord& record);
 
 /// Reads what `to_toml` wrote; throws Error "file:line: ..." for anything else.

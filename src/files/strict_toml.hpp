@@ -170,10 +170,6 @@ class StrictTable {
     } else if constexpr (std::is_same_v<Value, std::string>) {
       require(found.is_string(), "a text");
       value = **found.as_string();
-    } else if constexpr (std::is_enum_v<Value>) {
-      Choice<Value> choice = value;
-      get(found, key, choice);
-      value = choice;
     } else {
       std::string text;
       double number = 0;

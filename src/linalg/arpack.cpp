@@ -113,9 +113,7 @@ ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options,
     ++result.applications;
   }
   if (!w.any_converged()) return result;
-  Vector real(w.nev + 1), imaginary(w.nev + 1), workev(3 * w.ncv);
-  real.setZero();
-  imaginary.setZero();
+  Vector real = Vector::Zero(w.nev + 1), imaginary = real, workev(3 * w.ncv);
   Matrix z = Matrix::Zero(n, w.nev + 1);
   a_int status = 0;
   arpack::neupd(1, arpack::howmny::ritz_vectors, w.select.data(), real.data(), imaginary.data(), z.data(), w.n, 0.0,

@@ -19,8 +19,7 @@ constexpr double least_squares_tolerance = 1e-13;
 LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolerance) {
   const OneBlasThread serial_blas;
   const auto rows = static_cast<lapack_int>(a.rows()), columns = static_cast<lapack_int>(a.cols());
-  LeastSquares result{Vector::Zero(a.cols()), 0};
-  if (rows == 0 || columns == 0) return result;
+  if (rows == 0 || columns == 0) return {.solution = Vector::Zero(a.cols())};
   Vector x = Vector::Zero(std::max(a.rows(), a.cols()));  // right-hand side in, solution out
   x.head(a.rows()) = b;
   std::vector<lapack_int> pivots(at(a.cols()), 0);

@@ -60,10 +60,7 @@ IteratedSolution generalised_minimal_residuals(const LinearMap& a, const LinearM
     }
     const Index last = count(basis) - 1;
     const double diagonal = std::hypot(column[last], column[last + 1]);
-    if (!(diagonal > 0) || !std::isfinite(diagonal)) {
-      directions.pop_back();
-      break;
-    }
+    if (!(diagonal > 0) || !std::isfinite(diagonal)) break;
     turns.push_back({column[last] / diagonal, column[last + 1] / diagonal});
     column[last] = diagonal;
     columns.push_back(column);
@@ -74,11 +71,10 @@ IteratedSolution generalised_minimal_residuals(const LinearMap& a, const LinearM
     if (length == 0) break;
     basis.push_back(next / length);
   }
-  std::vector<double> parts(right.begin(), right.begin() + count(columns));
-  for (Index k = count(columns) - 1; k >= 0; --k) {
-    parts[at(k)] /= columns[at(k)][k];
-    for (Index i = 0; i < k; ++i) parts[at(i)] -= columns[at(k)][i] * parts[at(k)];
-    result.x += parts[at(k)] * directions[at(k)];
+  for (Index k = count(columns) - 1; k >= 0; --k) {  // `right` becomes the coefficients of the directions
+    right[at(k)] /= columns[at(k)][k];
+    for (Index i = 0; i < k; ++i) right[at(i)] -= columns[at(k)][i] * right[at(k)];
+    result.x += right[at(k)] * directions[at(k)];
   }
   result.converged = result.residual <= limits.tolerance;
   // All diagonal entries of the triangle are positive, and the square matrix does not contain the last turn.
@@ -99,9 +95,8 @@ Index predicted_iterations(const Eigen::VectorXcd& eigenvalues, const IterationL
     }
     return y;
   };
-  return generalised_minimal_residuals(
-             map, [](const Vector& x) { return x; }, Vector::Ones(eigenvalues.size()), limits)
-      .iterations;
+  const LinearMap same = [](const Vector& x) { return x; };
+  return generalised_minimal_residuals(map, same, Vector::Ones(eigenvalues.size()), limits).iterations;
 }
 
 }  // namespace nscdd

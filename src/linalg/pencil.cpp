@@ -7,8 +7,6 @@
 #include <Eigen/QR>
 #include <lapacke.h>
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
@@ -22,9 +20,8 @@ struct Tridiagonal {
 
 Tridiagonal tridiagonalise(Matrix c) {
   const auto n = static_cast<lapack_int>(c.rows());
-  Tridiagonal t{{}, Vector(n), Vector(std::max(n - 1, 1)), Vector(std::max(n - 1, 1))};
-  LAPACKE_dsytrd(LAPACK_COL_MAJOR, 'L', n, c.data(), n, t.diagonal.data(), t.off.data(), t.tau.data());
-  t.reflectors = std::move(c);
+  Tridiagonal t{std::move(c), Vector(n), Vector(std::max(n - 1, 1)), Vector(std::max(n - 1, 1))};
+  LAPACKE_dsytrd(LAPACK_COL_MAJOR, 'L', n, t.reflectors.data(), n, t.diagonal.data(), t.off.data(), t.tau.data());
   return t;
 }
 
@@ -61,8 +58,7 @@ ValuesAndVectors some_pairs(const Tridiagonal& t, lapack_int first, lapack_int l
   if (LAPACKE_dstein(LAPACK_COL_MAJOR, n, t.diagonal.data(), t.off.data(), static_cast<lapack_int>(wanted),
                      value.data(), block.data(), split.data(), vectors.data(), n, failed.data()) != 0)
     return {};
-  std::vector<Index> order(at(wanted));
-  std::iota(order.begin(), order.end(), Index{0});
+  std::vector<Index> order = natural_order(wanted);
   std::sort(order.begin(), order.end(), [&](Index i, Index j) { return value[i] < value[j]; });
   ValuesAndVectors pairs{value(order), vectors(Eigen::all, order)};
   const double largest = std::max(t.diagonal.cwiseAbs().maxCoeff(), t.off.cwiseAbs().maxCoeff());
@@ -70,18 +66,15 @@ ValuesAndVectors some_pairs(const Tridiagonal& t, lapack_int first, lapack_int l
   return pairs;
 }
 
-struct BothEnds {
-  ValuesAndVectors low, high;
-};
-
 // The k first and last pairs. If bisection fails, the QR iteration computes all pairs.
-BothEnds both_ends(const Tridiagonal& t, lapack_int k) {
+std::pair<ValuesAndVectors, ValuesAndVectors> both_ends(const Tridiagonal& t, lapack_int k) {
   const auto n = static_cast<lapack_int>(t.diagonal.size());
-  BothEnds ends{some_pairs(t, 1, k), some_pairs(t, n - k + 1, n)};
-  if (ends.low.values.size() > 0 && ends.high.values.size() > 0) return ends;
+  const ValuesAndVectors low = some_pairs(t, 1, k), high = some_pairs(t, n - k + 1, n);
+  if (low.values.size() > 0 && high.values.size() > 0) return {low, high};
   const ValuesAndVectors all = tridiagonal_eigen(t.diagonal, t.off.head(n - 1));
   if (!all.values.allFinite()) return {};
-  return {{all.values.head(k), all.vectors.leftCols(k)}, {all.values.tail(k), all.vectors.rightCols(k)}};
+  return {ValuesAndVectors{all.values.head(k), all.vectors.leftCols(k)},
+          ValuesAndVectors{all.values.tail(k), all.vectors.rightCols(k)}};
 }
 
 }  // namespace
@@ -124,9 +117,8 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted) {
 }
 
 ValuesAndVectors symmetric_eigen(const Matrix& a, Eigenvectors vectors) {
-  const SymmetricSolver solver(a,
-                               vectors == Eigenvectors::wanted ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
-  return eigen_of(solver, vectors);
+  const int asked = vectors == Eigenvectors::wanted ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly;
+  return eigen_of(SymmetricSolver(a, asked), vectors);
 }
 
 Vector symmetric_values(Matrix a) {
@@ -214,6 +206,12 @@ std::function<Matrix(const Matrix&)> minimum_norm_map(const Matrix& a, double th
     if (b.cols() == 1) return Vector(decomposition.solve(Vector(b)));  // other bits than of a matrix with one column
     return decomposition.solve(b);
   };
+}
+
+Matrix orthonormal_basis(const Matrix& columns) {
+  auto factors = columns.colPivHouseholderQr();
+  factors.setThreshold(1e-10);
+  return factors.householderQ() * Matrix::Identity(columns.rows(), factors.rank());
 }
 
 Matrix orthonormal_complement(const Matrix& columns) {

@@ -58,6 +58,9 @@ GeneralEigen general_eigen(Matrix a, Eigenvectors vectors = Eigenvectors::wanted
 /// B -> A^+ B by a complete orthogonal decomposition; pivots below `threshold` times the largest count as zero.
 std::function<Matrix(const Matrix&)> minimum_norm_map(const Matrix& a, double threshold);
 
+/// Orthonormal basis of n x m columns: n x rank. Pivots below 10^-10 times the largest count as zero.
+Matrix orthonormal_basis(const Matrix& columns);
+
 /// Orthonormal basis of the complement of n x m independent columns: n x (n - m).
 Matrix orthonormal_complement(const Matrix& columns);
 

@@ -9,8 +9,6 @@
 
 #include <Eigen/QR>
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
@@ -61,8 +59,6 @@ SparseMatrix with_unit_columns(SparseMatrix a) {
   return a;
 }
 
-SymmetricFactor faint_factor(const SparseMatrix& b) { return saddle_point_factor(b, -faint * faint); }
-
 // Lower bound of the largest singular value of a map, by the power method from a random vector.
 double norm_of(const LinearMap& map, const LinearMap& transposed, Index columns) {
   Vector y = RandomStream(2).normal_vector(columns).normalized();
@@ -88,7 +84,7 @@ struct Additions {
 // Random vectors orthogonal to that span sample its complement: Q R with column exchanges of their products with
 // `others` ranks the columns. After k of m random vectors are used, a distance d appears as d sqrt(m - k).
 Additions additions(const SparseMatrix& taken, const SparseMatrix& others, Index wanted) {
-  const SymmetricFactor factor = faint_factor(taken);
+  const SymmetricFactor factor = saddle_point_factor(taken, -faint * faint);
   if (!factor.regular()) return {};
   const Index samples = wanted + oversampling;
   RandomStream random(1);
@@ -132,8 +128,7 @@ ChosenBasis choose_basis(CountedRank rank, Tilt tilt) {
   const Vector apart = (-rank.factor->pivots().tail(b.cols())).cwiseMax(0.0).cwiseSqrt();
   rank.factor.reset();
   rank.analysis.reset();
-  std::vector<Index> order(at(b.cols()));
-  std::iota(order.begin(), order.end(), Index{0});
+  std::vector<Index> order = natural_order(b.cols());
   std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return apart[i] > apart[j]; });
   const auto last = order.begin() + rank.value;
   auto unclear = std::find_if(order.begin(), last, [&](Index j) { return !(apart[j] > clearly_apart); });
@@ -218,7 +213,9 @@ MatrixRank sparse_rank(const SparseMatrix& a, double tolerance) {
 RangeBasis range_basis(const SparseMatrix& a, Tilt tilt) { return choose_basis(CountedRank(a), tilt).basis; }
 
 Complement::Complement(SparseMatrix b, std::optional<SymmetricFactor> factor)
-    : b_(std::move(b)), factor_(factor ? std::move(*factor) : faint_factor(b_)), others_(b_.rows(), 0) {}
+    : b_(std::move(b)),
+      factor_(factor ? std::move(*factor) : saddle_point_factor(b_, -faint * faint)),
+      others_(b_.rows(), 0) {}
 
 void Complement::leave_out(const Vector& unit) {
   others_.conservativeResize(Eigen::NoChange, others_.cols() + 1);

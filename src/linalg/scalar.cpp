@@ -41,6 +41,9 @@ struct Callback {
 // Disables GSL's abort on errors; statuses are checked here instead.
 using QuietGsl = ProcessGuard<gsl_set_error_handler_off, gsl_set_error_handler>;
 
+template <class Resource>
+using Owned = std::unique_ptr<Resource, void (*)(Resource*)>;
+
 // Whether the bracket of a solver came within the tolerance.
 template <class Solver>
 bool narrowed(const Callback& callback, Solver* solver, int (*iterate)(Solver*), double (*lower)(const Solver*),
@@ -57,8 +60,8 @@ bool narrowed(const Callback& callback, Solver* solver, int (*iterate)(Solver*),
 double integral(const std::function<double(double)>& f, double a, double b, double absolute) {
   constexpr std::size_t most_intervals = 1000;
   const QuietGsl quiet;
-  const std::unique_ptr<gsl_integration_workspace, decltype(&gsl_integration_workspace_free)> workspace(
-      gsl_integration_workspace_alloc(most_intervals), &gsl_integration_workspace_free);
+  const Owned<gsl_integration_workspace> workspace(gsl_integration_workspace_alloc(most_intervals),
+                                                   gsl_integration_workspace_free);
   Callback callback{f};
   double result = 0, error = 0;
   const bool done = callback.succeeded(
@@ -82,23 +85,19 @@ LinearFit linear_fit(std::span<const double> x, std::span<const double> y) {
 ScalarSearch find_root(const std::function<double(double)>& f, double a, double b, double tolerance) {
   const QuietGsl quiet;
   Callback callback{f};
-  const std::unique_ptr<gsl_root_fsolver, decltype(&gsl_root_fsolver_free)> solver(
-      gsl_root_fsolver_alloc(gsl_root_fsolver_brent), &gsl_root_fsolver_free);
+  const Owned<gsl_root_fsolver> solver(gsl_root_fsolver_alloc(gsl_root_fsolver_brent), gsl_root_fsolver_free);
   if (!callback.succeeded(gsl_root_fsolver_set(solver.get(), &callback.as_gsl, a, b)))
     fail("root search: no change of sign between {} and {}", a, b);
-  ScalarSearch result;
-  result.converged = narrowed(callback, solver.get(), &gsl_root_fsolver_iterate, &gsl_root_fsolver_x_lower,
-                              &gsl_root_fsolver_x_upper, &gsl_root_test_interval, tolerance);
-  result.x = gsl_root_fsolver_root(solver.get());
-  result.value = f(result.x);
-  return result;
+  const bool converged = narrowed(callback, solver.get(), &gsl_root_fsolver_iterate, &gsl_root_fsolver_x_lower,
+                                  &gsl_root_fsolver_x_upper, &gsl_root_test_interval, tolerance);
+  const double root = gsl_root_fsolver_root(solver.get());
+  return {root, f(root), converged};
 }
 
 ScalarSearch find_minimum(const std::function<double(double)>& f, double a, double m, double b, double tolerance) {
   const QuietGsl quiet;
   Callback callback{f};
-  const std::unique_ptr<gsl_min_fminimizer, decltype(&gsl_min_fminimizer_free)> solver(
-      gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent), &gsl_min_fminimizer_free);
+  const Owned<gsl_min_fminimizer> solver(gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent), gsl_min_fminimizer_free);
   if (!callback.succeeded(gsl_min_fminimizer_set(solver.get(), &callback.as_gsl, m, a, b)))
     fail("minimum search: {} < {} < {} brackets no minimum", a, m, b);
   const bool converged = narrowed(callback, solver.get(), &gsl_min_fminimizer_iterate, &gsl_min_fminimizer_x_lower,

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
-#include <span>
+#include <nscdd/core/types.hpp>
 
 namespace nscdd {
 

@@ -69,9 +69,7 @@ struct RitzPairs {
 
 RitzPairs ritz_pairs(const std::vector<double>& alpha, const std::vector<double>& beta, bool positive, Index wanted) {
   const Index steps = count(alpha);
-  const Vector diagonal = Eigen::Map<const Vector>(alpha.data(), steps);
-  const Vector below = Eigen::Map<const Vector>(beta.data(), steps - 1);
-  const auto [all, vectors] = tridiagonal_eigen(diagonal, below);
+  const auto [all, vectors] = tridiagonal_eigen(Vector::Map(alpha.data(), steps), Vector::Map(beta.data(), steps - 1));
   const Index side = positive ? (all.array() > 0).count() : (all.array() < 0).count();
   const Index found = std::min(wanted, side);
   RitzPairs pairs{Vector(found), Vector(found), Vector(found), Matrix(steps, found)};
@@ -80,9 +78,8 @@ RitzPairs ritz_pairs(const std::vector<double>& alpha, const std::vector<double>
     pairs.nu[k] = all[i];
     pairs.s.col(k) = vectors.col(i);
     pairs.residuals[k] = beta.back() * std::abs(pairs.s(steps - 1, k));
-    pairs.gaps[k] = infinity;
-    if (i > 0) pairs.gaps[k] = all[i] - all[i - 1];
-    if (i + 1 < steps) pairs.gaps[k] = std::min(pairs.gaps[k], all[i + 1] - all[i]);
+    const double before = i > 0 ? all[i] - all[i - 1] : infinity;
+    pairs.gaps[k] = i + 1 < steps ? std::min(before, all[i + 1] - all[i]) : before;
   }
   return pairs;
 }

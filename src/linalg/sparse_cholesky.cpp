@@ -9,7 +9,6 @@
 #include <metis.h>
 
 #include <new>
-#include <numeric>
 
 namespace nscdd {
 

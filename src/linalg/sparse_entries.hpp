@@ -6,8 +6,7 @@
 namespace nscdd {
 
 /// Calls visit(row, column, value) for the stored entries of a sparse matrix, column by column.
-template <class Visit>
-void for_entries(const SparseMatrix& matrix, Visit&& visit) {
+void for_entries(const SparseMatrix& matrix, auto&& visit) {
   for (Index j = 0; j < matrix.outerSize(); ++j)
     for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) visit(e.row(), j, e.value());
 }

@@ -32,10 +32,8 @@ SearchDirection newton(const SparseMatrix& b, const SparseCholesky& factor, cons
   const Vector right = excess + x.cwiseProduct(infeasibility);
   const Vector du = factor.solve(Vector(-(b * right.cwiseQuotient(damped))));
   const Vector change = b.transpose() * du;
-  SearchDirection d;
-  d.x = -(right + x.cwiseProduct(change)).cwiseQuotient(damped);
-  d.s = change + infeasibility + proximal * d.x;
-  return d;
+  const Vector dx = -(right + x.cwiseProduct(change)).cwiseQuotient(damped);
+  return {dx, change + infeasibility + proximal * dx};
 }
 
 // Projects a point of R^n on { u : B^T u >= 0 }, B sparse n x c without zero columns:
@@ -143,13 +141,11 @@ std::vector<char> active_contacts(const ReferenceProblem& problem, const RigidIm
 UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const UnilateralOptions& options,
                                        const Monitor& monitor) {
   const Index contacts = problem.contacts();
-  if (separation_speeds(problem).isZero(0)) {
-    UnilateralImpulses none;
-    none.impulses = none.separation = Vector::Zero(contacts);
-    none.status.assign(at(contacts), UnilateralStatus::idle);
-    none.velocities = problem.arriving_velocity;
-    return none;
-  }
+  if (separation_speeds(problem).isZero(0))
+    return {.impulses = Vector::Zero(contacts),
+            .velocities = problem.arriving_velocity,
+            .separation = Vector::Zero(contacts),
+            .status = std::vector(at(contacts), UnilateralStatus::idle)};
   SparseMatrix b = scaled_connectivity(problem.inertia, problem.h);
   Vector root(contacts);  // sqrt(W_ii)
   for (Index c = 0; c < contacts; ++c) root[c] = b.col(c).norm();

@@ -3,8 +3,6 @@
 
 #include "linalg/threads.hpp"
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 

@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/mechanics/law.hpp>
+#include "mechanics/contact_frame.hpp"
 
 namespace nscdd {
 
 /// The entries of one contact of a vector with D entries per contact.
 template <int D>
 LocalVector<D> component(const Vector& values, Index contact) {
-  const double* own = values.data() + D * contact;
-  if constexpr (D == 2)
-    return {own[0], own[1]};
-  else
-    return {own[0], {own[1], own[2]}};
+  return from_directions<D>(values.data() + D * contact);
 }
 template <int D>
 void set_component(Vector& values, Index contact, const LocalVector<D>& value) {
-  double* own = values.data() + D * contact;
+  double* own = values.data() + D * contact;  // no loop: sweeps call this for each contact
   own[0] = value.n;
   if constexpr (D == 2) {
     own[1] = value.t;

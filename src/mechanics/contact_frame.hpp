@@ -97,8 +97,13 @@ inline LocalVector<3> in_frame(const Direction<3>& n, const AxesVector& r) {
 /// A vector of a contact by its directions, (n, t) or (n, t_1, t_2), and back.
 inline std::array<double, 2> along_directions(const LocalVector<2>& r) { return {r.n, r.t}; }
 inline std::array<double, 3> along_directions(const LocalVector<3>& r) { return {r.n, r.t.first, r.t.second}; }
-inline LocalVector<2> from_directions(const std::array<double, 2>& r) { return {r[0], r[1]}; }
-inline LocalVector<3> from_directions(const std::array<double, 3>& r) { return {r[0], {r[1], r[2]}}; }
+template <int D>
+LocalVector<D> from_directions(const double* r) {
+  if constexpr (D == 2)
+    return {r[0], r[1]};
+  else
+    return {r[0], {r[1], r[2]}};
+}
 
 /// How a contact moves one of its bodies: the rows of H_c^T on the unknowns of the body, with its sign, so that the
 /// relative velocity of the contact is the sum over both bodies. `moves` is 1 for an unknown that impulses move, and 0
@@ -113,7 +118,7 @@ struct Lever {
     std::array<double, D> u{};
     for (std::size_t d = 0; d < D; ++d)
       for (std::size_t k = 0; k < v.size(); ++k) u[d] += rows[d][k] * v[k];
-    return from_directions(u);
+    return from_directions<D>(u.data());
   }
   /// H_c r on the body, N s.
   Unknowns impulse(const LocalVector<D>& r) const {
@@ -122,6 +127,13 @@ struct Lever {
     for (std::size_t k = 0; k < p.size(); ++k)
       for (std::size_t d = 0; d < D; ++d) p[k] += moves[k] * rows[d][k] * along[d];
     return p;
+  }
+  /// The lever on spins in place of the speeds of rims of these lengths.
+  Lever on_spins(const std::array<double, 3>& rims) const {
+    Lever result = *this;
+    for (Unknowns& row : result.rows)
+      for (std::size_t k = D; k < row.size(); ++k) row[k] *= rims[D == 2 ? k : k - D];
+    return result;
   }
 };
 
@@ -150,20 +162,19 @@ class ConnectivityBuilder {
     h_.reserve((2 * D + 1) * static_cast<Index>(columns));
   }
 
-  /// The bodies must differ.
-  void add(const Direction<D>& normal, const BodyRows& a, const BodyRows& b, const LocalVector<D>& direction) {
+  /// The bodies must differ. `levers`: of a contact that has them; prescribed unknowns then have no entries.
+  void add(const Direction<D>& normal, const BodyRows& a, const BodyRows& b, const LocalVector<D>& direction,
+           const Levers<D>* levers = nullptr) {
     h_.startVec(columns_);
     const bool ascending = a.first < b.first;
-    put(normal, ascending ? a : b, ascending ? -1 : 1, direction);
-    put(normal, ascending ? b : a, ascending ? 1 : -1, direction);
-    ++columns_;
-  }
-  /// The same for bodies with levers, whose prescribed unknowns have no entries.
-  void add_levers(const Levers<D>& levers, const BodyRows& a, const BodyRows& b, const LocalVector<D>& direction) {
-    h_.startVec(columns_);
-    const bool ascending = a.first < b.first;
-    put(ascending ? levers.a : levers.b, ascending ? a : b, direction);
-    put(ascending ? levers.b : levers.a, ascending ? b : a, direction);
+    for (const bool is_a : {ascending, !ascending}) {
+      const BodyRows& body = is_a ? a : b;
+      if (body.first < 0) continue;
+      if (levers != nullptr)
+        put(is_a ? levers->a : levers->b, body, direction);
+      else
+        put(normal, body, is_a ? -1 : 1, direction);
+    }
     ++columns_;
   }
 
@@ -176,7 +187,6 @@ class ConnectivityBuilder {
 
  private:
   void put(const Direction<D>& normal, const BodyRows& body, double sign, const LocalVector<D>& direction) {
-    if (body.first < 0) return;
     const auto impulse = impulse_on_grain(normal, sign, direction);
     for (Index k = 0; k < D; ++k) h_.insertBackByOuterInner(columns_, body.first + k) = impulse[at(k)];
     if (squared(LocalVector<D>{0, direction.t}) == 0) return;
@@ -184,7 +194,6 @@ class ConnectivityBuilder {
       h_.insertBackByOuterInner(columns_, body.first + k) = body.arm * impulse[at(k)];
   }
   void put(const Lever<D>& lever, const BodyRows& body, const LocalVector<D>& direction) {
-    if (body.first < 0) return;
     const auto impulse = lever.impulse(direction);
     for (Index k = 0; k < count(impulse); ++k)
       if (lever.moves[at(k)] != 0) h_.insertBackByOuterInner(columns_, body.first + k) = impulse[at(k)];

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/contact_residual.hpp"
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
@@ -11,19 +9,13 @@ constexpr double largest_growth = 1e5;        // of impulses over those that dri
 constexpr double squared_rounding = 1e-28;    // of velocities of a step, relative to those that it begins with
 constexpr double maxima_over_means = 16.666;  // allowed by LMGC90's criterion QM/16
 
-template <class Law, int D>
-ContactStatus status_under(const Law&, const GrainContact<D>& c) {
-  if constexpr (!Law::opens) return ContactStatus::stick;
-  return contact_status(LocalVector<D>{c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
-}
-
-template <class Law, int D>
-void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVelocities<D> v) {
+template <int D>
+void add(ContactResidual& sum, const ContactLaw& law, const GrainContact<D>& c, GrainVelocities<D> v) {
   const LocalVector<D> r = c.impulse, shifted{r.n + c.pull, r.t}, velocity = relative_velocity(c, v) + c.bias;
   LocalVector<D> next, change, here, there;
   double inverse_n = 0;
   with_delassus(c, [&](const auto& w) {
-    next = law_at(law, c.pull).impulse(c.impulse - w.solve(velocity), w, c.friction);
+    next = law_impulse(law, c, r - w.solve(velocity), w);
     change = w.apply(next - r);
     here = w.apply(r);
     there = w.apply(next);
@@ -40,24 +32,11 @@ void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVe
   sum.loaded += carries(mean);
   sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
   sum.scale_velocity += (squared(here) + squared(there)) / 2;
-  if constexpr (Law::opens)
-    sum.natural_map += squared(natural_map(shifted, velocity, c.friction, inverse_n));
-  else
-    sum.natural_map += squared(next - r);
+  sum.natural_map += squared(opens(law) ? natural_map(shifted, velocity, c.friction, inverse_n) : next - r);
   sum.active += carries(r);
-  const ContactStatus status = status_under(law, c);
+  const ContactStatus status = status_of(law, c);
   sum.stick += status == ContactStatus::stick;
   sum.slide += slides(status);
-}
-
-template <int D, class Contact>
-ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, GrainVelocities<D> v, const Contact& contact) {
-  ContactResidual sum;
-  const auto under = [&](const auto& one) {
-    for (std::size_t k = 0; k < contacts; ++k) add(sum, one, contact(k), v);
-  };
-  std::visit(under, law);
-  return sum;
 }
 
 // A part of `scale`. One that is rounding is a part of `origin`, if that is larger: of what it is the rounding of.
@@ -78,48 +57,17 @@ double natural_map_scale(double maps, double impulses, double alone, double mome
 }
 
 template <int D>
-std::vector<double> speeds_of(GrainVelocities<D> v) {
-  std::vector<double> speeds(v.size());
-  std::ranges::transform(v, speeds.begin(), [](const GrainVelocity<D>& one) {
-    return std::sqrt(squared_velocity(one)) + std::sqrt(squared_rim(one));
+ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& c, GrainVelocities<D> free) {
+  const double speed = speed_of(free[at(c.a)]) + speed_of(free[at(c.b)]);
+  return with_delassus(c, [&](const auto& w) {
+    const LocalVector<D> stop = -1.0 * w.solve(relative_velocity(c, free) + c.bias);
+    const LocalVector<D> alone = law_impulse(law, c, stop, w);
+    const double mass = w.inverse_normal();
+    return ImpulseScale{.alone = squared(LocalVector<D>{alone.n + c.pull, alone.t}),
+                        .momenta = speed * speed * mass * mass,
+                        .speeds = speed * speed,
+                        .energies = speed * speed * mass};
   });
-  return speeds;
-}
-
-template <int D>
-std::vector<ImpulseScale> impulse_scales(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
-                                         GrainVelocities<D> free, const std::vector<Index>& part_of, Index parts) {
-  const std::vector<double> speeds = speeds_of<D>(free);
-  std::vector<ImpulseScale> scales(at(parts));
-  const auto under = [&](const auto& one) {
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const GrainContact<D>& c = contacts[k];
-      ImpulseScale& scale = scales[at(part_of[k])];
-      const double speed = speeds[static_cast<std::size_t>(c.a)] + speeds[static_cast<std::size_t>(c.b)];
-      with_delassus(c, [&](const auto& w) {
-        const LocalVector<D> stop = -1.0 * w.solve(relative_velocity(c, free) + c.bias);
-        const LocalVector<D> alone = law_at(one, c.pull).impulse(stop, w, c.friction);
-        const double mass = w.inverse_normal();
-        scale.alone += squared(LocalVector<D>{alone.n + c.pull, alone.t});
-        scale.momenta += speed * speed * mass * mass;
-        scale.speeds += speed * speed;
-        scale.energies += speed * speed * mass;
-      });
-    }
-  };
-  std::visit(under, law);
-  return scales;
-}
-
-ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
-  using Sums = ContactResidual;
-  for (const auto sum : {&Sums::natural_map, &Sums::impulses, &Sums::violation, &Sums::work, &Sums::scale_work,
-                         &Sums::scale_velocity, &Sums::squared_work})
-    this->*sum += other.*sum;
-  for (const auto largest : {&Sums::largest_violation, &Sums::largest_squared_work})
-    this->*largest = std::max(this->*largest, other.*largest);
-  for (const auto sum : {&Sums::active, &Sums::stick, &Sums::slide, &Sums::loaded}) this->*sum += other.*sum;
-  return *this;
 }
 
 double ContactResidual::relative_natural_map() const {
@@ -148,26 +96,27 @@ double ContactResidual::qm_16() const {
 
 template <int D>
 ContactResidual contact_residual(const ContactLaw& law, const ContactRows<D>& contacts, GrainVelocities<D> v) {
-  return sum_over<D>(law, contacts.size(), v, [&](std::size_t k) { return contacts.contact(k, v); });
+  ContactResidual sum;
+  for (std::size_t k = 0; k < contacts.size(); ++k) add(sum, law, contacts.contact(k, v), v);
+  return sum;
 }
 
 template <int D>
 ContactResidual contact_residual(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
                                  GrainVelocities<D> v) {
-  return sum_over<D>(law, contacts.size(), v, [&](std::size_t k) { return contacts[k]; });
+  ContactResidual sum;
+  for (const GrainContact<D>& c : contacts) add(sum, law, c, v);
+  return sum;
 }
 
 template <int D>
-ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& contact) {
-  return std::visit([&](const auto& one) { return status_under(one, contact); }, law);
+ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& c) {
+  if (!opens(law)) return ContactStatus::stick;
+  return contact_status(LocalVector<D>{c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
 }
 
-template std::vector<double> speeds_of<2>(GrainVelocities<2>);
-template std::vector<double> speeds_of<3>(GrainVelocities<3>);
-template std::vector<ImpulseScale> impulse_scales(const ContactLaw&, const std::vector<GrainContact<2>>&,
-                                                  GrainVelocities<2>, const std::vector<Index>&, Index);
-template std::vector<ImpulseScale> impulse_scales(const ContactLaw&, const std::vector<GrainContact<3>>&,
-                                                  GrainVelocities<3>, const std::vector<Index>&, Index);
+template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>);
+template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<2>&, GrainVelocities<2>);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<3>&, GrainVelocities<3>);
 template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<2>>&, GrainVelocities<2>);

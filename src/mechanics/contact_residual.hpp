@@ -29,14 +29,9 @@ inline constexpr double rounding_of_sums = 1e-14;
 double natural_map_scale(double maps, double impulses, double alone, double momenta, bool squared = false,
                          double believed = infinity);
 
-/// Speed of each body with that of its rim, m/s.
+/// The terms of a contact in the scale of a step, at the velocities V_free.
 template <int D>
-std::vector<double> speeds_of(GrainVelocities<D> v);
-
-/// The scale of a step at the velocities V_free, in parts: contact k contributes to part_of[k].
-template <int D>
-std::vector<ImpulseScale> impulse_scales(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
-                                         GrainVelocities<D> free, const std::vector<Index>& part_of, Index parts);
+ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& c, GrainVelocities<D> free);
 
 /// How well impulses and velocities obey the contact law: sums over contacts, which add up over subdomains.
 struct ContactResidual {
@@ -47,13 +42,11 @@ struct ContactResidual {
   double scale_work = 0;      ///< mean of r_c . W_c r_c and r_c' . W_c r_c'; SumWRR of LMGC90, J
   double scale_velocity = 0;  ///< mean of |W_c r_c|^2 and |W_c r_c'|^2; SumWRWR of LMGC90, (m/s)^2
   double squared_work = 0;    ///< |W_c (r_c' - r_c)|^2 |(r_c' + r_c)/2|^2; SumDVDVRR of LMGC90, J^2
-  double largest_violation = 0, largest_squared_work = 0;  ///< terms of single contacts; `+=` takes the larger ones
+  double largest_violation = 0, largest_squared_work = 0;  ///< terms of single contacts
   Index active = 0;                                        ///< contacts with an impulse
   Index stick = 0, slide = 0;
   Index loaded = 0;         ///< contacts whose (r_c' + r_c)/2 is not 0; Nactif of LMGC90
-  ImpulseScale scale = {};  ///< of the step; `+=` leaves it
-
-  ContactResidual& operator+=(const ContactResidual& other);
+  ImpulseScale scale = {};  ///< of the step
 
   /// |natural map| / natural_map_scale: error of the contact law in the form of De Saxce; 0 if the natural map is 0.
   double relative_natural_map() const;

@@ -262,8 +262,7 @@ SweepSums sweep(const Law& law, ContactRows<2>& contacts, std::span<GrainVelocit
 template <int D>
 GrainContact<D> ContactRows<D>::contact(std::size_t k, std::span<const GrainVelocity<D>> v) const {
   const ContactRow<D>& row = rows[k];
-  const double mass_a = v[static_cast<std::size_t>(row.a)].inverse_mass;  // inverse
-  const double mass_b = v[static_cast<std::size_t>(row.b)].inverse_mass;
+  const double mass_a = v[at(row.a)].inverse_mass, mass_b = v[at(row.b)].inverse_mass;  // inverse
   GrainContact<D> contact{row.a, row.b, row.normal, mass_a, mass_b, {row.bias_n, {}}};
   contact.friction = mass_a == 0 || mass_b == 0 ? boundary_friction : friction;
   contact.pull = pull.empty() ? 0.0 : pull[k];

@@ -92,14 +92,11 @@ struct Pieces {
     for_entries(mass, [&](Index i, Index j, double value) {
       if (value != 0) joined.join(i, j);
     });
-    std::vector<Index> number(at(mass.rows()), -1);
+    for (Index i = 0; i < mass.rows(); ++i) piece[at(i)] = joined.root(i);
+    piece = renumbered(std::move(piece));
     for (Index i = 0; i < mass.rows(); ++i) {
-      Index& p = number[at(joined.root(i))];
-      if (p < 0) {
-        p = count(unknowns);
-        unknowns.emplace_back();
-      }
-      piece[at(i)] = p;
+      const Index p = piece[at(i)];
+      if (p == count(unknowns)) unknowns.emplace_back();
       place[at(i)] = count(unknowns[at(p)]);
       unknowns[at(p)].push_back(i);
     }
@@ -120,15 +117,11 @@ class PieceFactor {
   PieceFactor(const SparseMatrix& mass, const Pieces& pieces, Index p, const std::string& name) {
     const std::vector<Index>& unknowns = pieces.unknowns[at(p)];
     const SparseMatrix block = pieces.part(mass, p, unknowns);
-    bool definite = true;
-    if (count(unknowns) <= dense_up_to) {
+    if (count(unknowns) <= dense_up_to)
       dense_.compute(Matrix(block));
-      definite = dense_.info() == Eigen::Success;
-    } else {
+    else
       sparse_.emplace(CholeskyAnalysis(block), block);
-      definite = sparse_->positive_definite();
-    }
-    if (!definite)
+    if (!(sparse_ ? sparse_->positive_definite() : dense_.info() == Eigen::Success))
       fail(
           "{}: M: expected a positive definite matrix, met one that is not positive definite, in the piece of {} "
           "unknown(s) that begins at row {}",
@@ -182,14 +175,6 @@ std::string text_of(const FullDelassus<3>& w) {
                      w.nt.second, mixed, second);
 }
 
-template <int D>
-void require_definite_blocks(const LocalFrictionProblem& problem, const std::string& name) {
-  for (Index c = 0; c < problem.contacts(); ++c)
-    if (const FullDelassus<D> block = diagonal_block<D>(problem, c); !positive_definite(block))
-      fail("{}: W: expected a positive definite block for every contact, met {} for contact {}", name, text_of(block),
-           c);
-}
-
 }  // namespace
 
 void check(const LocalFrictionProblem& problem, const std::string& name) {
@@ -206,7 +191,12 @@ void check(const LocalFrictionProblem& problem, const std::string& name) {
   require_finite(name + ": q", problem.q);
   require_friction(name, problem.friction);
   require_symmetric(name + ": W", problem.w, coupling_symmetry_tolerance);
-  in_dimension(problem, [&](auto dimension) { require_definite_blocks<dimension()>(problem, name); });
+  in_dimension(problem, [&](auto dimension) {
+    for (Index c = 0; c < problem.contacts(); ++c)
+      if (const auto block = diagonal_block<dimension()>(problem, c); !positive_definite(block))
+        fail("{}: W: expected a positive definite block for every contact, met {} for contact {}", name, text_of(block),
+             c);
+  });
 }
 
 void check(const GlobalFrictionProblem& problem, const std::string& name) {
@@ -266,15 +256,15 @@ LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::str
     add_delassus(factor, pieces.part(problem.h, p, columns[at(p)]), columns[at(p)], w);
     free(unknowns) = factor.solve(problem.f(unknowns));
   }
-  LocalFrictionProblem local;
-  local.w = w.matrix(problem.h.cols(), problem.h.cols());
-  local.q = problem.h.transpose() * free + problem.w;
   const Vector speeds = problem.h.cwiseAbs().transpose() * free.cwiseAbs() + problem.w.cwiseAbs();
-  local.speeds = speeds.reshaped(problem.dimension, problem.contacts()).colwise().norm().transpose();
-  local.friction = problem.friction;
-  local.mass = problem.mass;
-  local.h = problem.h;
-  local.dimension = problem.dimension;
+  LocalFrictionProblem local{
+      .w = w.matrix(problem.h.cols(), problem.h.cols()),
+      .q = problem.h.transpose() * free + problem.w,
+      .friction = problem.friction,
+      .mass = problem.mass,
+      .h = problem.h,
+      .dimension = problem.dimension,
+      .speeds = speeds.reshaped(problem.dimension, problem.contacts()).colwise().norm().transpose()};
   check(local, name);
   return local;
 }

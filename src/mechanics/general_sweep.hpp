@@ -18,10 +18,10 @@ SweepSums general_sweep(const Law& law, ContactRows<D>& contacts, std::span<Grai
     return law_at(law, pull).impulse(r - w.solve(u), w, contacts.others[k].friction);
   };
   for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const double mass_a = v[static_cast<std::size_t>(contacts.rows[k].a)].inverse_mass;
-    const double mass_b = v[static_cast<std::size_t>(contacts.rows[k].b)].inverse_mass;
+    const double mass_a = v[at(contacts.rows[k].a)].inverse_mass;
+    const double mass_b = v[at(contacts.rows[k].b)].inverse_mass;
     const LocalVector<D> r = contacts.impulse(k);
-    const Levers<D>* const levers = contacts.others[k].levers.get();
+    const Levers<D>* const levers = contacts.levers(k);
     LocalVector<D> next = levers == nullptr ? next_of(k, r, grain_delassus<D>(mass_a, mass_b))
                                             : next_of(k, r, lever_delassus(*levers, mass_a, mass_b));
     if (relaxation != 1) next = r + relaxation * (next - r);

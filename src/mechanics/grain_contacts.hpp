@@ -60,6 +60,12 @@ inline double squared_rim(const GrainVelocity<3>& v) {
   return v.rim_x * v.rim_x + v.rim_y * v.rim_y + v.rim_z * v.rim_z;
 }
 
+/// Speed of a body and that of its rim, added, m/s.
+template <int D>
+double speed_of(const GrainVelocity<D>& v) {
+  return std::sqrt(squared_velocity(v)) + std::sqrt(squared_rim(v));
+}
+
 /// Kinetic energy of a free grain, J.
 template <int D>
 double kinetic_energy(const GrainVelocity<D>& v) {
@@ -147,14 +153,30 @@ inline LocalVector<3> relative_velocity(const Direction<3>& n, const GrainVeloci
           {t1[0] * dx + t1[1] * dy + t1[2] * dz - (t2[0] * sx + t2[1] * sy + t2[2] * sz),
            t2[0] * dx + t2[1] * dy + t2[2] * dz + (t1[0] * sx + t1[1] * sy + t1[2] * sz)}};
 }
+/// The same; `levers`: null for two grains.
 template <int D>
-LocalVector<D> relative_velocity(const Levers<D>& levers, const GrainVelocity<D>& a, const GrainVelocity<D>& b) {
-  return levers.a.velocity(unknowns(a)) + levers.b.velocity(unknowns(b));
+LocalVector<D> relative_velocity(const Direction<D>& normal, const Levers<D>* levers, const GrainVelocity<D>& a,
+                                 const GrainVelocity<D>& b) {
+  if (levers == nullptr) return relative_velocity(normal, a, b);
+  return levers->a.velocity(unknowns(a)) + levers->b.velocity(unknowns(b));
 }
 template <int D>
 LocalVector<D> relative_velocity(const GrainContact<D>& c, GrainVelocities<D> v) {
-  const GrainVelocity<D>&a = v[static_cast<std::size_t>(c.a)], &b = v[static_cast<std::size_t>(c.b)];
-  return c.levers == nullptr ? relative_velocity(c.normal, a, b) : relative_velocity(*c.levers, a, b);
+  return relative_velocity<D>(c.normal, c.levers.get(), v[at(c.a)], v[at(c.b)]);
+}
+
+/// Relative velocity of a contact by the driven unknowns of bodies with free directions.
+template <int D>
+LocalVector<D> driven_part(const GrainContact<D>& c, const std::vector<GrainVelocity<D>>& bodies) {
+  LocalVector<D> sum;
+  for (const auto& [lever, body] : {std::pair(&c.levers->a, c.a), std::pair(&c.levers->b, c.b)}) {
+    const GrainVelocity<D>& v = bodies[at(body)];
+    if (v.inverse_mass == 0) continue;  // counted whole
+    GrainUnknowns<D> own = unknowns(v);
+    for (std::size_t k = 0; k < own.size(); ++k) own[k] *= 1 - lever->moves[k];
+    sum = sum + lever->velocity(own);
+  }
+  return sum;
 }
 
 /// V += M^-1 p of one grain, for an impulse p on its unknowns, N s.
@@ -165,19 +187,29 @@ void push(GrainVelocity<D>& grain, const std::type_identity_t<GrainUnknowns<D>>&
   grain = with_unknowns(v, grain.inverse_mass);
 }
 
-/// V += M^-1 H_c r: the velocities of both grains of a contact after an impulse r on b and -r on a.
+/// V += M^-1 H_c r: the velocities of both bodies of a contact after an impulse r on b and -r on a. `levers`: null for
+/// two grains.
+template <int D>
+void apply_impulse(const Direction<D>& normal, const Levers<D>* levers, const LocalVector<D>& r, GrainVelocity<D>& a,
+                   GrainVelocity<D>& b) {
+  push(a, levers == nullptr ? impulse_on_grain(normal, -1, r) : levers->a.impulse(r));
+  push(b, levers == nullptr ? impulse_on_grain(normal, 1, r) : levers->b.impulse(r));
+}
 template <int D>
 void apply_impulse(const GrainContact<D>& c, LocalVector<D> r, std::type_identity_t<std::span<GrainVelocity<D>>> v) {
-  push(v[static_cast<std::size_t>(c.a)],
-       c.levers == nullptr ? impulse_on_grain(c.normal, -1, r) : c.levers->a.impulse(r));
-  push(v[static_cast<std::size_t>(c.b)],
-       c.levers == nullptr ? impulse_on_grain(c.normal, 1, r) : c.levers->b.impulse(r));
+  apply_impulse<D>(c.normal, c.levers.get(), r, v[at(c.a)], v[at(c.b)]);
 }
 
 /// The impulse that would bring the contact to rest, bias included: r - W^-1 (v + bias).
 template <int D>
 LocalVector<D> stopping_impulse(const GrainContact<D>& c, GrainVelocities<D> v) {
   return with_delassus(c, [&](const auto& w) { return c.impulse - w.solve(relative_velocity(c, v) + c.bias); });
+}
+
+/// The impulse of the law where `stop` would bring the contact to rest; `w`: W_c.
+template <int D, class Delassus>
+LocalVector<D> law_impulse(const ContactLaw& law, const GrainContact<D>& c, LocalVector<D> stop, const Delassus& w) {
+  return std::visit([&](const auto& one) { return law_at(one, c.pull).impulse(stop, w, c.friction); }, law);
 }
 
 /// A contact as a sweep reads it, 32 bytes in the plane and 40 in space.
@@ -209,18 +241,13 @@ struct ContactRows {
   LocalVector<D> impulse(std::size_t k) const { return in_frame(rows[k].normal, impulses[k]); }
   void set_impulse(std::size_t k, const LocalVector<D>& r) { impulses[k] = swept(rows[k].normal, r); }
   GrainContact<D> contact(std::size_t k, std::span<const GrainVelocity<D>> v) const;
+  const Levers<D>* levers(std::size_t k) const { return others.empty() ? nullptr : others[k].levers.get(); }
   /// Relative velocity of contact k, m/s, without bias; and V += M^-1 H_k r.
   LocalVector<D> relative_velocity_at(std::size_t k, std::span<const GrainVelocity<D>> v) const {
-    const ContactRow<D>& row = rows[k];
-    const GrainVelocity<D>&a = v[static_cast<std::size_t>(row.a)], &b = v[static_cast<std::size_t>(row.b)];
-    if (!others.empty() && others[k].levers) return relative_velocity(*others[k].levers, a, b);
-    return relative_velocity(row.normal, a, b);
+    return relative_velocity<D>(rows[k].normal, levers(k), v[at(rows[k].a)], v[at(rows[k].b)]);
   }
   void push_bodies(std::size_t k, const LocalVector<D>& r, std::span<GrainVelocity<D>> v) const {
-    const ContactRow<D>& row = rows[k];
-    const Levers<D>* const levers = others.empty() ? nullptr : others[k].levers.get();
-    push(v[static_cast<std::size_t>(row.a)], levers ? levers->a.impulse(r) : impulse_on_grain(row.normal, -1, r));
-    push(v[static_cast<std::size_t>(row.b)], levers ? levers->b.impulse(r) : impulse_on_grain(row.normal, 1, r));
+    apply_impulse<D>(rows[k].normal, levers(k), r, v[at(rows[k].a)], v[at(rows[k].b)]);
   }
 };
 

@@ -20,12 +20,13 @@ struct ContactPairs {
   std::vector<Index> colour = {};                       ///< of every grain and then of every wall; empty: no rules
   std::map<std::array<Index, 2>, PairRule> rules = {};  ///< by two colours, the smaller first
 
-  /// The rule of two bodies; null if there is none.
-  const PairRule* of(Index a, Index b) const {
-    if (colour.empty()) return nullptr;
+  /// The rule of two bodies; one that changes nothing if there is none.
+  const PairRule& of(Index a, Index b) const {
+    static constexpr PairRule none;
+    if (colour.empty()) return none;
     const auto [low, high] = std::minmax(colour[at(a)], colour[at(b)]);
     const auto found = rules.find({low, high});
-    return found == rules.end() ? nullptr : &found->second;
+    return found == rules.end() ? none : found->second;
   }
   bool bonds() const {
     return std::ranges::any_of(rules, [](const auto& one) { return one.second.bond; });
@@ -60,10 +61,7 @@ struct GranularSystem {
   /// Whether a number of node_of is that of a body that impulses move.
   bool is_free_node(Index node) const { return node >= grains() || (node >= 0 && free(node)); }
   /// Whether impulses can move what a grain or wall belongs to.
-  bool moves(Index body) const {
-    const Index k = boundary_of(body);
-    return k < 0 || boundaries[at(k)].node >= 0;
-  }
+  bool moves(Index body) const { return is_free_node(node_of(body)); }
   /// Whether a grain or wall has the friction of boundaries: those of bodies that are free in all directions have not.
   bool is_boundary(Index body) const {
     const Index k = boundary_of(body);
@@ -74,8 +72,7 @@ struct GranularSystem {
   bool may_touch(Index a, Index b) const {
     const Index k = boundary_of(a), l = boundary_of(b);
     if ((k >= 0 || l >= 0) && (!(moves(a) || moves(b)) || k == l || waits(a) || waits(b))) return false;
-    const PairRule* const rule = pairs.of(a, b);
-    return rule == nullptr || rule->touch;
+    return pairs.of(a, b).touch;
   }
   /// Whether a grain waits in a source.
   bool waits(Index body) const {
@@ -84,10 +81,10 @@ struct GranularSystem {
   }
   Index free_grains() const { return std::count(driven_by.begin(), driven_by.end(), Index{-1}); }
   bool free(Index grain) const { return driven_by[at(grain)] < 0; }
-  /// Of a body of a step, 1/kg; 0 for a driven grain.
-  double inverse_mass(Index number) const {
-    if (number >= grains()) return 1 / body(number).body->mass;
-    return free(number) ? 1 / mass[at(number)] : 0;
+  /// Of a number of node_of, 1/kg; 0 for a body that impulses do not move.
+  double inverse_mass(Index node) const {
+    if (node >= grains()) return 1 / body(node).body->mass;
+    return node >= 0 && free(node) ? 1 / mass[at(node)] : 0;
   }
   /// Of a body of a step: its radius three times, or FreeBody::rims.
   std::array<double, 3> rims(Index number) const {
@@ -105,6 +102,9 @@ struct GranularSystem {
   }
   double length(const Place& a) const { return dimension == 2 ? std::hypot(a[0], a[1]) : std::hypot(a[0], a[1], a[2]); }
 };
+
+/// The bodies (a, b) of a contact or of what is remembered of one: lists ascend by them.
+inline constexpr auto body_pair = [](const auto& one) { return std::pair(one.a, one.b); };
 
 /// Impulse of a contact in the last step. Bodies a < b: grains by their number, wall w as grains() + w.
 struct RememberedImpulse {
@@ -217,6 +217,15 @@ void set_motion(GranularState& state, std::size_t grain, const GrainMotion& velo
 
 /// Moves the centre of a grain there, m, and turns the grain by an axis times an angle, rad.
 void move_grain(GranularState& state, std::size_t grain, const Place& centre, const Place& angle);
+
+/// Releases the next grain of every source (Boundary::source) whose point is free: no grain would be touched, and
+/// behind the first state no centre of a grain that impulses move is within GrainSource::distance.
+/// The grain, which waited as a driven one, is at rest at the point then, and free. Grains leave in the order of their
+/// numbers.
+void release_grains(GranularSystem& system, GranularState& state);
+
+/// Frees the grains of a system that are released in a state of it.
+void free_released_grains(GranularSystem& system, const GranularState& state);
 
 /// "disk 3", "sphere 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" (grains() + its number).
 std::string body_name(const GranularSystem& system, Index body);

@@ -1,29 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/levers.hpp"
-
 #include "core/fail.hpp"
-#include "mechanics/contact_law.hpp"
+#include "mechanics/step_contacts.hpp"
 
 namespace nscdd {
 namespace {
 
 // The lever of a contact on the grain or wall `body`, sign -1 for a and +1 for b.
 template <int D>
-Lever<D> lever_on(const StepStart& start, const Configuration& where, const StepContact& c, Index body, double sign) {
-  const auto& [system, state, interaction, scheme] = start;
+Lever<D> lever_on(const GranularSystem& system, const Configuration& where, const StepContact& c, Index body,
+                  double sign) {
   const Direction<D> normal = narrowed<D>(c.normal);
   const auto directions = contact_directions<D>();
-  const Index node = system.node_of(body);
   Lever<D> lever;
-  if (node < system.grains()) {  // a grain, a driven one or a wall
-    for (std::size_t d = 0; d < D; ++d) lever.rows[d] = impulse_on_grain(normal, sign, directions[d]);
-    lever.moves.fill(1);
-    return lever;
-  }
+  for (std::size_t d = 0; d < D; ++d) lever.rows[d] = impulse_on_grain(normal, sign, directions[d]);
+  lever.moves.fill(1);
+  if (system.node_of(body) < system.grains()) return lever;  // a grain, a driven one or a wall
   const Index k = system.boundary_of(body);
   const FreeBody& own = *system.boundaries[at(k)].body;
   const Pose& pose = where.poses[at(k)];
-  const Place arm = difference(contact_point(system, where, c, body), {pose.x, pose.y, pose.z});
+  const Place arm = difference(contact_point(system, where, c, body), pose.place());
   const std::array<double, 3> rims = own.rims(system.dimension);
   const Eigen::Matrix3d axes = principal_axes(own, pose);
   for (std::size_t d = 0; d < D; ++d) {
@@ -31,7 +26,6 @@ Lever<D> lever_on(const StepStart& start, const Configuration& where, const Step
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();
     for (std::size_t j = 0; j < D; ++j) direction[static_cast<Index>(j)] = on_b[j];
     const Eigen::Vector3d turn = Eigen::Vector3d::Map(arm.data()).cross(direction);
-    for (std::size_t j = 0; j < D; ++j) lever.rows[d][j] = sign * on_b[j];
     if constexpr (D == 2)
       lever.rows[d][2] = sign * turn[2] / rims[2];
     else
@@ -68,12 +62,9 @@ template <int D>
 std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configuration& where, const StepContact& c) {
   const GranularSystem& system = start.system;
   if (std::max(system.node_of(c.a), system.node_of(c.b)) < system.grains()) return nullptr;
-  Levers<D> levers{lever_on<D>(start, where, c, c.a, -1), lever_on<D>(start, where, c, c.b, 1)};
-  const auto inverse_mass = [&](Index body) {
-    const Index node = system.node_of(body);
-    return node < 0 ? 0 : system.inverse_mass(node);
-  };
-  const Sliding sliding = sliding_of(levers, inverse_mass(c.a), inverse_mass(c.b));
+  Levers<D> levers{lever_on<D>(system, where, c, c.a, -1), lever_on<D>(system, where, c, c.b, 1)};
+  const Sliding sliding =
+      sliding_of(levers, system.inverse_mass(system.node_of(c.a)), system.inverse_mass(system.node_of(c.b)));
   const bool rubs =
       std::visit([](const auto& law) { return law.rubs; }, contact_law(start.interaction, start.scheme.step, 1));
   if (sliding == Sliding::tied && rubs && std::max(friction_of(start, c, false), friction_of(start, c, true)) > 0)
@@ -86,31 +77,7 @@ std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configu
   return std::make_shared<const Levers<D>>(levers);
 }
 
-template <int D>
-Lever<D> on_spins(Lever<D> lever, const std::array<double, 3>& rims) {
-  for (auto& row : lever.rows)
-    for (std::size_t k = D; k < row.size(); ++k) row[k] *= rims[D == 2 ? k : k - D];
-  return lever;
-}
-
-template <int D>
-LocalVector<D> driven_part(const GrainContact<D>& c, const std::vector<GrainVelocity<D>>& bodies) {
-  LocalVector<D> sum;
-  for (const auto& [lever, body] : {std::pair(&c.levers->a, c.a), std::pair(&c.levers->b, c.b)}) {
-    const GrainVelocity<D>& v = bodies[at(body)];
-    if (v.inverse_mass == 0) continue;  // counted whole
-    GrainUnknowns<D> own = unknowns(v);
-    for (std::size_t k = 0; k < own.size(); ++k) own[k] *= 1 - lever->moves[k];
-    sum = sum + lever->velocity(own);
-  }
-  return sum;
-}
-
 template std::shared_ptr<const Levers<2>> levers_of(const StepStart&, const Configuration&, const StepContact&);
 template std::shared_ptr<const Levers<3>> levers_of(const StepStart&, const Configuration&, const StepContact&);
-template Lever<2> on_spins(Lever<2>, const std::array<double, 3>&);
-template Lever<3> on_spins(Lever<3>, const std::array<double, 3>&);
-template LocalVector<2> driven_part(const GrainContact<2>&, const std::vector<GrainVelocity<2>>&);
-template LocalVector<3> driven_part(const GrainContact<3>&, const std::vector<GrainVelocity<3>>&);
 
 }  // namespace nscdd

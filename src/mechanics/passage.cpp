@@ -28,13 +28,10 @@ class Pair {
         a_(at(a)),
         b_(at(b)),
         wall_(b - path.system.grains()),
+        boundary_(wall_ >= 0 ? path.system.boundary_of(b)
+                             : std::max(path.system.driven_by[a_], path.system.driven_by[b_])),
         radius_(path.system.radius[a_]),
-        steps_(steps) {
-    if (wall_ >= 0)
-      boundary_ = path.places.back().walls[at(wall_)].boundary;
-    else
-      boundary_ = std::max(path.system.driven_by[a_], path.system.driven_by[b_]);
-  }
+        steps_(steps) {}
 
   // Round bodies have a line from centre to centre or axis. Other walls are flat or hollow, or have ends.
   bool driven() const { return boundary_ >= 0; }
@@ -60,8 +57,7 @@ class Pair {
   double overlap_inside(const Place& from, const Place& to) const {
     const Configuration& where = path_.places.back();
     Wall plank = wall(where);
-    const Pose& pose = where.poses[at(boundary_)];
-    plank.point = difference(plank.point, {pose.x, pose.y, pose.z});
+    plank.point = difference(plank.point, where.poses[at(boundary_)].place());
     if (plank.has_ends()) return radius_ - least_height(plank, from, difference(to, from));
     if (!plank.plank()) return -infinity;
     const double before = dot(difference(from, plank.point), plank.normal),
@@ -73,8 +69,7 @@ class Pair {
   }
   Place place_at_wall(std::size_t place) const {
     const Configuration& where = path_.places[place];
-    const Pose& pose = where.poses[at(boundary_)];
-    return seen(place, difference(centre(where), {pose.x, pose.y, pose.z}));
+    return seen(place, difference(centre(where), where.poses[at(boundary_)].place()));
   }
 
  private:
@@ -92,7 +87,7 @@ class Pair {
 
   const Path& path_;
   std::size_t a_, b_;
-  Index wall_, boundary_ = -1;
+  Index wall_, boundary_;
   double radius_;
   Place steps_;
 };
@@ -203,8 +198,7 @@ Passage of_image(const Path& path, Index a, Index b, double gap, const Place& st
   const Place line = pair.line(path.places.size() - 1);
   const double now = path.system.length(line), then = path.system.length(*met);
   if (!(dot(line, *met) < std::cos(largest_turn) * now * then)) return passage;
-  passage.normal.emplace();
-  for (std::size_t k = 0; k < 3; ++k) (*passage.normal)[k] = (*met)[k] / then;
+  passage.normal = divided(*met, then);
   return passage;
 }
 

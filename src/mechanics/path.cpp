@@ -13,26 +13,15 @@ Place nearest_in_plank(const Wall& plank, const Place& p) {
 WallPoint nearest_point(const Wall& wall, const Place& centre) {
   const Place &point = wall.point, &normal = wall.normal;
   const double along = dot(difference(centre, point), normal);
-  const Place below = moved_along(centre, -along, normal);
-  if (wall.radius == 0) return {below, normal, along};
-  if (wall.plank()) {
-    const Place nearest = nearest_in_plank(wall, centre);
-    Place outwards = difference(centre, nearest);
-    const double distance = std::sqrt(dot(outwards, outwards));
-    if (distance > 0)
-      for (double& one : outwards) one /= distance;
-    else
-      outwards = normal;
-    return {moved_along(nearest, wall.radius, outwards), outwards, distance - wall.radius};
-  }
-  // A cylinder: from here `normal` is its axis and `outwards` the direction away from it.
-  const Place axis_point = moved_along(point, along, normal);
-  Place outwards = difference(centre, axis_point);
-  const double distance = std::sqrt(dot(outwards, outwards));
-  if (distance > 0)
-    for (double& one : outwards) one /= distance;
-  else  // all points are as near as this one
-    outwards = tangents_of(normal).first;
+  if (wall.radius == 0) return {moved_along(centre, -along, normal), normal, along};
+  // `outwards`: away from the middle of a plank, or from the axis of a cylinder, whose direction is `normal`.
+  const bool plank = wall.plank();
+  const Place middle = plank ? nearest_in_plank(wall, centre) : moved_along(point, along, normal);
+  const Place away = difference(centre, middle);
+  const double distance = std::sqrt(dot(away, away));
+  Place outwards = plank ? normal : tangents_of(normal).first;  // if all points are as near
+  if (distance > 0) outwards = divided(away, distance);
+  if (plank) return {moved_along(middle, wall.radius, outwards), outwards, distance - wall.radius};
   const double radius = std::abs(wall.radius), inwards = wall.radius > 0 ? -1 : 1;
   const double beyond = std::abs(along) - wall.half_length, aside = std::max(distance - radius, 0.0);
   if (wall.has_ends() && beyond > std::min(distance - radius, 0.0)) {  // an end or its edge is the nearest
@@ -41,7 +30,7 @@ WallPoint nearest_point(const Wall& wall, const Place& centre) {
     if (aside == 0) return {foot, moved_along({}, sign, normal), height};
     return {foot, moved_along(moved_along({}, sign * beyond / height, normal), aside / height, outwards), height};
   }
-  const Place foot = moved_along(axis_point, radius, outwards);
+  const Place foot = moved_along(middle, radius, outwards);
   for (double& one : outwards) one *= inwards;
   return {foot, outwards, inwards * (distance - radius)};
 }
@@ -59,9 +48,12 @@ WallPoint nearest_point(const GranularSystem& system, const Wall& wall, const Pl
   return found;
 }
 
+namespace {
+
+// The configuration `time` after the state, at its velocities and `motions` of boundaries.
 Configuration configuration(const StepStart& start, const std::vector<RigidVelocity>& motions, double time) {
   const auto& [system, state, interaction, scheme] = start;
-  Configuration where{state.x, state.y, state.z, system.walls, state.poses, step_motions(system, state, scheme)};
+  Configuration where{state.x, state.y, state.z, system.walls, state.poses, step_motions(start)};
   for (std::size_t k = 0; k < where.poses.size(); ++k)
     where.poses[k] = advanced(where.poses[k], motions[k], time, system.dimension);
   for (std::size_t i = 0; i < where.x.size(); ++i) {
@@ -78,13 +70,6 @@ Configuration configuration(const StepStart& start, const std::vector<RigidVeloc
     wall = moved(wall, system.boundaries[at(wall.boundary)].motion, where.poses[at(wall.boundary)]);
   return where;
 }
-
-Configuration where_contacts_are(const StepStart& start) {
-  const auto& [system, state, interaction, scheme] = start;
-  return configuration(start, first_motions(system, state, scheme), (1 - scheme.theta) * scheme.step);
-}
-
-namespace {
 
 // Largest error of the chords of a path, times the smallest radius.
 constexpr double chord_error = 0.01;
@@ -106,8 +91,7 @@ double farthest(const StepStart& start, std::size_t boundary) {
 double spin_of(const RigidVelocity& v) { return std::hypot(v.spin_x, v.spin_y, v.spin); }
 
 // Bound of the speed of a grain relative to another or to a wall, m/s. velocity(i): of a free grain.
-template <class Velocity>
-double fastest_of(const StepStart& start, const std::vector<RigidVelocity>& motions, const Velocity& velocity) {
+double fastest_of(const StepStart& start, const std::vector<RigidVelocity>& motions, const auto& velocity) {
   const auto& [system, state, interaction, scheme] = start;
   Place low, high;
   low.fill(system.boundaries.empty() ? infinity : 0);
@@ -184,19 +168,21 @@ std::vector<Leg> legs_to_contacts(const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   std::vector<Leg> legs;
   if (state.step > 0) legs.push_back(leg_before(start));
-  legs.push_back({0, (1 - scheme.theta) * scheme.step, first_motions(system, state, scheme)});
+  legs.push_back({0, (1 - scheme.theta) * scheme.step, first_motions(start)});
   return legs;
 }
 
 }  // namespace
 
+Configuration where_contacts_are(const StepStart& start) {
+  return configuration(start, first_motions(start), (1 - start.scheme.theta) * start.scheme.step);
+}
+
 Path Path::to_contacts(const StepStart& start) { return path_of(start, legs_to_contacts(start), false); }
 
 Path Path::whole(const StepStart& start, bool onwards) {
   std::vector<Leg> legs = legs_to_contacts(start);
-  if (onwards)
-    legs.push_back(
-        {legs.back().to, legs.back().to + start.scheme.step, step_motions(start.system, start.state, start.scheme)});
+  if (onwards) legs.push_back({legs.back().to, legs.back().to + start.scheme.step, step_motions(start)});
   return path_of(start, legs, true);
 }
 
@@ -204,8 +190,7 @@ Path Path::to_end(const StepStart& after) { return path_of(after, {leg_before(af
 
 bool end_is_near(const StepStart& start, const std::vector<GrainMotion>& velocities) {
   const auto& [system, state, interaction, scheme] = start;
-  const double fastest =
-      fastest_of(start, step_motions(system, state, scheme), [&](std::size_t i) { return velocities[i]; });
+  const double fastest = fastest_of(start, step_motions(start), [&](std::size_t i) { return velocities[i]; });
   return scheme.theta * scheme.step * fastest <= largest_overlap * std::ranges::min(system.radius);
 }
 

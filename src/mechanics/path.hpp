@@ -18,9 +18,7 @@ struct Configuration {
   }
 };
 
-/// The configuration `time` after the state, at its velocities and `motions` of boundaries; and where contacts are
-/// found.
-Configuration configuration(const StepStart& start, const std::vector<RigidVelocity>& motions, double time);
+/// The configuration where contacts are found.
 Configuration where_contacts_are(const StepStart& start);
 
 /// The point of a wall nearest to the centre of a grain, and its distance, > 0 on the grains' side.

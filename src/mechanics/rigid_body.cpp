@@ -86,12 +86,6 @@ Place velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const P
           velocity.z + (velocity.spin_x * dy - velocity.spin_y * dx)};
 }
 
-bool turns(const Motion& motion) {
-  const auto spins = [](const RigidVelocity& v) { return v.spin_x != 0 || v.spin_y != 0 || v.spin != 0; };
-  return std::ranges::any_of(motion.velocity, spins) ||
-         std::ranges::any_of(motion.oscillations, spins, &Oscillation::amplitude);
-}
-
 double& along(RigidVelocity& velocity, BodyDirection direction) {
   const std::array<double*, 6> numbers{&velocity.x,      &velocity.y,      &velocity.z,
                                        &velocity.spin_x, &velocity.spin_y, &velocity.spin};
@@ -160,10 +154,8 @@ void check(const std::string& name, const Motion& motion, const char* what) {
 bool acts(const Motion& motion, BodyDirection direction) {
   const auto is_set = [&](RigidVelocity v) { return along(v, direction) != 0; };
   return std::ranges::any_of(motion.velocity, is_set) ||
-         std::ranges::any_of(motion.oscillations, [&](const Oscillation& one) { return is_set(one.amplitude); });
+         std::ranges::any_of(motion.oscillations, is_set, &Oscillation::amplitude);
 }
-
-bool is_spin(BodyDirection direction) { return direction >= BodyDirection::spin_x; }
 
 void check(const std::string& name, const Motion& motion, const FreeBody& body, Index dimension) {
   const auto refuse = [&](const std::string& expected, const std::string& met) {
@@ -179,7 +171,7 @@ void check(const std::string& name, const Motion& motion, const FreeBody& body, 
       if (dimension == 2 && !in_plane) refuse("free directions x, y and spin in the plane", word);
       if (acts(motion, direction)) refuse("directions that are free or driven", word + " as both");
       ++free;
-      spins += is_spin(direction);
+      spins += direction >= BodyDirection::spin_x;
     } else if (acts(body.load, direction)) {
       refuse("forces along free directions", "one along " + word + ", which is driven");
     }
@@ -195,6 +187,11 @@ void check(const std::string& name, const Motion& motion, const FreeBody& body, 
 }
 
 }  // namespace
+
+bool turns(const Motion& motion) {
+  return acts(motion, BodyDirection::spin_x) || acts(motion, BodyDirection::spin_y) ||
+         acts(motion, BodyDirection::spin);
+}
 
 void check(const Boundary& boundary, Index dimension) {
   check(boundary.name, boundary.motion, "motion");

@@ -19,6 +19,10 @@ inline Place cross(const Place& a, const Place& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 inline Place difference(const Place& to, const Place& from) { return moved_along(to, -1, from); }
+inline Place divided(Place a, double divisor) {
+  for (double& number : a) number /= divisor;
+  return a;
+}
 
 /// Velocity of a grain, (x, y, z, rim_x, rim_y, rim_z), in the plane (x, y, 0, 0, 0, rim), m/s.
 using GrainMotion = GrainUnknowns<3>;
@@ -76,9 +80,6 @@ constexpr auto names_of(BodyDirection) {
   return std::to_array<std::string_view>({"x", "y", "z", "spin_x", "spin_y", "spin"});
 }
 double& along(RigidVelocity& velocity, BodyDirection direction);
-struct FreeBody;
-/// Sets `to` along the free directions of a body to `from`.
-void take_free(const FreeBody& body, RigidVelocity from, RigidVelocity& to);
 
 /// What moves a rigid body along its free directions. In space all of its rotations are free, or none.
 struct FreeBody {
@@ -96,6 +97,8 @@ struct FreeBody {
   /// inertia; 1 if there is no inertia.
   std::array<double, 3> rims(Index dimension) const;
 };
+/// Sets `to` along the free directions of a body to `from`.
+void take_free(const FreeBody& body, RigidVelocity from, RigidVelocity& to);
 
 /// Where a boundary releases its grains one by one, see release_grains.
 struct GrainSource {
@@ -119,6 +122,8 @@ struct Pose {
   double x = 0, y = 0, angle = 0;  ///< m, rad
   double z = 0;
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+
+  Place place() const { return {x, y, z}; }
 };
 
 /// A wall at time 0, which moves with its boundary: in the plane a straight line, in space a plane, with grains on the

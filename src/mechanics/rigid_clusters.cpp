@@ -23,11 +23,7 @@ bool hold(const Matrix& rows) { return rows.rows() >= rows.cols() && gram_holds(
 class ClusterSearch {
  public:
   ClusterSearch(const Matrix& centres, const std::vector<Bar>& bars)
-      : centres_(centres),
-        bars_(bars),
-        d_(centres.rows()),
-        cluster_(at(centres.cols()), -1),
-        neighbours_(cluster_.size()) {
+      : centres_(centres), bars_(bars), cluster_(at(centres.cols()), -1), neighbours_(cluster_.size()) {
     for (const Bar& bar : bars) {
       neighbours_[at(bar.a)].push_back(bar.b);
       neighbours_[at(bar.b)].push_back(bar.a);
@@ -185,7 +181,7 @@ class ClusterSearch {
 
   const Matrix& centres_;
   const std::vector<Bar>& bars_;
-  Index d_, clusters_ = 0;
+  Index d_ = centres_.rows(), clusters_ = 0;
   std::vector<Index> cluster_;
   std::vector<std::vector<Index>> neighbours_;  // of each point, ascending
 };

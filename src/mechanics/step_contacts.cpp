@@ -52,9 +52,7 @@ class ContactSearch {
     const double range = start.interaction.cohesion_range;
     const double touch = touching_gap * std::ranges::max(radius);
     const double held = pulls_ ? (range >= 0 ? range : touch) : opens_ ? 0 : touch;
-    const double alert = alert_distance(system_, start.scheme);
-    alert_ = std::max(alert, held);
-    if (system_.pairs.bonds()) bond_distance_ = alert;
+    alert_ = std::max(bond_distance_, held);
     foreseen_ = std::max(alert_, 2 * fastest * start.scheme.step);  // largest approach of two grains
     for (const RememberedBond& one : start.state.bonds) foreseen_ = std::max(foreseen_, 2 * one.gap);
   }
@@ -68,7 +66,7 @@ class ContactSearch {
  private:
   GrainMotion motion_of(Index grain) const { return free_motion(start_, where_.poses, where_.motions, grain); }
 
-  bool bonded(const StepContact& c) const { return bond_distance_ && bond_of(start_, c, *bond_distance_); }
+  bool bonded(const StepContact& c) const { return bonds_ && bond_of(start_, c, bond_distance_); }
 
   Place velocity_of_second(const StepContact& c) const {
     if (c.b < system_.grains()) return velocity_of(motion_of(c.b));
@@ -97,13 +95,9 @@ class ContactSearch {
     const double touch = system_.radius[at(a)] + system_.radius[at(b)], in_reach = touch + foreseen_;
     const double distance = std::sqrt(square);
     if (!(distance > 0)) return visit_concentric(a, b, touch);
-    Place half;
-    for (std::size_t k = 0; k < 3; ++k) {
-      half[k] = (from[k] + to[k]) / 2;
-      apart[k] /= distance;
-    }
+    Place half = divided(moved_along(from, 1, to), 2);
     if (periodic) half = moved_along(half, 1, system_.period.into_cell(half));
-    visit_if_near({a, b, apart, half, distance - touch}, square <= in_reach * in_reach);
+    visit_if_near({a, b, divided(apart, distance), half, distance - touch}, square <= in_reach * in_reach);
   }
 
   void visit_concentric(Index a, Index b, double touch) {
@@ -142,8 +136,7 @@ class ContactSearch {
         const double touch = system_.length(line) - gap;
         const auto meeting = part_until(line, move, touch, step);
         if (!meeting) return;
-        Place normal = moved_along(line, *meeting, move);
-        for (double& one : normal) one /= touch;
+        const Place normal = divided(moved_along(line, *meeting, move), touch);
         if (dot(c.normal, normal) < std::cos(largest_turn)) {
           c.normal = normal;
           c.gap = 0;
@@ -168,8 +161,7 @@ class ContactSearch {
       if (node < system_.grains()) return true;
       const Index k = system_.boundary_of(body);
       const FreeBody& own = *system_.boundaries[at(k)].body;
-      const Pose& pose = where_.poses[at(k)];
-      const Place arm = difference(contact_point(system_, where_, c, body), {pose.x, pose.y, pose.z});
+      const Place arm = difference(contact_point(system_, where_, c, body), where_.poses[at(k)].place());
       const Place turn = cross(arm, c.normal);
       for (std::size_t j = 0; j < 3; ++j)
         if ((own.directions[j] && std::abs(c.normal[j]) > part) ||
@@ -195,9 +187,10 @@ class ContactSearch {
   const std::function<void(const StepContact&)>& visit_;
   const Path path_ = Path::to_contacts(start_);
   const Configuration& where_ = path_.places.back();
-  bool pulls_ = false, opens_ = true;         // of the law
-  bool on_touch_ = false;                     // contacts act only where bodies touch
-  std::optional<double> bond_distance_ = {};  // m, see bond_of; none without bonds
+  bool pulls_ = false, opens_ = true;  // of the law
+  bool on_touch_ = false;              // contacts act only where bodies touch
+  const bool bonds_ = system_.pairs.bonds();
+  const double bond_distance_ = alert_distance(system_, start_.scheme);  // m, see bond_of
   double alert_ = 0, foreseen_ = 0;  // largest gaps of contacts, m: at any velocity, and at the velocities of the step
   ConsideredContacts considered_;
 };
@@ -215,9 +208,9 @@ Place contact_point(const GranularSystem& system, const Configuration& where, co
 }
 
 double friction_of(const StepStart& start, const StepContact& c, bool slid) {
-  const PairRule* const rule = start.system.pairs.of(c.a, c.b);
-  if (rule != nullptr && rule->static_friction && !slid) return *rule->static_friction;
-  if (rule != nullptr && rule->friction) return *rule->friction;
+  const PairRule& rule = start.system.pairs.of(c.a, c.b);
+  if (rule.static_friction && !slid) return *rule.static_friction;
+  if (rule.friction) return *rule.friction;
   return start.interaction.friction_of(start.system.is_boundary(c.a) || start.system.is_boundary(c.b), slid);
 }
 
@@ -227,11 +220,9 @@ bool hold(const GranularSystem& system, const Interaction& interaction, const St
 }
 
 std::optional<RememberedBond> bond_of(const StepStart& start, const StepContact& contact, double alert_distance) {
-  const PairRule* const rule = start.system.pairs.of(contact.a, contact.b);
-  if (rule == nullptr || !rule->bond) return std::nullopt;
-  const auto ends = [](const auto& one) { return std::pair(one.a, one.b); };
-  const auto known = std::ranges::lower_bound(start.state.bonds, ends(contact), {}, ends);
-  if (known != start.state.bonds.end() && ends(*known) == ends(contact)) return *known;
+  if (!start.system.pairs.of(contact.a, contact.b).bond) return std::nullopt;
+  const auto known = std::ranges::lower_bound(start.state.bonds, body_pair(contact), {}, body_pair);
+  if (known != start.state.bonds.end() && body_pair(*known) == body_pair(contact)) return *known;
   const double near = std::max(alert_distance, touching_gap * start.system.smaller_radius(contact.a, contact.b));
   if (contact.gap > near) return std::nullopt;
   return RememberedBond{contact.a, contact.b, contact.gap};
@@ -239,20 +230,6 @@ std::optional<RememberedBond> bond_of(const StepStart& start, const StepContact&
 
 double alert_distance(const GranularSystem& system, const TimeStepping& scheme) {
   return scheme.alert * std::ranges::min(system.radius);
-}
-
-Interpenetration interpenetration(const GranularSystem& system, const std::vector<StepContact>& contacts) {
-  Interpenetration result;
-  Index overlaps = 0;
-  for (const StepContact& c : contacts) {
-    if (c.gap >= 0) continue;
-    result.maximum = std::max(result.maximum, -c.gap);
-    result.relative = std::max(result.relative, -c.gap / system.smaller_radius(c.a, c.b));
-    result.mean -= c.gap;
-    ++overlaps;
-  }
-  if (overlaps > 0) result.mean /= static_cast<double>(overlaps);
-  return result;
 }
 
 }  // namespace nscdd

@@ -32,6 +32,13 @@ ConsideredContacts for_each_step_contact(const StepStart& start, const std::func
 /// The point of the surface of one of its bodies where a contact acts, m; in a periodic cell the image at its body.
 Place contact_point(const GranularSystem& system, const Configuration& where, const StepContact& contact, Index body);
 
+/// The levers of a contact with a body with free directions; null for others. Tangential impulses that move nothing are
+/// left out: their rows are 0, see Levers::rubs. Throws Error naming both bodies if W is singular in another way and
+/// there is friction.
+template <int D>
+std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configuration& where,
+                                           const StepContact& contact);
+
 /// Coulomb's coefficient of a contact, by the rule of its colours if there is one. `slid`: in the last step.
 double friction_of(const StepStart& start, const StepContact& contact, bool slid);
 
@@ -49,7 +56,6 @@ struct Interpenetration {
   double maximum = 0, mean = 0;  ///< m, over the contacts that overlap; 0 if none does
   double relative = 0;           ///< the largest ratio of an overlap to the smaller radius of its two bodies
 };
-Interpenetration interpenetration(const GranularSystem& system, const std::vector<StepContact>& contacts);
 
 /// Throws Error if bodies overlap too far where the contacts of the next step are found, or on their path there. It
 /// names the bodies of the first such contact or, if the step is too long, the step, how far they move, and a step that

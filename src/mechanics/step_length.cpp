@@ -11,21 +11,15 @@ bool is_of_step(const DeepOverlap& one, const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   if (one.overlap <= one.before) return false;
   if (state.step == 0) return one.before <= largest_overlap * system.smaller_radius(one.a, one.b);
-  const double alert = interaction.on_velocity() ? 0 : scheme.alert * std::ranges::min(system.radius);
+  const double alert = interaction.on_velocity() ? 0 : alert_distance(system, scheme);
   return -one.before > alert;
 }
 
 // Largest ratio of speeds after and before an impact, for a light body that a heavy one throws.
 double thrown(const DeepOverlap& one, const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
-  const auto inverse_mass = [&system = system](Index body) {
-    const Index node = system.node_of(body);
-    return node < 0 ? 0 : system.inverse_mass(node);
-  };
-  const double a = inverse_mass(one.a), b = inverse_mass(one.b);
-  const PairRule* const rule = system.pairs.of(one.a, one.b);
-  const double restitution =
-      rule != nullptr ? rule->restitution.value_or(interaction.restitution) : interaction.restitution;
+  const double a = system.inverse_mass(system.node_of(one.a)), b = system.inverse_mass(system.node_of(one.b));
+  const double restitution = system.pairs.of(one.a, one.b).restitution.value_or(interaction.restitution);
   return std::max(1.0, (1 + restitution) * std::max(a, b) / (a + b));
 }
 
@@ -58,14 +52,10 @@ double rounded_down(double step) {  // to three digits
                           one.path / system.smaller_radius(one.a, one.b), one.overlap));
 }
 
-void sort_by_bodies(std::vector<DeepOverlap>& deep) {
-  std::ranges::sort(deep, {}, [](const DeepOverlap& one) { return std::pair(one.a, one.b); });
-}
-
 bool all_finite(const StepStart& start) {
   const auto finite = [](double one) { return std::isfinite(one); };
-  const auto motions = step_motions(start.system, start.state, start.scheme);
-  const auto poses = poses_at_contacts(start.system, start.state, start.scheme);
+  const auto motions = step_motions(start);
+  const auto poses = poses_at_contacts(start);
   for (Index i = 0; i < start.system.grains(); ++i)
     if (!std::ranges::all_of(centre_of(start.state, at(i)), finite) ||
         !std::ranges::all_of(free_motion(start, poses, motions, i), finite))
@@ -85,8 +75,8 @@ double safe_step(const StepStart& start) {
   constexpr int most_tries = 100;
   for (int k = 0; k < most_tries; ++k) {
     double least = shorter.step;
-    const auto motions = step_motions(system, state, shorter);
-    const auto poses = poses_at_contacts(system, state, shorter);
+    const auto motions = step_motions(tried);
+    const auto poses = poses_at_contacts(tried);
     for (Index i = 0; i < system.grains(); ++i) {
       const double speed = system.length(velocity_of(free_motion(tried, poses, motions, i)));
       if (shorter.step * speed > largest_move * system.radius[at(i)])
@@ -114,7 +104,7 @@ void check_overlaps(const StepStart& start, const std::vector<DeepOverlap>& foun
     return one.overlap <= largest_overlap * system.smaller_radius(one.a, one.b) && !is_of_step(one, start);
   });
   if (deep.empty()) return;
-  sort_by_bodies(deep);
+  std::ranges::sort(deep, {}, body_pair);
   for (const DeepOverlap& one : deep)
     if (!is_of_step(one, start))
       fail("{} and {}: expected an overlap of at most {} of the smaller radius, {:.4g} m, met {:.4g} m{}",
@@ -133,12 +123,12 @@ void check_end_of_step(const StepStart& start, const std::vector<GrainMotion>& v
   at_end.body_velocities = state.body_velocities;
   at_end.step = state.step;
   at_end.time = state.time;
-  finish_step(system, at_end, scheme, velocities, {});
   const StepStart after{system, at_end, interaction, scheme};
+  finish_step(after, at_end, velocities, {});
   std::vector<DeepOverlap> deep = Passage::too_deep(Path::to_end(after));
   std::erase_if(deep, [&](const DeepOverlap& one) { return !is_of_step(one, after); });
   if (deep.empty()) return;
-  sort_by_bodies(deep);
+  std::ranges::sort(deep, {}, body_pair);
   double safe = scheme.step;
   for (const DeepOverlap& one : deep) safe = std::min(safe, short_enough(one, after));
   refuse(after, deep.front(), rounded_down(safe));

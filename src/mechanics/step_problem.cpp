@@ -3,7 +3,6 @@
 
 #include "linalg/sparse_entries.hpp"
 #include "mechanics/contact_blocks.hpp"
-#include "mechanics/levers.hpp"
 #include "packing/grain_grid.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
@@ -37,6 +36,7 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
       continue;
     }
     bodies.push_back({a, count(problem.free)});
+    problem.numbers.push_back(static_cast<std::int32_t>(system.bodies() + count(problem.free) - given));
     const Wall& wall = where.walls[at(c.b - system.grains())];
     const std::size_t k = at(wall.boundary);
     const Place point = contact_point(system, where, c, c.b);
@@ -44,8 +44,6 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
     problem.free.push_back(with_motion<D>({now[0], now[1], now[2]}, 0));
     problem.start.push_back(with_motion<D>({before[0], before[1], before[2]}, 0));
   }
-  for (Index k = given; k < count(problem.free); ++k)
-    problem.numbers.push_back(static_cast<std::int32_t>(system.bodies() + k - given));
   return bodies;
 }
 
@@ -56,26 +54,22 @@ GrainContact<D> solver_contact(const StepStart& start, const StepContact& c, con
   const GrainVelocity<D>&a = problem.free[at(bodies[0])], &b = problem.free[at(bodies[1])];
   const Interaction& interaction = start.interaction;
   const double correction = start.scheme.penetration_correction;
-  GrainContact<D> k{
-      .a = static_cast<std::int32_t>(bodies[0]),
-      .b = static_cast<std::int32_t>(bodies[1]),
-      .normal = narrowed<D>(c.normal),
-      .inverse_mass_a = a.inverse_mass,
-      .inverse_mass_b = b.inverse_mass,
-      .bias = {c.gap > 0 ? (problem.opens ? c.gap / problem.h : 0) : std::max(correction * c.gap / problem.h, -push),
-               {}},
-      .friction = problem.rubs ? friction_of(start, c, slid) : 0,
-      .levers = std::move(levers)};
-  if (k.levers != nullptr && !k.levers->rubs()) k.friction = 0;
+  GrainContact<D> k{.a = static_cast<std::int32_t>(bodies[0]),
+                    .b = static_cast<std::int32_t>(bodies[1]),
+                    .normal = narrowed<D>(c.normal),
+                    .inverse_mass_a = a.inverse_mass,
+                    .inverse_mass_b = b.inverse_mass,
+                    .bias = {c.gap > 0 ? (opens(problem.law) ? c.gap / problem.h : 0)
+                                       : std::max(correction * c.gap / problem.h, -push),
+                             {}},
+                    .friction = problem.rubs && (levers == nullptr || levers->rubs()) ? friction_of(start, c, slid) : 0,
+                    .levers = std::move(levers)};
   if (interaction.on_velocity() || problem.tangential_bias) {
-    const PairRule* const rule = start.system.pairs.of(c.a, c.b);
-    const auto own = [&](auto restitution) {
-      return rule != nullptr && rule->*restitution ? *(rule->*restitution) : std::optional<double>();
-    };
+    const PairRule& rule = start.system.pairs.of(c.a, c.b);
     const LocalVector<D> before = relative_velocity(k, problem.start);
     if (interaction.on_velocity())
-      k.bias.n = own(&PairRule::restitution).value_or(interaction.restitution) * std::min(0.0, before.n);
-    k.bias.t = own(&PairRule::tangential_restitution).value_or(interaction.tangential_restitution) * before.t;
+      k.bias.n = rule.restitution.value_or(interaction.restitution) * std::min(0.0, before.n);
+    k.bias.t = rule.tangential_restitution.value_or(interaction.tangential_restitution) * before.t;
   }
   return k;
 }
@@ -130,13 +124,12 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
                                 std::vector<std::int32_t> numbers, const std::vector<RememberedImpulse>& last,
                                 bool warm_start) {
   const auto& [system, state, interaction, scheme] = start;
-  const auto first = first_motions(system, state, scheme);
+  const auto first = first_motions(start);
   StepProblem<D> problem;
   problem.h = scheme.step;
   set_scale(problem, interaction, 1);
-  const auto [opens, rubs, pulls, pull] =
-      std::visit([](const auto& law) { return std::tuple(law.opens, law.rubs, law.pulls, law.pull()); }, problem.law);
-  problem.opens = opens;
+  const auto [rubs, pulls, pull] =
+      std::visit([](const auto& law) { return std::tuple(law.rubs, law.pulls, law.pull()); }, problem.law);
   problem.friction = rubs ? interaction.friction_of(false, true) : 0;
   problem.boundary_friction = rubs ? interaction.friction_of(true, true) : 0;
   problem.pulls = pulls;
@@ -144,8 +137,7 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   problem.tangential_bias = interaction.tangential_restitution > 0;
   problem.own_frictions = rubs && interaction.static_friction >= 0;
   for (const auto& [colours, rule] : system.pairs.rules) {
-    problem.own_frictions = problem.own_frictions || (rubs && (rule.friction || rule.static_friction));
-    problem.own_frictions = problem.own_frictions || rule.bond;
+    problem.own_frictions = problem.own_frictions || rule.bond || (rubs && (rule.friction || rule.static_friction));
     problem.tangential_bias = problem.tangential_bias || rule.tangential_restitution.value_or(0) > 0;
   }
   problem.geometry = std::move(geometry);
@@ -158,27 +150,23 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
     problem.free.push_back(with_motion<D>(free_motion(start, where.poses, where.motions, i), system.inverse_mass(i)));
   }
   const auto bodies = add_wall_bodies<D>(problem, system, where, first);
-  const bool levers = !system.free_bodies.empty();
   const auto known = remembered(last, problem.geometry);
-  const bool bonds = system.pairs.bonds();
-  const double speed = bonds ? largest_speed(start, where.poses, where.motions, boundary_speed) : 0;
-  const double alert = bonds ? alert_distance(system, scheme) : 0;
+  const double speed = system.pairs.bonds() ? largest_speed(start, where.poses, where.motions, boundary_speed) : 0;
+  const double alert = alert_distance(system, scheme);
   double scale = 0;
   problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
     const StepContact& c = problem.geometry[k];
-    problem.contacts.push_back(solver_contact<D>(
+    GrainContact<D>& contact = problem.contacts.emplace_back(solver_contact<D>(
         start, c, bodies[k], problem, push_speed(scheme, system.smaller_radius(c.a, c.b), boundary_speed),
-        levers ? levers_of<D>(start, where, c) : nullptr, known[k] != nullptr && known[k]->slid));
-    if (problem.pulls && hold(system, interaction, c)) problem.contacts.back().pull = pull;
-    if (const auto bond = bonds ? bond_of(start, c, alert) : std::nullopt) {
+        levers_of<D>(start, where, c), known[k] != nullptr && known[k]->slid));
+    if (problem.pulls && hold(system, interaction, c)) contact.pull = pull;
+    if (const auto bond = bond_of(start, c, alert)) {
       const auto& [x, y, z] = known[k] != nullptr ? known[k]->impulse : std::array<double, 3>{};
-      make_bond(problem.contacts.back(), interaction.bond_strength, speed, std::hypot(x, y, z), c.gap - bond->gap,
-                problem.h);
+      make_bond(contact, interaction.bond_strength, speed, std::hypot(x, y, z), c.gap - bond->gap, problem.h);
     }
-    if (warm_start && known[k] != nullptr)
-      problem.contacts.back().impulse = recalled<D>(known[k]->impulse, problem.contacts.back().normal);
-    scale += 1 / inverse_normal_delassus(problem.contacts.back());
+    if (warm_start && known[k] != nullptr) contact.impulse = recalled<D>(known[k]->impulse, contact.normal);
+    scale += 1 / inverse_normal_delassus(contact);
   }
   set_scale(problem, interaction, scale / std::max(1.0, static_cast<double>(problem.contacts.size())));
   return problem;
@@ -229,9 +217,9 @@ GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodi
     const GrainContact<D>& k = contacts[at(c)];
     const BodyRows &a = rows_of[at(k.a)], &b = rows_of[at(k.b)];
     std::optional<Levers<D>> levers;
-    if (k.levers) levers = Levers<D>{on_spins(k.levers->a, rims_of[at(k.a)]), on_spins(k.levers->b, rims_of[at(k.b)])};
+    if (k.levers) levers = Levers<D>{k.levers->a.on_spins(rims_of[at(k.a)]), k.levers->b.on_spins(rims_of[at(k.b)])};
     for (const LocalVector<D>& direction : contact_directions<D>())
-      levers ? h.add_levers(*levers, a, b, direction) : h.add(k.normal, a, b, direction);
+      h.add(k.normal, a, b, direction, levers ? &*levers : nullptr);
     const LocalVector<D> carried = relative_velocity(k, driven) + k.bias;
     set_component<D>(problem.w, c, k.levers ? carried + driven_part(k, bodies) : carried);
     problem.friction[c] = k.friction;

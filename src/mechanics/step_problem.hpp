@@ -4,8 +4,6 @@
 #include "mechanics/contact_residual.hpp"
 #include "mechanics/step_contacts.hpp"
 
-#include <numeric>
-
 namespace nscdd {
 
 struct GlobalFrictionProblem;
@@ -19,7 +17,6 @@ struct StepProblem {
   double scale = 0;                            ///< W, the mean of the W_nn of the contacts, 1/kg; 0 without contacts
   double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one, see friction_of
   bool tangential_bias = false;                ///< contacts have a bias_t (tangential restitution)
-  bool opens = true;                           ///< impulses are unilateral
   bool rubs = true;                            ///< contacts have a tangential impulse
   bool own_frictions = false;                  ///< contacts have frictions of their own, by colours and statuses
   bool pulls = false;                          ///< the law pulls: contacts that touch have a pull
@@ -69,8 +66,8 @@ std::vector<const Remembered*> remembered(const std::vector<Remembered>& last,
   std::vector<const Remembered*> result;
   auto old = last.begin();
   for (const StepContact& c : contacts) {
-    while (old != last.end() && std::pair(old->a, old->b) < std::pair(c.a, c.b)) ++old;
-    const bool known = old != last.end() && old->a == c.a && old->b == c.b;
+    while (old != last.end() && body_pair(*old) < body_pair(c)) ++old;
+    const bool known = old != last.end() && body_pair(*old) == body_pair(c);
     result.push_back(known ? &*old : nullptr);
   }
   return result;
@@ -93,9 +90,9 @@ ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& c,
   work.dissipation = -dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
   // Work of the impulses -r on a and r on b at the mean velocities of driven ones, and of driven unknowns.
   const auto add = [&](std::int32_t body, double sign, const Lever<D>* lever) {
-    const GrainVelocity<D>& v = velocities[static_cast<std::size_t>(body)];
+    const GrainVelocity<D>& v = velocities[at(body)];
     if (v.inverse_mass > 0 && lever == nullptr) return;
-    const GrainUnknowns<D> now = unknowns(v), before = unknowns(problem.start[static_cast<std::size_t>(body)]);
+    const GrainUnknowns<D> now = unknowns(v), before = unknowns(problem.start[at(body)]);
     GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse);
     if (lever != nullptr) {
       Lever<D> driven = *lever;

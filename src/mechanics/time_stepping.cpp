@@ -19,50 +19,48 @@ RigidVelocity mean_load(const FreeBody& body, double time, const TimeStepping& s
   return sum(sum(weight, 1 - scheme.theta, begin), scheme.theta, end);
 }
 
-// The spin that keeps the angular momentum, plus a given one, N m s, when the turn of a body changes.
-Eigen::Vector3d spin_after(const FreeBody& body, const RigidVelocity& v, const Pose& before, const Pose& after,
-                           const Eigen::Vector3d& added) {
+// Sets the spin that keeps the angular momentum of v, plus a given one, N m s, when the turn of a body changes.
+void set_spin_after(RigidVelocity& result, const FreeBody& body, const RigidVelocity& v, const Pose& before,
+                    const Pose& after, const Eigen::Vector3d& added) {
   const Eigen::Vector3d inertia(body.inertia.data());
   const Eigen::Matrix3d from = principal_axes(body, before), to = principal_axes(body, after);
   const Eigen::Vector3d own = from.transpose() * Eigen::Vector3d(v.spin_x, v.spin_y, v.spin);
   const Eigen::Vector3d momentum = from * inertia.cwiseProduct(own) + added;
-  return to * (to.transpose() * momentum).cwiseQuotient(inertia);
+  const Eigen::Vector3d spin = to * (to.transpose() * momentum).cwiseQuotient(inertia);
+  result.spin_x = spin[0];
+  result.spin_y = spin[1];
+  result.spin = spin[2];
 }
 
 // V^- + h M^-1 F of a body, along all directions.
 RigidVelocity pushed(const FreeBody& body, const RigidVelocity& v, const RigidVelocity& load, double h,
                      const Pose& before, const Pose& after, Index dimension) {
   RigidVelocity result = sum(v, h / body.mass, load);
-  if (dimension == 2) {
+  if (dimension == 2)
     result.spin = v.spin + (body.free(BodyDirection::spin) ? h * load.spin / body.inertia[2] : 0);
-  } else if (body.free(BodyDirection::spin)) {
-    const Eigen::Vector3d spin =
-        spin_after(body, v, before, after, h * Eigen::Vector3d(load.spin_x, load.spin_y, load.spin));
-    result.spin_x = spin[0];
-    result.spin_y = spin[1];
-    result.spin = spin[2];
-  }
+  else if (body.free(BodyDirection::spin))
+    set_spin_after(result, body, v, before, after, h * Eigen::Vector3d(load.spin_x, load.spin_y, load.spin));
   return result;
 }
 
 }  // namespace
 
-std::vector<Pose> poses_at_contacts(const GranularSystem& system, const GranularState& state,
-                                    const TimeStepping& scheme) {
-  const std::vector<RigidVelocity> first = first_motions(system, state, scheme);
+std::vector<Pose> poses_at_contacts(const StepStart& start) {
+  const auto& [system, state, interaction, scheme] = start;
+  const std::vector<RigidVelocity> first = first_motions(start);
   std::vector<Pose> poses = state.poses;
   for (std::size_t k = 0; k < poses.size(); ++k)
     poses[k] = advanced(poses[k], first[k], (1 - scheme.theta) * scheme.step, system.dimension);
   return poses;
 }
 
-std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
-                                        const TimeStepping& scheme) {
+std::vector<RigidVelocity> step_motions(const StepStart& start) {
+  const auto& [system, state, interaction, scheme] = start;
   const bool at_end = scheme.boundary_instant == BoundaryInstant::end;
   const double instant = state.time + (at_end ? scheme.step : scheme.step / 2);
   std::vector<RigidVelocity> motions = boundary_velocities(system, state, instant);
   if (system.free_bodies.empty()) return motions;
-  const std::vector<Pose> poses = poses_at_contacts(system, state, scheme);
+  const std::vector<Pose> poses = poses_at_contacts(start);
   for (const Index k : system.free_bodies) {
     const FreeBody& body = *system.boundaries[at(k)].body;
     take_free(body,
@@ -73,8 +71,8 @@ std::vector<RigidVelocity> step_motions(const GranularSystem& system, const Gran
   return motions;
 }
 
-std::vector<RigidVelocity> first_motions(const GranularSystem& system, const GranularState& state,
-                                         const TimeStepping& scheme) {
+std::vector<RigidVelocity> first_motions(const StepStart& start) {
+  const auto& [system, state, interaction, scheme] = start;
   if (scheme.boundary_instant == BoundaryInstant::middle)
     return boundary_velocities(system, state, state.time + scheme.step / 2);
   std::vector<RigidVelocity> motions = boundary_velocities(system, state, state.time);
@@ -86,15 +84,15 @@ std::vector<RigidVelocity> first_motions(const GranularSystem& system, const Gra
   return motions;
 }
 
-std::vector<RigidVelocity> with_free_bodies(const GranularSystem& system, const GranularState& state,
-                                            const TimeStepping& scheme, std::vector<RigidVelocity> motions,
+std::vector<RigidVelocity> with_free_bodies(const StepStart& start, std::vector<RigidVelocity> motions,
                                             const std::vector<GrainMotion>& velocities) {
+  const GranularSystem& system = start.system;
   if (system.free_bodies.empty()) return motions;
-  const std::vector<Pose> poses = poses_at_contacts(system, state, scheme);
-  for (Index number = system.grains(); number < system.bodies(); ++number) {
-    const Index k = system.free_bodies[at(number - system.grains())];
+  const std::vector<Pose> poses = poses_at_contacts(start);
+  for (const Index k : system.free_bodies) {
     const FreeBody& body = *system.boundaries[at(k)].body;
-    take_free(body, rigid_velocity(body, poses[at(k)], velocities[at(number)], system.dimension), motions[at(k)]);
+    const GrainMotion& motion = velocities[at(system.boundaries[at(k)].node)];
+    take_free(body, rigid_velocity(body, poses[at(k)], motion, system.dimension), motions[at(k)]);
   }
   return motions;
 }
@@ -139,7 +137,7 @@ StepEnergy energy_of(const GranularSystem& system, const GranularState& state, c
     const FreeBody& body = *system.boundaries[at(k)].body;
     const Pose& pose = state.poses[at(k)];
     const GrainMotion v = motion_of(body, pose, state.body_velocities[at(k)], system.dimension);
-    const Place centre{pose.x, pose.y, pose.z};
+    const Place centre = pose.place();
     for (std::size_t j = 0; j < 6; ++j) energy.kinetic += body.mass / 2 * v[j] * v[j] / (j < 3 ? 1 : ratio);
     for (std::size_t j = 0; j < 3; ++j)
       if (body.directions[j]) energy.potential -= body.mass * gravity[j] * centre[j];
@@ -171,12 +169,8 @@ double work_of_loads(const GranularSystem& system, const TimeStepping& scheme, d
 RigidVelocity velocity_to_keep(const FreeBody& body, const RigidVelocity& v, const Pose& at_contacts, const Pose& now,
                                Index dimension) {
   RigidVelocity turned = v, kept;
-  if (dimension == 3 && body.free(BodyDirection::spin)) {
-    const Eigen::Vector3d spin = spin_after(body, v, at_contacts, now, Eigen::Vector3d::Zero());
-    turned.spin_x = spin[0];
-    turned.spin_y = spin[1];
-    turned.spin = spin[2];
-  }
+  if (dimension == 3 && body.free(BodyDirection::spin))
+    set_spin_after(turned, body, v, at_contacts, now, Eigen::Vector3d::Zero());
   take_free(body, turned, kept);
   return kept;
 }
@@ -189,7 +183,7 @@ double keep_bodies_in_cell(const GranularSystem& system, GranularState& state, c
   std::vector<Place> steps(state.poses.size(), Place{0, 0, 0});
   for (const Index k : system.free_bodies) {
     Pose& pose = state.poses[at(k)];
-    const Place step = steps[at(k)] = system.period.into_cell({pose.x, pose.y, pose.z});
+    const Place step = steps[at(k)] = system.period.into_cell(pose.place());
     pose.x += step[0];
     pose.y += step[1];
     const FreeBody& body = *system.boundaries[at(k)].body;
@@ -206,13 +200,15 @@ double keep_bodies_in_cell(const GranularSystem& system, GranularState& state, c
 
 }  // namespace
 
-StepEnergy finish_step(const GranularSystem& system, GranularState& state, const TimeStepping& scheme,
-                       const std::vector<GrainMotion>& velocities, const ContactWork& work) {
+StepEnergy finish_step(const StepStart& start, GranularState& state, const std::vector<GrainMotion>& velocities,
+                       const ContactWork& work) {
+  const GranularSystem& system = start.system;
+  const TimeStepping& scheme = start.scheme;
   const double h = scheme.step;
   const StepEnergy before = energy_of(system, state, scheme);
   const bool at_end = scheme.boundary_instant == BoundaryInstant::end;
   const auto first = boundary_velocities(system, state, at_end ? state.time : state.time + h / 2);
-  const auto motions = with_free_bodies(system, state, scheme, step_motions(system, state, scheme), velocities);
+  const auto motions = with_free_bodies(start, step_motions(start), velocities);
   const Place gravity = gravity_of(scheme, system.dimension);
   double lifted = 0;  // J, of grains that enter a periodic cell at its other end
   const double loads = work_of_loads(system, scheme, state.time, first, motions);
@@ -235,11 +231,10 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
       old = {0, 0, 0, first[at(k)].spin_x, first[at(k)].spin_y, first[at(k)].spin};
     Place centre = centre_of(state, i), angle;
     for (std::size_t j = 0; j < 3; ++j) angle[j] = h * ((1 - theta) * old[3 + j] + theta * (v[3 + j] / radius));
-    if (k >= 0)
+    if (k >= 0) {
       centre = carried(centre, poses[at(k)], state.poses[at(k)]);
-    else
+    } else {
       for (std::size_t j = 0; j < 3; ++j) centre[j] += h * ((1 - theta) * old[j] + theta * v[j]);
-    if (k < 0) {
       const Place step = system.period.into_cell(centre);
       centre = moved_along(centre, 1, step);
       lifted -= system.mass[i] * dot(gravity, step);

@@ -73,14 +73,11 @@ struct StepStart {
 /// (1 - theta) F(t) + theta F(t + h); and those that lead to q_m, where contacts are found: the same, or with
 /// BoundaryInstant::end those at the beginning of the step, in the first step Motion::initial, and V^- along free
 /// directions. In space a body that turns freely keeps its angular momentum on the way to q_m.
-std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
-                                        const TimeStepping& scheme);
-std::vector<RigidVelocity> first_motions(const GranularSystem& system, const GranularState& state,
-                                         const TimeStepping& scheme);
+std::vector<RigidVelocity> step_motions(const StepStart& start);
+std::vector<RigidVelocity> first_motions(const StepStart& start);
 
 /// Poses of boundaries at q_m, where contacts are found: their arms and principal axes are those of the step.
-std::vector<Pose> poses_at_contacts(const GranularSystem& system, const GranularState& state,
-                                    const TimeStepping& scheme);
+std::vector<Pose> poses_at_contacts(const StepStart& start);
 
 /// V^-, the velocity of a body of a step as it begins (if driven: by `motions`, with its arm at q_m); and
 /// V^- + h M^-1 F. Velocities of bodies with free directions, which come after the grains, are those of `motions`.
@@ -91,8 +88,7 @@ GrainMotion free_motion(const StepStart& start, const std::vector<Pose>& poses,
                         const std::vector<RigidVelocity>& motions, Index number);
 
 /// `motions` with the free directions of bodies as in `velocities`, of grains and then of bodies.
-std::vector<RigidVelocity> with_free_bodies(const GranularSystem& system, const GranularState& state,
-                                            const TimeStepping& scheme, std::vector<RigidVelocity> motions,
+std::vector<RigidVelocity> with_free_bodies(const StepStart& start, std::vector<RigidVelocity> motions,
                                             const std::vector<GrainMotion>& velocities);
 
 /// Energy balance of the free grains and bodies in a step, J:
@@ -110,10 +106,10 @@ struct ContactWork {
   double dissipation = 0;  ///< - r . (v + v^-)/2
 };
 
-/// Ends a step: moves boundaries and all grains. `velocities`: at its end, of all grains and then of free bodies.
-/// `work`: of all contacts.
-StepEnergy finish_step(const GranularSystem& system, GranularState& state, const TimeStepping& scheme,
-                       const std::vector<GrainMotion>& velocities, const ContactWork& work);
+/// Ends a step: moves boundaries and all grains. `state`: that of `start`. `velocities`: at the end of the step, of all
+/// grains and then of free bodies. `work`: of all contacts.
+StepEnergy finish_step(const StepStart& start, GranularState& state, const std::vector<GrainMotion>& velocities,
+                       const ContactWork& work);
 
 /// Sets kinetic and potential energy only.
 StepEnergy energy_of(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include "mpi/petsc.hpp"
 #include <nscdd/mpi/bddc.hpp>
@@ -65,7 +64,8 @@ void number_unknowns(const Decomposition& parts, const Subdomain& own, BddcSyste
     for (Index k = 0; k < d; ++k) system.unknowns.push_back(first[at(grain)] + k);
 }
 
-void prepare(KSP solver, Mat matrix, const BddcParameters& parameters) {
+// Sets the solver up for KSPSetUp; returns its preconditioner.
+PC prepare(KSP solver, Mat matrix, const BddcParameters& parameters) {
   PC preconditioner = nullptr;
   KSPSetOperators(solver, matrix, matrix);
   KSPSetType(solver, KSPCG);
@@ -78,6 +78,7 @@ void prepare(KSP solver, Mat matrix, const BddcParameters& parameters) {
   check(PCSetType(preconditioner, PCBDDC), "BDDC");
   PCISSetUseStiffnessScaling(preconditioner, parameters.scaling == Scaling::stiffness ? PETSC_TRUE : PETSC_FALSE);
   check(KSPSetFromOptions(solver), "options of BDDC");
+  return preconditioner;
 }
 
 // What a system holds until its last solution.
@@ -91,12 +92,6 @@ struct Solver {
   OwnedVector b, x, share;  // right-hand side and solution, and this rank's copies of either
   OwnedScatter copies;
   OwnedKsp ksp;
-
-  PC preconditioner() const {
-    PC result = nullptr;
-    KSPGetPC(ksp.get(), &result);
-    return result;
-  }
 };
 
 // Adds what PETSc sends while it lives to the counts of a rank.
@@ -154,8 +149,7 @@ void fill(Solver& solver, const BddcSystem& system) {
 }
 
 // Calls work(entries) on the vector of a rank's copies.
-template <class Work>
-void with_entries(const Solver& solver, const Work& work) {
+void with_entries(const Solver& solver, const auto& work) {
   double* values = nullptr;
   check(VecGetArray(solver.share.get(), &values), "entries of a vector");
   work(Eigen::Map<Vector>(values, solver.own.rows()));
@@ -218,12 +212,12 @@ Bddc bddc(MPI_Comm communicator) {
     const Options options(parameters, parts.dofs_per_grain());
     fill(*solver, system);
     check(KSPCreate(all->get(), solver->ksp.fill()), "a solver");
-    prepare(solver->ksp.get(), solver->matrix.get(), parameters);
+    const PC preconditioner = prepare(solver->ksp.get(), solver->matrix.get(), parameters);
     const double begun = MPI_Wtime(), flops = flops_so_far();
     check(KSPSetUp(solver->ksp.get()), "a preconditioner");
     system.setup_seconds = MPI_Wtime() - begun;
     system.setup_flops = flops_so_far() - flops;
-    system.coarse_size = static_cast<const PC_BDDC*>(solver->preconditioner()->data)->coarse_size;
+    system.coarse_size = static_cast<const PC_BDDC*>(preconditioner->data)->coarse_size;
     system.solve = [solver](const Vector& right) { return solution(*solver, right); };
     return system;
   };

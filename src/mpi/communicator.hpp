@@ -20,6 +20,8 @@ class Communicator {
   explicit Communicator(MPI_Comm of, std::shared_ptr<WorkCount> work = std::make_shared<WorkCount>())
       : work_(std::move(work)) {
     MPI_Comm_dup(of, &own_);
+    MPI_Comm_rank(own_, &rank_);
+    MPI_Comm_size(own_, &size_);
   }
   ~Communicator() {
     if (!mpi_has_ended()) MPI_Comm_free(&own_);
@@ -28,16 +30,8 @@ class Communicator {
   Communicator& operator=(const Communicator&) = delete;
 
   MPI_Comm get() const { return own_; }
-  int rank() const {
-    int rank = 0;
-    MPI_Comm_rank(own_, &rank);
-    return rank;
-  }
-  int size() const {
-    int size = 1;
-    MPI_Comm_size(own_, &size);
-    return size;
-  }
+  int rank() const { return rank_; }
+  int size() const { return size_; }
   const std::shared_ptr<WorkCount>& work() const { return work_; }
   /// Counts a message to another rank, of numbers of eight bytes.
   void count_message(Index numbers) const {
@@ -57,6 +51,7 @@ class Communicator {
  private:
   std::shared_ptr<WorkCount> work_;
   MPI_Comm own_ = MPI_COMM_NULL;
+  int rank_ = 0, size_ = 1;
 };
 
 }  // namespace nscdd::mpi

@@ -82,27 +82,25 @@ class SharedFactor {
     Messages messages(*plan_);
     messages.hand_up(plan_->rank, packed(own_.take_kept_block()));
     if (plan_->joint) join(messages);
-    const bool regular = own_.regular() && (!joint_ || joint_->regular());
-    const Index here = regular ? own_.negative_eigenvalues() + (joint_ ? joint_->negative_eigenvalues() : 0) : 0;
-    std::array<Index, 2> sums{regular ? 0 : 1, here};
+    const bool here = own_.regular() && (!joint_ || joint_->regular());
+    const Index negative = here ? own_.negative_eigenvalues() + (joint_ ? joint_->negative_eigenvalues() : 0) : 0;
+    std::array<Index, 2> sums{here ? 0 : 1, negative};
     plan_->all->count_sum(sizeof sums);
     MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_INT64_T, MPI_SUM, plan_->all->get());
-    regular_ = sums[0] == 0;
-    negative_eigenvalues_ = sums[1];
+    regular = sums[0] == 0;
+    negative_eigenvalues = sums[1];
   }
 
-  bool regular() const { return regular_; }
-  Index negative_eigenvalues() const { return negative_eigenvalues_; }
-
-  // Solves for b on the own rows, then all border rows. The solution is valid on the fronts of `down`.
+  // Solves for b on the own rows and all border rows or, with `up` = border, on the latter only; the same holds for the
+  // solution and `down`.
   Vector solve(const Vector& b, Fronts up, Fronts down) const {
     const SharedPlan& plan = *plan_;
     const Index own = plan.own_rows;
     plan.add_work([=](const EliminationWork& one) { return one.solve_flops(up, down); });
     Messages messages(plan);
-    Vector x(own + count(plan.touched));
+    Vector x = Vector::Zero(own + count(plan.touched));
     const auto border = b.tail(plan.border);
-    x.head(own) = b.head(own);
+    if (up == Fronts::all) x.head(own) = b.head(own);
     x.tail(count(plan.touched)) = border(plan.touched);
     x(plan.kept).setZero();  // counted once, in the set that eliminates them
     x = own_.go_forward(x, up);
@@ -121,9 +119,13 @@ class SharedFactor {
     plan.all->count_sum(sizeof(double) * at(plan.border));
     MPI_Allreduce(MPI_IN_PLACE, result.data() + own, static_cast<int>(plan.border), MPI_DOUBLE, MPI_SUM,
                   plan.all->get());
+    if (down == Fronts::border) return result.tail(plan.border);
     result.head(own) = x.head(own);
     return result;
   }
+
+  bool regular = false;
+  Index negative_eigenvalues = 0;
 
  private:
   void join(Messages& messages) {
@@ -160,26 +162,19 @@ class SharedFactor {
   std::shared_ptr<const SharedPlan> plan_;
   SymmetricFactor own_;
   std::unique_ptr<DenseFront> joint_;
-  bool regular_ = false;
-  Index negative_eigenvalues_ = 0;
 };
 
-InertiaFactor record_of(const std::shared_ptr<const SharedFactor>& factor, const SharedPlan& plan) {
-  if (!factor->regular()) return {};
-  const auto spread = [rows = plan.own_rows + plan.border](const Vector& g) {
-    Vector b = Vector::Zero(rows);
-    b.tail(g.size()) = g;
-    return b;
+InertiaFactor record_of(const std::shared_ptr<const SharedFactor>& factor) {
+  if (!factor->regular) return {};
+  const auto solve = [&factor](Fronts up, Fronts down) {
+    return [factor, up, down](const Vector& b) { return factor->solve(b, up, down); };
   };
-  const auto on_border = [border = plan.border](const Vector& x) -> Vector { return x.tail(border); };
-  constexpr Fronts all = Fronts::all, of_border = Fronts::border;
-  return {
-      .regular = true,
-      .negative_eigenvalues = factor->negative_eigenvalues(),
-      .solve = [=](const Vector& b) { return factor->solve(b, all, all); },
-      .solve_from_border = [=](const Vector& g) { return factor->solve(spread(g), of_border, all); },
-      .solve_to_border = [=](const Vector& b) { return on_border(factor->solve(b, all, of_border)); },
-      .solve_on_border = [=](const Vector& g) { return on_border(factor->solve(spread(g), of_border, of_border)); }};
+  return {.regular = true,
+          .negative_eigenvalues = factor->negative_eigenvalues,
+          .solve = solve(Fronts::all, Fronts::all),
+          .solve_from_border = solve(Fronts::border, Fronts::all),
+          .solve_to_border = solve(Fronts::all, Fronts::border),
+          .solve_on_border = solve(Fronts::border, Fronts::border)};
 }
 
 }  // namespace
@@ -192,7 +187,7 @@ InertiaMethod multifrontal(MPI_Comm communicator, std::shared_ptr<WorkCount> wor
     const auto factorise = [plan](const SparseMatrix& lower, const std::array<double, 2>& parameters) {
       const bool anew = !plan->own->keeps_interior(parameters);
       plan->add_work([=](const EliminationWork& one) { return one.flops(anew); });
-      return record_of(std::make_shared<const SharedFactor>(plan, lower, parameters), *plan);
+      return record_of(std::make_shared<const SharedFactor>(plan, lower, parameters));
     };
     return InertiaFamily{factorise, [plan] { plan->own->release(); }};
   };

@@ -2,8 +2,6 @@
 #include "mpi/communicator.hpp"
 #include <nscdd/mpi/processes.hpp>
 
-#include <numeric>
-
 namespace nscdd::mpi {
 
 std::vector<int> Communicator::gather(std::span<const std::byte> own, std::size_t item, bool everywhere,
@@ -38,10 +36,9 @@ void combine(const Communicator& all, std::span<double> numbers, MPI_Op operatio
     const std::span<double> part = numbers.first(std::min(numbers.size(), numbers_at_a_time));
     const int size = static_cast<int>(part.size());
     all.count_sum(part.size_bytes());
-    if (all.rank() == 0)
-      MPI_Reduce(MPI_IN_PLACE, part.data(), size, MPI_DOUBLE, operation, 0, all.get());
-    else
-      MPI_Reduce(part.data(), nullptr, size, MPI_DOUBLE, operation, 0, all.get());
+    const bool root = all.rank() == 0;
+    MPI_Reduce(root ? MPI_IN_PLACE : part.data(), root ? part.data() : nullptr, size, MPI_DOUBLE, operation, 0,
+               all.get());
     MPI_Bcast(part.data(), size, MPI_DOUBLE, 0, all.get());
     numbers = numbers.subspan(part.size());
   }

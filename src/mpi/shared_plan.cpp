@@ -4,7 +4,6 @@
 #include "linalg/sparse_entries.hpp"
 
 #include <map>
-#include <numeric>
 
 namespace nscdd::mpi {
 namespace {

@@ -4,8 +4,6 @@
 #include "mpi/petsc.hpp"
 #include <nscdd/mpi/slepc.hpp>
 
-#include <numeric>
-
 namespace nscdd::mpi {
 namespace {
 

@@ -17,12 +17,10 @@ BedCells::BedCells(double width, double depth, double largest_radius, std::vecto
   const double base = in_space ? width * depth : width;
   const auto cells_for = [](std::size_t grains) { return 2.0 * static_cast<double>(grains) + 64; };
   const auto add_level = [&](double largest, double side) {
-    Level level{.largest = largest,
-                .side = side,
-                .columns = static_cast<std::size_t>(width / side) + 1,
-                .rows = static_cast<std::size_t>(depth / side) + 1};
+    const auto cells = [side](double length) { return static_cast<std::size_t>(length / side) + 1; };
+    levels_.push_back({.largest = largest, .side = side, .columns = cells(width), .rows = cells(depth)});
+    Level& level = levels_.back();
     level.filled.assign(level.columns * level.rows, 0);
-    levels_.push_back(std::move(level));
   };
   // If grains cannot cover the base, columns are fewer and wider.
   const auto side_for = [&](double largest, std::size_t grains) {

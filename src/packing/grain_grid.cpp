@@ -9,6 +9,14 @@ constexpr double crowded = 32;
 
 }  // namespace
 
+void NumberedGrains::add(const std::array<double, 3>& centre, double of_radius, Index of_number) {
+  x.push_back(centre[0]);
+  y.push_back(centre[1]);
+  if (in_space) z.push_back(centre[2]);
+  radius.push_back(of_radius);
+  number.push_back(of_number);
+}
+
 CellGrid::CellGrid(const Places& places, double side) {
   const std::span<const double> coordinates[3] = {places.x, places.y, places.z};
   std::array<double, 3> size{};
@@ -31,9 +39,9 @@ CellGrid::CellGrid(const Places& places, double side) {
   std::vector<Index> cell_of(places.x.size());
   start_.assign(at(columns_ * rows_ * layers_ + 1), 0);
   for (std::size_t i = 0; i < cell_of.size(); ++i) {
-    const Index layer = places.z.empty() ? 0 : along(places.z[i] - low_[2], layers_);
-    cell_of[i] =
-        (layer * rows_ + along(places.y[i] - low_[1], rows_)) * columns_ + along(places.x[i] - low_[0], columns_);
+    const auto [x, y, z] = places[i];
+    const Index row = along(z - low_[2], layers_) * rows_ + along(y - low_[1], rows_);
+    cell_of[i] = row * columns_ + along(x - low_[0], columns_);
     ++start_[at(cell_of[i] + 1)];
   }
   for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
@@ -44,7 +52,7 @@ CellGrid::CellGrid(const Places& places, double side) {
 
 GrainGrid::GrainGrid(Places places, std::span<const double> radius, double stretch, double range) {
   if (radius.empty()) return;
-  Grains rest;
+  NumberedGrains rest{.in_space = !places.z.empty()};
   while (true) {
     const double largest = *std::max_element(radius.begin(), radius.end());
     const double reach = stretch * largest + range / 2;
@@ -54,14 +62,10 @@ GrainGrid::GrainGrid(Places places, std::span<const double> radius, double stret
       levels_.push_back({std::move(rest), reach, std::move(grid)});
       return;
     }
-    Grains coarse, fine;
+    NumberedGrains coarse{.in_space = rest.in_space}, fine = coarse;
     for (std::size_t k = 0; k < radius.size(); ++k) {
-      Grains& part = coarse_one(radius[k]) ? coarse : fine;
-      part.numbers.push_back(rest.numbers.empty() ? static_cast<Index>(k) : rest.numbers[k]);
-      part.x.push_back(places.x[k]);
-      part.y.push_back(places.y[k]);
-      if (!places.z.empty()) part.z.push_back(places.z[k]);
-      part.radius.push_back(radius[k]);
+      const Index number = rest.number.empty() ? static_cast<Index>(k) : rest.number[k];
+      (coarse_one(radius[k]) ? coarse : fine).add(places[k], radius[k], number);
     }
     CellGrid own(coarse.places(), 2 * reach);
     levels_.push_back({std::move(coarse), reach, std::move(own)});
@@ -70,34 +74,26 @@ GrainGrid::GrainGrid(Places places, std::span<const double> radius, double stret
   }
 }
 
-PeriodicPlaces::PeriodicPlaces(const Places& places, std::span<const double> radii, const Period& period,
+NumberedGrains periodic_grains(const Places& places, std::span<const double> radius, const Period& period,
                                double reach) {
-  const auto add = [&](const std::array<double, 3>& place, double r, Index number) {
-    x.push_back(place[0]);
-    y.push_back(place[1]);
-    if (!places.z.empty()) z.push_back(place[2]);
-    radius.push_back(r);
-    grain.push_back(number);
-  };
-  for (std::size_t i = 0; i < radii.size(); ++i) {
-    const std::array<double, 3> place{places.x[i], places.y[i], places.z.empty() ? 0 : places.z[i]};
-    const auto step = period.into_cell(place);
-    add({place[0] + step[0], place[1] + step[1], place[2]}, radii[i], static_cast<Index>(i));
+  NumberedGrains all{.in_space = !places.z.empty()};
+  for (std::size_t i = 0; i < radius.size(); ++i) {
+    const std::array<double, 3> place = places[i], step = period.into_cell(place);
+    all.add({place[0] + step[0], place[1] + step[1], place[2]}, radius[i], static_cast<Index>(i));
   }
-  const std::size_t grains = radii.size();
-  const auto near_beginning = [&](double coordinate, double length) { return length > 0 && coordinate < reach; };
-  const auto near_end = [&](double coordinate, double length) { return length > 0 && coordinate > length - reach; };
-  for (std::size_t i = 0; i < grains; ++i) {
-    const std::array<double, 3> place{x[i], y[i], z.empty() ? 0 : z[i]};
-    const bool left = near_beginning(place[0], period.x);
+  for (std::size_t i = 0; i < radius.size(); ++i) {
+    const std::array<double, 3> place = all.places()[i];
+    const bool left = period.x > 0 && place[0] < reach;
+    const bool front = period.y > 0 && place[1] < reach;
     const auto image = [&](double dx, double dy) {
-      add({place[0] + dx, place[1] + dy, place[2]}, radius[i], static_cast<Index>(i));
+      all.add({place[0] + dx, place[1] + dy, place[2]}, radius[i], static_cast<Index>(i));
     };
     if (left) image(period.x, 0);
-    if (near_beginning(place[1], period.y)) image(0, period.y);
-    if (left && near_beginning(place[1], period.y)) image(period.x, period.y);
-    if (left && near_end(place[1], period.y)) image(period.x, -period.y);
+    if (front) image(0, period.y);
+    if (left && front) image(period.x, period.y);
+    if (left && period.y > 0 && place[1] > period.y - reach) image(period.x, -period.y);
   }
+  return all;
 }
 
 }  // namespace nscdd

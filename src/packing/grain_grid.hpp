@@ -3,13 +3,23 @@
 
 #include <nscdd/packing/packing.hpp>
 
-#include <numeric>
-
 namespace nscdd {
 
 /// Points by their coordinates, m; no z in the plane.
 struct Places {
   std::span<const double> x, y, z = {};
+
+  std::array<double, 3> operator[](std::size_t i) const { return {x[i], y[i], z.empty() ? 0 : z[i]}; }
+};
+
+/// Some grains of a packing, or their images.
+struct NumberedGrains {
+  bool in_space = false;
+  std::vector<double> x{}, y{}, z{}, radius{};  ///< m; no z in the plane
+  std::vector<Index> number{};                  ///< in the packing
+
+  void add(const std::array<double, 3>& centre, double of_radius, Index of_number);
+  Places places() const { return {x, y, z}; }
 };
 
 /// Cell grid for neighbour searches in O(N): points sorted into squares or cubes of at least a given side. Cells grow
@@ -105,16 +115,15 @@ class GrainGrid {
   void for_each_pair(Visit&& visit) const {
     if (levels_.size() == 1) return levels_.front().grid.for_each_pair(visit);
     for (std::size_t fine = 0; fine < levels_.size(); ++fine) {
-      const Grains& grains = levels_[fine].grains;
-      levels_[fine].grid.for_each_pair([&](Index a, Index b) { visit(grains.numbers[at(a)], grains.numbers[at(b)]); });
+      const NumberedGrains& grains = levels_[fine].grains;
+      levels_[fine].grid.for_each_pair([&](Index a, Index b) { visit(grains.number[at(a)], grains.number[at(b)]); });
       for (std::size_t coarse = 0; coarse < fine; ++coarse) {
         const Level& other = levels_[coarse];
         const double distance = levels_[fine].largest + other.largest;
         for (const Index a : levels_[fine].grid.points()) {  // by cells: neighbours are adjacent
-          const Index i = grains.numbers[at(a)];
-          const std::array<double, 3> place{grains.x[at(a)], grains.y[at(a)], grains.z.empty() ? 0 : grains.z[at(a)]};
-          other.grid.for_each_near(place, distance, [&](Index b) {
-            const Index j = other.grains.numbers[at(b)];
+          const Index i = grains.number[at(a)];
+          other.grid.for_each_near(grains.places()[at(a)], distance, [&](Index b) {
+            const Index j = other.grains.number[at(b)];
             i < j ? visit(i, j) : visit(j, i);
           });
         }
@@ -123,14 +132,9 @@ class GrainGrid {
   }
 
  private:
-  struct Grains {
-    std::vector<Index> numbers;  // ascending
-    std::vector<double> x, y, z, radius;
-    Places places() const { return {x, y, z}; }
-  };
   struct Level {
-    Grains grains;   // empty if one level holds all
-    double largest;  // radius, stretched, and half the range
+    NumberedGrains grains;  // ascending; empty if one level holds all
+    double largest;         // radius, stretched, and half the range
     CellGrid grid;
   };
   std::vector<Level> levels_;  // coarsest first
@@ -139,12 +143,8 @@ class GrainGrid {
 /// The grains of a periodic cell, each at its image in the cell, and behind them images beyond the ends of the cell of
 /// those that are within `reach` of its beginnings: every near pair has two of these places as neighbours, one of them
 /// in the cell.
-struct PeriodicPlaces {
-  PeriodicPlaces(const Places& places, std::span<const double> radius, const Period& period, double reach);
-
-  std::vector<double> x, y, z, radius;
-  std::vector<Index> grain;  ///< of each place
-};
+NumberedGrains periodic_grains(const Places& places, std::span<const double> radius, const Period& period,
+                               double reach);
 
 /// Calls visit(i, j), i < j, as GrainGrid::for_each_pair, in a periodic cell also for grains that are near across its
 /// ends.
@@ -153,14 +153,14 @@ void for_each_near_pair(const Places& places, std::span<const double> radius, co
                         double range, Visit&& visit) {
   if (!period.any() || radius.empty()) return GrainGrid(places, radius, stretch, range).for_each_pair(visit);
   const double reach = 2 * stretch * *std::max_element(radius.begin(), radius.end()) + range;
-  const PeriodicPlaces all(places, radius, period, reach);
-  const GrainGrid grid({all.x, all.y, all.z}, all.radius, stretch, range);
+  const NumberedGrains all = periodic_grains(places, radius, period, reach);
+  const GrainGrid grid(all.places(), all.radius, stretch, range);
   const auto grains = static_cast<Index>(radius.size());
   // A long range may meet a pair twice: the shortest vector is that of one meeting alone.
   const auto shortest = [](double d, double length) { return length == 0 || (d > -length / 2 && d <= length / 2); };
   grid.for_each_pair([&](Index p, Index q) {
     if (p >= grains && q >= grains) return;
-    Index i = all.grain[at(p)], j = all.grain[at(q)];
+    Index i = all.number[at(p)], j = all.number[at(q)];
     if (i == j) return;
     if (i > j) std::swap(i, j), std::swap(p, q);
     if (shortest(all.x[at(q)] - all.x[at(p)], period.x) && shortest(all.y[at(q)] - all.y[at(p)], period.y)) visit(i, j);

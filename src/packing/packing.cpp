@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
-#include "packing/bounds.hpp"
 #include "packing/grain_grid.hpp"
 #include "packing/precision.hpp"
 
@@ -59,13 +58,15 @@ class NearPairs {
   }
 
   void add(const Contact& contact) {
-    if (p_.centre(contact.a) == p_.centre(contact.b)) refuse_same_centre(contact);
+    const auto [i, j] = bodies(contact);
+    if (p_.centre(i) == p_.centre(j))
+      fail("grains {} and {} have the same centre: {} and {}", i, j, described(p_, i), described(p_, j));
     const double smaller = std::min(p_.radius[at(contact.a)], p_.radius[at(contact.b)]);
     const bool apart = contact.gap > detection_.tolerance * smaller;
     const bool overlaps = -contact.gap > detection_.overlap_tolerance * smaller;
     if (apart || overlaps) return add_beyond(contact, smaller, overlaps);
     keep(contact);
-    overlap_ = std::max(overlap_, -contact.gap / smaller);
+    doubt_.overlap = std::max(doubt_.overlap, -contact.gap / smaller);
   }
 
   ContactNetwork network() {
@@ -76,11 +77,8 @@ class NearPairs {
     std::erase_if(apart_, [](const Near& near) { return near.gap <= 3 * near.uncertainty; });
     const Index hairs = std::ranges::count_if(apart_, [](const Near& near) { return near.gap <= hairline; });
     const double least = hairs > pairs_that_show && 100 * hairs > count(contacts_) ? hairline : 0;
-    std::erase_if(apart_, [&](const Near& near) { return near.gap > std::max(overlap_, least); });
-    doubt_.overlap = overlap_;
-    note(doubt_.decided, decided_);
-    note(doubt_.open, open_);
-    note(doubt_.one_sided, apart_);
+    std::erase_if(apart_, [&](const Near& near) { return near.gap > std::max(doubt_.overlap, least); });
+    for (const Near& near : apart_) note(doubt_.one_sided, near.contact);
     // The order of search depends on the grid.
     return {.contacts = sorted_by_bodies(contacts_, p_.size()),
             .grains = p_.size(),
@@ -105,16 +103,13 @@ class NearPairs {
     const bool within = std::abs(near.gap) <= near.uncertainty;
     if (overlaps && !(maybe && within)) refuse_overlap(near);
     if (near.gap <= 3 * near.uncertainty) (surely ? sure_ : maybe ? coarse_ : exact_).push_back(near);
-    if (maybe && within) within_.push_back(near.gap);
+    if (maybe && within) ++(near.gap < 0 ? overlaps_ : gaps_);
     const double worth_a_word = std::max(hairline, std::min(detection_.overlap_tolerance, coarsest));
     if (!overlaps && !within && near.gap <= worth_a_word) apart_.push_back(near);
   }
 
   // Overlaps are due to rounding. Gaps only may be intended.
-  bool shows_rounding() const {
-    const Index overlaps = std::ranges::count_if(within_, [](double gap) { return gap < 0; });
-    return overlaps >= pairs_that_show || (overlaps > 0 && overlaps < count(within_));
-  }
+  bool shows_rounding() const { return overlaps_ >= pairs_that_show || (overlaps_ > 0 && gaps_ > 0); }
 
   void keep(const Contact& contact) {
     // The most edges of a plane graph, and about as many as a dense bed of equal spheres has.
@@ -124,17 +119,14 @@ class NearPairs {
 
   // Pairs beyond the tolerances, with rounded and with exact numbers.
   void settle(const std::vector<Near>& pairs, bool rounded) {
-    const auto touches = [](const Near& near) { return near.gap <= near.uncertainty; };
     if (!rounded)
-      if (const Near* deepest = first_overlap(pairs)) refuse_overlap(*deepest);
+      if (const Near* first = first_overlap(pairs)) refuse_overlap(*first);
     for (const Near& near : pairs) {
       doubt_.uncertainty = std::max(doubt_.uncertainty, near.uncertainty);
-      if (rounded ? !touches(near) : !(near.gap <= std::min(near.uncertainty, worth_naming))) {
-        if (rounded) open_.push_back(near);
-        continue;
-      }
-      if (rounded) keep(near.contact);
-      (rounded ? decided_ : open_).push_back(near);
+      if (!rounded && !(near.gap <= std::min(near.uncertainty, worth_naming))) continue;
+      const bool touches = rounded && near.gap <= near.uncertainty;
+      if (touches) keep(near.contact);
+      note(touches ? doubt_.decided : doubt_.open, near.contact);
       doubt_.used = doubt_.used && rounded;
     }
   }
@@ -142,26 +134,22 @@ class NearPairs {
   static const Near* first_overlap(const std::vector<Near>& pairs) {
     const Near* first = nullptr;
     for (const Near& near : pairs)
-      if (near.gap < 0 && (first == nullptr || bodies(near) < bodies(*first))) first = &near;
+      if (near.gap < 0 && (first == nullptr || bodies(near.contact) < bodies(first->contact))) first = &near;
     return first;
   }
-  static std::array<Index, 2> bodies(const Near& near) { return {near.contact.a, near.contact.b}; }
+  static std::array<Index, 2> bodies(const Contact& contact) { return {contact.a, contact.b}; }
 
-  static void note(PairSample& pairs, const std::vector<Near>& all) {
-    pairs.size = count(all);
-    for (const Near& near : all) pairs.first.push_back(bodies(near));
+  static void note(PairSample& pairs, const Contact& contact) {
+    ++pairs.size;
+    pairs.first.push_back(bodies(contact));
     std::ranges::sort(pairs.first);
     pairs.first.resize(std::min(pairs.first.size(), at(sample)));
   }
 
-  [[noreturn]] void refuse_same_centre(const Contact& contact) const {
-    const auto [i, j] = bodies({contact, 0, 0});
-    fail("grains {} and {} have the same centre: {} and {}", i, j, described(p_, i), described(p_, j));
-  }
   [[noreturn]] void refuse_coarse(const Contact& contact, double worth) const {
-    const auto [i, j] = bodies({contact, 0, 0});
+    const auto [i, j] = bodies(contact);
     const char* format = p_.half_digit > 0               ? "the digits of its file"
-                         : precision_.single_coordinates ? "single precision"
+                         : precision_.coordinates.single ? "single precision"
                                                          : "double precision";
     fail(
         "grains {} and {}: expected coordinates that resolve gaps to {} of the smaller radius, met {}, by which this "
@@ -169,7 +157,7 @@ class NearPairs {
         i, j, coarsest, format, worth, described(p_, i), described(p_, j));
   }
   [[noreturn]] void refuse_overlap(const Near& near) const {
-    const auto [i, j] = bodies(near);
+    const auto [i, j] = bodies(near.contact);
     const double smaller = std::min(p_.radius[at(i)], p_.radius[at(j)]);
     fail(
         "grains {} and {} overlap by {} m, more than the {} m allowed (contacts.overlap_tolerance, "
@@ -185,9 +173,8 @@ class NearPairs {
   Precision precision_;
   std::vector<Contact> contacts_;
   // Pairs beyond the tolerances, by whether rounding is certain, possible, or absent; the others.
-  std::vector<Near> sure_, coarse_, exact_, apart_, decided_, open_;
-  std::vector<double> within_;  // gaps of those that may be rounding
-  double overlap_ = 0;
+  std::vector<Near> sure_, coarse_, exact_, apart_;
+  Index overlaps_ = 0, gaps_ = 0;  // numbers of those that may be rounding
   RoundingDoubt doubt_;
 };
 
@@ -195,15 +182,12 @@ class NearPairs {
 
 void check(const Packing& packing) {
   if (packing.size() == 0) throw Error("packing: expected at least one grain, met none");
-  for (const auto& [name, values] : {std::pair("y", &packing.y), std::pair("radius", &packing.radius)})
-    if (count(*values) != packing.size())
-      fail("packing: expected a {} for each of {} grains, met {}", name, packing.size(), values->size());
-  if (!packing.mass.empty() && count(packing.mass) != packing.size())
-    fail("packing: expected a mass for each of {} grains or for none, met {}", packing.size(), packing.mass.size());
-  if (!packing.z.empty() && count(packing.z) != packing.size())
-    fail("packing: expected a z for each of {} grains or for none, met {}", packing.size(), packing.z.size());
-  if (!packing.clump.empty() && count(packing.clump) != packing.size())
-    fail("packing: expected a clump for each of {} grains or for none, met {}", packing.size(), packing.clump.size());
+  for (const auto& [what, met] : {std::pair("y", count(packing.y)), std::pair("radius", count(packing.radius))})
+    if (met != packing.size()) fail("packing: expected a {} for each of {} grains, met {}", what, packing.size(), met);
+  for (const auto& [what, met] : {std::pair("mass", count(packing.mass)), std::pair("z", count(packing.z)),
+                                  std::pair("clump", count(packing.clump))})
+    if (met != 0 && met != packing.size())
+      fail("packing: expected a {} for each of {} grains or for none, met {}", what, packing.size(), met);
   for (Index i = 0; i < packing.size(); ++i)
     if (std::ranges::any_of(packing.centre(i), [](double one) { return !std::isfinite(one); }))
       fail("grain {}: expected finite coordinates, met {}", i, place(packing, i));

@@ -105,8 +105,8 @@ bool were_floats(const Packing& packing) {
 Precision from_numbers(const Packing& packing) {
   if (were_floats(packing)) {
     Precision precision = decimal_precision(packing, shortest_of_float, 7).value_or(Precision{});
-    precision.single_coordinates = true;
-    precision.single_radii = std::ranges::all_of(packing.radius, is_float);
+    precision.coordinates.single = true;
+    precision.radii.single = std::ranges::all_of(packing.radius, is_float);
     return precision;
   }
   if (const auto found = decimal_precision(packing, shortest, 15)) return *found;
@@ -121,23 +121,19 @@ double unit_of(double value, bool single) {
 }
 
 // Half a unit of the last digit; 0 for a number with more digits than the others.
-double half_unit(const Precision::Digits& digits, double value, bool single) {
+double half_unit(const Precision::Digits& digits, double value) {
   double unit = digits.decimals ? std::pow(10.0, -*digits.decimals) : 0;
   if (digits.significant && value != 0)
     unit = std::max(unit, std::pow(10.0, std::floor(std::log10(std::abs(value))) - *digits.significant + 1));
   if (unit == 0) return 0;
-  const double noise = 0.01 * unit + 2 * unit_of(value, single);  // from a change of units
+  const double noise = 0.01 * unit + 2 * unit_of(value, digits.single);  // from a change of units
   return std::abs(value - unit * std::round(value / unit)) > noise ? 0 : 0.5 * unit;
 }
 
 }  // namespace
 
-Uncertainty Precision::of_coordinate(double value) const {
-  return {std::max(half_digit, unit_of(value, single_coordinates)), half_unit(coordinates, value, single_coordinates)};
-}
-
-Uncertainty Precision::of_radius(double value) const {
-  return {std::max(half_digit, unit_of(value, single_radii)), half_unit(radii, value, single_radii)};
+Uncertainty Precision::of(const Digits& digits, double value) const {
+  return {std::max(half_digit, unit_of(value, digits.single)), half_unit(digits, value)};
 }
 
 std::string Precision::text() const {
@@ -146,7 +142,7 @@ std::string Precision::text() const {
   };
   if (coordinates.decimals) return counted(*coordinates.decimals, "decimal");
   if (coordinates.significant) return counted(*coordinates.significant, "significant digit");
-  return single_coordinates ? "single precision" : "double precision";
+  return coordinates.single ? "single precision" : "double precision";
 }
 
 Precision precision_of(const Packing& packing) {
@@ -162,11 +158,11 @@ Uncertainty gap_uncertainty(const Precision& precision, const Packing& packing, 
     sum.decimal += weight * (one.decimal + one.certain);
   };
   constexpr double curvature = 1.02;  // the normal is rounded, too
-  const std::array<const std::vector<double>*, 3> coordinates{&packing.x, &packing.y, &packing.z};
   for (const Index grain : {contact.a, contact.b}) {
+    const std::array<double, 3> centre = packing.centre(grain);
     for (std::size_t k = 0; k < at(packing.dimension()); ++k)
-      add(curvature * std::abs(contact.normal[k]), precision.of_coordinate((*coordinates[k])[at(grain)]));
-    add(curvature, precision.of_radius(packing.radius[at(grain)]));
+      add(curvature * std::abs(contact.normal[k]), precision.of(precision.coordinates, centre[k]));
+    add(curvature, precision.of(precision.radii, packing.radius[at(grain)]));
   }
   return sum;
 }
@@ -176,10 +172,10 @@ double largest_uncertainty(const Precision& precision, const Packing& packing) {
   for (const auto* values : {&packing.x, &packing.y, &packing.z})
     if (!values->empty()) {
       const auto [low, high] = std::ranges::minmax(*values);
-      coordinates += 2 * precision.of_coordinate(std::max(std::abs(low), std::abs(high))).largest();
+      coordinates += 2 * precision.of(precision.coordinates, std::max(std::abs(low), std::abs(high))).largest();
     }
   const auto [smallest, largest] = std::ranges::minmax(packing.radius);
-  return 1.02 * (coordinates + 2 * precision.of_radius(largest).largest()) / smallest;
+  return 1.02 * (coordinates + 2 * precision.of(precision.radii, largest).largest()) / smallest;
 }
 
 double certain_offset(const Packing& packing, std::span<const double> coordinates) {
@@ -187,7 +183,7 @@ double certain_offset(const Packing& packing, std::span<const double> coordinate
   Uncertainty largest;
   const auto [low, high] = std::ranges::minmax(coordinates);
   for (const double value : {low, high}) {
-    const Uncertainty one = precision.of_coordinate(value);
+    const Uncertainty one = precision.of(precision.coordinates, value);
     largest = {std::max(largest.certain, one.certain), std::max(largest.decimal, one.decimal)};
   }
   const bool rounded = largest.decimal > 0 && largest.decimal <= surely_rounded * std::ranges::min(packing.radius);

@@ -19,14 +19,12 @@ struct Precision {
   /// Common decimals or significant digits; both if either fits numbers of one magnitude; neither for binary formats.
   struct Digits {
     std::optional<int> decimals, significant;
+    bool single = false;  ///< the numbers are floats
   };
-  Digits coordinates, radii;                              ///< radii have no fewer
-  bool single_coordinates = false, single_radii = false;  ///< the numbers are floats
-  double half_digit = 0;                                  ///< known to the reader, m; see Packing
+  Digits coordinates, radii;  ///< radii have no fewer
+  double half_digit = 0;      ///< known to the reader, m; see Packing
 
-  /// Error of a coordinate or a radius of that value, m.
-  Uncertainty of_coordinate(double value) const;
-  Uncertainty of_radius(double value) const;
+  Uncertainty of(const Digits& digits, double value) const;  ///< error of a number of that value, m
   std::string text() const;  ///< "6 decimals", "7 significant digits", "single precision", "double precision"
 };
 

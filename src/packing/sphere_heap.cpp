@@ -16,6 +16,10 @@ SpacePoint tangent(const SpacePoint& direction, const SpacePoint& normal) {
   return part.norm() > crest * direction.norm() ? SpacePoint(part.normalized()) : SpacePoint(SpacePoint::Zero());
 }
 
+bool among(std::span<const Obstacle> obstacles, Index number) {
+  return std::ranges::count(obstacles, number, &Obstacle::number) > 0;
+}
+
 }  // namespace
 
 void SphereHeap::add(const Sphere& sphere) {
@@ -28,7 +32,11 @@ double SphereHeap::rounding(double height) const {
   return std::numeric_limits<double>::epsilon() * std::max({width_, depth_, height});
 }
 
-Obstacle SphereHeap::wall(Index number, double radius) const {
+Obstacle SphereHeap::obstacle(Index number, double radius) const {
+  if (number >= 0) {
+    const Sphere& sphere = spheres_[at(number)];
+    return {.number = number, .plane = false, .at = sphere.centre, .reach = radius + sphere.radius};
+  }
   const std::array<std::pair<SpacePoint, double>, 5> planes{{{SpacePoint::UnitZ(), radius},
                                                              {SpacePoint::UnitX(), radius},
                                                              {-SpacePoint::UnitX(), radius - width_},
@@ -36,11 +44,6 @@ Obstacle SphereHeap::wall(Index number, double radius) const {
                                                              {-SpacePoint::UnitY(), radius - depth_}}};
   const auto& [normal, offset] = planes[at(Obstacle::floor - number)];
   return {.number = number, .plane = true, .at = normal, .reach = offset};
-}
-
-Obstacle SphereHeap::around(Index grain, double radius) const {
-  const Sphere& sphere = spheres_[at(grain)];
-  return {.number = grain, .plane = false, .at = sphere.centre, .reach = radius + sphere.radius};
 }
 
 void SphereHeap::fall(Traveller& one) {
@@ -74,7 +77,7 @@ void SphereHeap::fall(Traveller& one) {
   const double touching = 32 * rounding(one.centre.z());
   std::erase_if(one.touched,
                 [&](const Obstacle& old) { return old.number == met || std::abs(old.gap(one.centre)) > touching; });
-  one.touched.push_back(met >= 0 ? around(met, one.radius) : wall(met, one.radius));
+  one.touched.push_back(obstacle(met, one.radius));
 }
 
 // Arc of a sphere on one or two supports; empty if others stop it on a crest.
@@ -144,9 +147,6 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
     const double angle = first_crossing(u, w, std::hypot(u, w) - (factor * arc.centre.z() - constant) / arc.radius);
     if (angle < end) end = angle, released = pivots[i].number;
   }
-  const auto is_pivot = [&](Index number) {
-    return std::any_of(pivots.begin(), pivots.end(), [&](const Obstacle& o) { return o.number == number; });
-  };
   const auto meet = [&](Index number, double angle) {
     // A support just lost is behind, but rounding may place it ahead.
     if (number == one.left && angle < standstill) return;
@@ -154,8 +154,8 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
     if (angle < end || (angle == end && met && number < *met)) end = angle, met = number, released = std::nullopt;
   };
   for (Index number = Obstacle::floor; number >= Obstacle::floor - 4; --number) {
-    if (is_pivot(number)) continue;
-    const Obstacle plane = wall(number, one.radius);
+    if (among(pivots, number)) continue;
+    const Obstacle plane = obstacle(number, one.radius);
     const double u = -plane.at.dot(arc.outwards), w = -plane.at.dot(arc.ahead);
     const double deepest = arc.radius * std::hypot(u, w) - plane.gap(arc.centre);
     if (deepest > graze) meet(number, first_crossing(u, w, deepest / arc.radius));
@@ -177,26 +177,24 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
         const double h = q.dot(axis), in_plane = std::sqrt(u * u + w * w), d = in_plane - arc.radius;
         const double room_squared = reach_i * reach_i - h * h - d * d;
         // To first order, the arc comes no nearer than reach_i - graze.
-        if (room_squared <= 2 * reach_i * graze || is_pivot(i)) return;
+        if (room_squared <= 2 * reach_i * graze || among(pivots, i)) return;
         meet(i, first_crossing(u, w, room_squared / (2 * arc.radius)));
       });
       here = there;
     }
   }
 
-  if (met && end < standstill &&
-      std::any_of(one.touched.begin(), one.touched.end(), [&](const Obstacle& old) { return old.number == *met; }))
-    return false;
+  if (met && end < standstill && among(one.touched, *met)) return false;
 
   one.centre = arc.at(end);
   std::vector<Obstacle> touched;
   for (const Obstacle& pivot : pivots)
     if (pivot.number != released) touched.push_back(pivot);
-  if (met) touched.push_back(*met >= 0 ? around(*met, one.radius) : wall(*met, one.radius));
+  if (met) touched.push_back(obstacle(*met, one.radius));
   touch_exactly(one.centre, touched, one.radius);
   const double touching = 32 * rounding(one.centre.z());
   for (const Obstacle& old : one.touched)
-    if (old.number != released && old.number != met && !is_pivot(old.number) &&
+    if (old.number != released && old.number != met && !among(pivots, old.number) &&
         std::abs(old.gap(one.centre)) <= touching)
       touched.push_back(old);
   one.touched = std::move(touched);
@@ -231,11 +229,10 @@ std::optional<SphereHeap::Rest> SphereHeap::settle(double x, double y, double ra
   const Index last = work_.motions + most_motions;
   fall(one);
   while (work_.motions < last) {
-    for (const Obstacle& obstacle : one.touched)
-      if (obstacle.number == Obstacle::floor) {
-        one.centre.z() = radius;
-        return Rest{.centre = in_box(one), .supports = {Obstacle::floor}};
-      }
+    if (among(one.touched, Obstacle::floor)) {
+      one.centre.z() = radius;
+      return Rest{.centre = in_box(one), .supports = {Obstacle::floor}};
+    }
     normals.clear();
     for (const Obstacle& obstacle : one.touched) normals.push_back(obstacle.normal(one.centre));
     const Carried carried = carried_by(normals, in_vain);

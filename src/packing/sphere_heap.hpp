@@ -69,11 +69,9 @@ class SphereHeap {
   SphereHeap(double width, double depth, double largest_radius, std::vector<double> radii)
       : width_(width), depth_(depth), cells_(width, depth, largest_radius, std::move(radii)) {}
 
-  /// The floor; or three supports of a sphere, with its centre above the triangle of the points of contact.
-  using Supports = std::vector<Index>;
   struct Rest {
     SpacePoint centre;
-    Supports supports;
+    std::vector<Index> supports;  ///< the floor; or three, with the centre above the triangle of the points of contact
   };
   /// Rest position of a sphere dropped at (x, y), by steepest descent: it falls, rolls over one obstacle along its
   /// meridian, or over two on the circle that touches both; `carried_by` finds the next supports at every new or lost
@@ -108,8 +106,7 @@ class SphereHeap {
   };
 
   double rounding(double height) const;
-  Obstacle wall(Index number, double radius) const;
-  Obstacle around(Index grain, double radius) const;
+  Obstacle obstacle(Index number, double radius) const;
   void fall(Traveller& one);
   /// False if the arc at once meets an obstacle already touched: other supports then carry the sphere.
   bool roll(Traveller& one, const Step& step);
@@ -129,7 +126,7 @@ struct SphereDeposit;
 struct SphereBed {
   Packing packing;
   double width = 0, depth = 0;  ///< m
-  std::vector<SphereHeap::Supports> supports;
+  std::vector<std::vector<Index>> supports;
   RollingWork work;
 };
 SphereBed sphere_bed(const SphereDeposit& deposit, const Monitor& monitor = {});

@@ -61,11 +61,9 @@ SolidFraction solid_fraction_in_space(const Packing& packing, const std::array<E
 }  // namespace
 
 double sphere_box_volume(const std::array<double, 3>& low, const std::array<double, 3>& high) {
-  if (std::ranges::any_of(low, [](double a) { return a >= 1; })) return 0;
-  if (std::ranges::any_of(high, [](double a) { return a <= -1; })) return 0;
-  if (std::ranges::all_of(low, [](double a) { return a <= -1; }) &&
-      std::ranges::all_of(high, [](double a) { return a >= 1; }))
-    return 4 * pi / 3;
+  const double highest_low = std::ranges::max(low), lowest_high = std::ranges::min(high);
+  if (highest_low >= 1 || lowest_high <= -1) return 0;
+  if (highest_low <= -1 && lowest_high >= 1) return 4 * pi / 3;
   // z = sin t: the disk at z has the radius cos t.
   const auto slice = [&](double t) {
     return std::cos(t) * area_in({low[0], high[0]}, {low[1], high[1]}, 0, 0, std::cos(t));

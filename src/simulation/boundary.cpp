@@ -8,9 +8,7 @@
 namespace nscdd {
 namespace {
 
-Place along(const BoundarySpec& spec) {
-  return {spec.to[0] - spec.from[0], spec.to[1] - spec.from[1], spec.to[2] - spec.from[2]};
-}
+Place along(const BoundarySpec& spec) { return difference(spec.to, spec.from); }
 
 double length_of(const Place& vector) { return std::hypot(vector[0], vector[1], vector[2]); }
 
@@ -57,8 +55,9 @@ void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<doubl
   const Index gaps = std::max<Index>(1, static_cast<Index>(std::ceil(length / spec.distance() * (1 - 1e-12))));
   for (Index k = 0; k <= gaps; ++k) {
     const double s = static_cast<double>(k) / static_cast<double>(gaps);
-    x.push_back(spec.from[0] + s * (spec.to[0] - spec.from[0]));
-    y.push_back(spec.from[1] + s * (spec.to[1] - spec.from[1]));
+    const Place centre = moved_along(spec.from, s, along(spec));
+    x.push_back(centre[0]);
+    y.push_back(centre[1]);
     system.radius.push_back(spec.radius);
     system.mass.push_back(1);
     system.driven_by.push_back(boundary);
@@ -130,12 +129,7 @@ std::string body_lines(const FreeBody& body, bool space) {
   return text + function_lines(body.load, keys_of_load, space);
 }
 
-}  // namespace
-
-Place default_centre(const BoundarySpec& spec) {
-  return spec.shape == BoundaryShape::cylinder ? spec.from : Place{0, 0, 0};
-}
-
+// Throws Error naming the boundary if it is not for that dimension.
 void require_dimension(const BoundarySpec& spec, Index dimension) {
   const auto refuse = [&](std::string_view expected, std::string_view met) {
     fail("boundary '{}': expected {} for a packing in {}, met {}", spec.name, expected,
@@ -150,6 +144,8 @@ void require_dimension(const BoundarySpec& spec, Index dimension) {
            dimension == 2 ? "one in space" : "one in the plane");
   refuse(dimension == 2 ? "two components" : "three components", dimension == 2 ? "three" : "two");
 }
+
+}  // namespace
 
 std::vector<Index> grains_of(const BoundarySpec& spec, Index boundary, Index grains) {
   const auto refuse = [&](const std::string& expected, const std::string& met) {
@@ -190,13 +186,14 @@ void add_boundary(GranularSystem& system, std::vector<double>& x, std::vector<do
 }
 
 std::string to_toml(const BoundarySpec& spec) {
+  const bool space = spec.dimension == 3;
   std::string text = fmt::format("name = {}\nshape = \"{}\"\n", field_text(spec.name), to_string(spec.shape));
   if (spec.shape == BoundaryShape::grains) {
     text += spec.grains.empty() ? fmt::format("first = {}\nlast = {}\n", spec.first, spec.last)
                                 : fmt::format("grains = [{}]\n", fmt::join(spec.grains, ", "));
     if (spec.source)
-      text += fmt::format("release = {}\nrelease_distance = {}\n",
-                          components_text(spec.source->point, spec.dimension == 3), field_text(spec.source->distance));
+      text += fmt::format("release = {}\nrelease_distance = {}\n", components_text(spec.source->point, space),
+                          field_text(spec.source->distance));
   } else if (is_plane_in_space(spec) || is_plank_in_space(spec)) {
     text += fmt::format("point = {}\n", components_text(spec.point, true));
     text += fmt::format("normal = {}\n", components_text(spec.normal, true));
@@ -204,23 +201,19 @@ std::string to_toml(const BoundarySpec& spec) {
       text += fmt::format("axis = {}\nlength = {}\nwidth = {}\nradius = {}\n", components_text(spec.axis, true),
                           field_text(spec.length), field_text(spec.width), field_text(spec.radius));
   } else {
-    const bool space = spec.dimension == 3;
     text += fmt::format("from = {}\n", components_text(spec.from, space));
     if (!is_circle(spec)) text += fmt::format("to = {}\n", components_text(spec.to, space));
-    if (spec.shape == BoundaryShape::disks)
-      text += fmt::format("radius = {}\nspacing = {}\n", field_text(spec.radius), field_text(spec.spacing));
-    if (spec.shape == BoundaryShape::plank) text += fmt::format("radius = {}\n", field_text(spec.radius));
+    if (spec.shape != BoundaryShape::wall) text += fmt::format("radius = {}\n", field_text(spec.radius));
+    if (spec.shape == BoundaryShape::disks) text += fmt::format("spacing = {}\n", field_text(spec.spacing));
     if (spec.shape == BoundaryShape::cylinder)
-      text += fmt::format("radius = {}\nside = \"{}\"\n{}", field_text(spec.radius), to_string(spec.side),
-                          spec.ends ? "ends = true\n" : "");
+      text += fmt::format("side = \"{}\"\n{}", to_string(spec.side), spec.ends ? "ends = true\n" : "");
   }
   if (spec.orientation != Orientation::turning)
     text += fmt::format("orientation = \"{}\"\n", to_string(spec.orientation));
   if (!spec.colour.empty()) text += fmt::format("colour = {}\n", field_text(spec.colour));
   const Motion& motion = spec.motion;
-  const bool space = spec.dimension == 3;
   // Free bodies need one; of cylinders the default has changed since version 0.2.
-  if (spec.body || spec.shape == BoundaryShape::cylinder || motion.centre != default_centre(spec))
+  if (spec.body || spec.shape == BoundaryShape::cylinder || motion.centre != spec.default_centre())
     text += fmt::format("centre = {}\n", components_text(motion.centre, space));
   text += function_lines(motion, keys_of_motion, space);
   if (spec.body) text += body_lines(*spec.body, space);
@@ -244,10 +237,9 @@ void check(const BoundarySpec& spec) {
     if (!(std::abs(dot(spec.axis, spec.normal)) < 1e-6 * along * length))
       fail("boundary '{}': axis: expected a direction across the normal, met ({})", spec.name,
            fmt::join(spec.axis, ", "));
-    for (const double number : {spec.length, spec.radius})
-      if (!(number > 0) || !(spec.width >= 0))
-        fail("boundary '{}': length, width, radius: expected numbers > 0 (width 0 or more), met {}, {} and {}",
-             spec.name, spec.length, spec.width, spec.radius);
+    if (!(spec.length > 0 && spec.radius > 0 && spec.width >= 0))
+      fail("boundary '{}': length, width, radius: expected numbers > 0 (width 0 or more), met {}, {} and {}", spec.name,
+           spec.length, spec.width, spec.radius);
     return;
   }
   const double length = is_circle(spec) ? 1 : length_of(along(spec));

@@ -46,13 +46,12 @@ struct BoundarySpec {
 
   /// Largest distance of neighbouring centres, m.
   double distance() const { return spacing > 0 ? spacing : 2 * radius; }
+  /// The reference point of its motion if a case file has none.
+  Place default_centre() const { return shape == BoundaryShape::cylinder ? from : Place{0, 0, 0}; }
 };
 
 /// Throws Error naming the boundary if a wall, an axis or a row of disks has no extent or a row has too many disks.
 void check(const BoundarySpec& spec);
-
-/// The reference point of its motion if a case file has none: of a cylinder `from`.
-Place default_centre(const BoundarySpec& spec);
 
 /// Keys of a function of time in a case file: its constant value, its table, and its oscillations.
 struct FunctionKeys {
@@ -60,9 +59,6 @@ struct FunctionKeys {
 };
 inline constexpr FunctionKeys keys_of_motion{"velocity", "spin", "motion", "oscillation"};
 inline constexpr FunctionKeys keys_of_load{"force", "torque", "load", "load_oscillation"};
-
-/// Throws Error naming the boundary if it is not for that dimension.
-void require_dimension(const BoundarySpec& spec, Index dimension);
 
 /// Numbers of the grains of a packing that a boundary `boundary` of shape grains has. Throws Error with its key if the
 /// packing has no such grains or one is named twice.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/contact_pairs.hpp"
 
-#include "core/fail.hpp"
 #include <nscdd/core/fields.hpp>
 
 #include <fmt/format.h>

@@ -42,23 +42,24 @@ FrictionSolverOptions options_of(const StepSolver& solver) {
           .relaxation = solver.contact_relaxation};
 }
 
-// Solves the problem `held` of the contacts of a step. velocities(r + pull): of the bodies; interface_iterations(): so
-// far. `start`: of the time that counts.
-template <int D, ContactProblem Problem, class Velocities, class Iterations>
-void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const Velocities& velocities,
-           const Iterations& interface_iterations, const Simulation& simulation, const IterationSink& sink) {
+// Solves the problem `held` of the contacts of a step. `start`: of the time that counts.
+template <int D, ContactProblem Problem>
+void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const Simulation& simulation,
+           const IterationSink& sink) {
   const StepSolver& solver = simulation.dynamics.solver;
   const StepProblem<D>& problem = step.problem;
-  const Processes& all = simulation.processes;
   StepReport& report = step.report;
-  const ImpulseScale scale = report.residual.scale;
   // r^1 assumes r = 0 at the other contacts; with r + pull = 0 their pulls would act.
-  if (problem.pulls) held.data.alone = std::sqrt(scale.alone);
+  if (problem.pulls) held.data.alone = std::sqrt(report.residual.scale.alone);
   const auto take = [&](const Vector& shifted) {
     step.contacts = with_impulses(problem.contacts, shifted);
-    step.velocities = velocities(shifted);
-    report.residual = residual_of(step, all);
-    report.residual.scale = scale;
+    if constexpr (std::is_same_v<Problem, DividedContacts<D>>) {
+      step.velocities = held.velocities(shifted);
+      report.interface_iterations = held.work().iterations;
+    } else {
+      step.velocities = velocities_of(problem, step.contacts);
+    }
+    report.residual = residual_of(step, simulation.processes);
   };
   Vector pulls = Vector::Zero(D * count(problem.contacts));
   for (std::size_t c = 0; c < problem.contacts.size(); ++c) pulls[D * static_cast<Index>(c)] = problem.contacts[c].pull;
@@ -74,9 +75,9 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
     sink.row({.step = simulation.state.step + 1,
               .record = report.last,
               .residual = report.residual,
-              .status_changes = all.sum(changes),
+              .status_changes = simulation.processes.sum(changes),
               .factorisations = report.factorisations,
-              .interface_iterations = interface_iterations(),
+              .interface_iterations = report.interface_iterations,
               .seconds = before});
     observing += seconds() - before;
   };
@@ -101,7 +102,6 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
 }  // namespace
 
 ContactColours contact_colours(const Simulation& simulation, const std::vector<StepContact>& contacts) {
-  const auto ends_of = [](const StepContact& contact) { return std::pair(contact.a, contact.b); };
   ContactColours colours{std::vector<Index>(contacts.size()), 0};
   const GranularSystem& system = simulation.system;
   GreedyColours taken(system.bodies());
@@ -112,8 +112,8 @@ ContactColours contact_colours(const Simulation& simulation, const std::vector<S
       if (system.is_free_node(end)) ends.push_back(end);
     const Index colour = taken.take_least(ends, ends);
     colours.number = std::max(colours.number, colour + 1);
-    const auto found = std::ranges::lower_bound(contacts, ends_of(contact), {}, ends_of);
-    if (found != contacts.end() && ends_of(*found) == ends_of(contact))
+    const auto found = std::ranges::lower_bound(contacts, body_pair(contact), {}, body_pair);
+    if (found != contacts.end() && body_pair(*found) == body_pair(contact))
       colours.of_contact[at(found - contacts.begin())] = colour;
   });
   return colours;
@@ -125,9 +125,7 @@ void solve_whole_contacts(GranularStep<D>& step, const Simulation& simulation, c
   step.report.residual.scale = GranularDecomposition<D>::scale_of(step.problem, step.partition, simulation.processes);
   const LocalFrictionProblem whole = contact_problem(step.problem, simulation.system);
   StoredContacts<D> stored(whole);
-  const auto velocities = [&](const Vector&) { return velocities_of(step.problem, step.contacts); };
-  solve<D>(
-      step, stored, start, velocities, [] { return Index{0}; }, simulation, sink);
+  solve(step, stored, start, simulation, sink);
 }
 
 template <int D>
@@ -149,21 +147,18 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
                            .scaling = solver.interface_scaling,
                            .coarse_space = solver.coarse_space,
                            .kappa = solver.coarse_kappa,
-                           .inertia = stage_two_inertia(simulation),
+                           .inertia = simulation.inertia,
                            .bddc = simulation.bddc});
   DividedContacts<D> divided(step.problem, step.partition, std::move(parts),
                              contact_colours(simulation, step.problem.geometry), std::move(cut),
                              admm ? Refinement::none : Refinement::one_step);
-  const auto velocities = [&](const Vector& shifted) { return divided.velocities(shifted); };
-  solve<D>(
-      step, divided, start, velocities, [&] { return divided.work().iterations; }, simulation, sink);
+  solve(step, divided, start, simulation, sink);
   divided.take_operations();
   const auto work = divided.work();
   WorkCount& counts = *simulation.processes.counts;
   counts.flops += work.flops;
   counts.path_flops += work.path_flops;
   step.report.interface_systems = work.solves;
-  step.report.interface_iterations = work.iterations;
 }
 
 template void solve_whole_contacts(GranularStep<2>&, const Simulation&, const IterationSink&);

@@ -2,9 +2,6 @@
 #include "simulation/dynamics.hpp"
 
 #include "core/fail.hpp"
-#include "mechanics/grain_source.hpp"
-
-#include <fmt/ranges.h>
 
 namespace nscdd {
 namespace {
@@ -30,9 +27,11 @@ void add_needs(std::vector<Need>& needs, const StepSolver& solver) {
   const auto add = [&](const char* path, const char* with, auto now, const auto& right) {
     needs.push_back(need(path, with, now, right));
   };
-  const auto is = [](auto value) { return [value](auto now) { return now == value; }; };
+  const auto is = [](auto... values) { return [=](auto now) { return ((now == values) || ...); }; };
   const auto is_not = [](auto value) { return [value](auto now) { return now != value; }; };
-  const auto is_one_of = [](auto... values) { return [=](auto now) { return ((now == values) || ...); }; };
+  const auto add_for_preconditioner = [&](const char* path, const auto& right) {
+    add(path, "solver.interface_preconditioner", solver.interface_preconditioner, right);
+  };
   for (const char* path : {"solver.tolerance", "solver.gluing_tolerance"})
     if (sweeps) add(path, "solver.criterion", solver.criterion, is_not(Criterion::none));
   add("solver.seed", "solver.order", solver.order, is(ContactOrder::random));
@@ -41,14 +40,10 @@ void add_needs(std::vector<Need>& needs, const StepSolver& solver) {
     add(path, "solver.interface_method", solver.interface_method, is(InterfaceMethod::richardson));
   add("solver.interface_flexibility", "solver.interface_network", solver.interface_network,
       is_not(InterfaceNetwork::none));
-  add("solver.interface_flexibility", "solver.interface_preconditioner", solver.interface_preconditioner,
-      is(SystemPreconditioner::network));
-  add("solver.interface_scaling", "solver.interface_preconditioner", solver.interface_preconditioner,
-      is_not(SystemPreconditioner::network));
-  add("solver.coarse_space", "solver.interface_preconditioner", solver.interface_preconditioner,
-      is_one_of(SystemPreconditioner::dirichlet, SystemPreconditioner::bddc));
-  add("solver.interface_network", "solver.interface_preconditioner", solver.interface_preconditioner,
-      is_not(SystemPreconditioner::bddc));
+  add_for_preconditioner("solver.interface_flexibility", is(SystemPreconditioner::network));
+  add_for_preconditioner("solver.interface_scaling", is_not(SystemPreconditioner::network));
+  add_for_preconditioner("solver.coarse_space", is(SystemPreconditioner::dirichlet, SystemPreconditioner::bddc));
+  add_for_preconditioner("solver.interface_network", is_not(SystemPreconditioner::bddc));
   add("solver.coarse_kappa", "solver.coarse_space", solver.coarse_space, is(SystemCoarseSpace::geneo));
   add("solver.impossible", "solver.verdict", solver.verdict, is_not(VerdictSteps::never));
   for (const char* path : {"solver.switch_after", "solver.switch_flexibility"})
@@ -106,43 +101,6 @@ std::string effective_lines(const Dynamics& dynamics, std::string_view section, 
   return lines;
 }
 
-}  // namespace
-
-GranularScene scene(const Packing& packing, const Dynamics& dynamics, const Period& period) {
-  if (packing.mass.empty()) throw Error("dynamics: expected grains with masses, met a packing without");
-  GranularScene result;
-  GranularSystem& system = result.system;
-  system.dimension = packing.dimension();
-  system.period = period;
-  system.radius = packing.radius;
-  system.mass = packing.mass;
-  system.driven_by.assign(packing.radius.size(), -1);
-  std::vector<double> x = packing.x, y = packing.y;
-  for (const BoundarySpec& spec : dynamics.boundaries) add_boundary(system, x, y, spec, packing.size());
-  // Disks of boundaries may have doubled the capacity.
-  for (std::vector<double>* values : {&system.radius, &system.mass, &x, &y}) values->shrink_to_fit();
-  system.driven_by.shrink_to_fit();
-  number_bodies(system);
-  result.state = initial_state(system, std::move(x), std::move(y), packing.z);
-  for (Index i = 0; i < system.grains(); ++i)  // the image of a grain that is nearest to the centre of its body
-    if (const Index k = system.driven_by[at(i)]; k >= 0 && system.period.any() && system.boundaries[at(k)].body) {
-      const Place& centre = system.boundaries[at(k)].motion.centre;
-      const Place place = moved_along(centre, 1, system.apart(centre, centre_of(result.state, at(i))));
-      result.state.x[at(i)] = place[0];
-      result.state.y[at(i)] = place[1];
-    }
-  complete(system, result.state, dynamics, packing.size());
-  for (const Index k : system.free_bodies) {
-    const Boundary& boundary = system.boundaries[at(k)];
-    take_free(*boundary.body, boundary.motion.initial.value_or(RigidVelocity{}), result.state.body_velocities[at(k)]);
-  }
-  release_grains(system, result.state);
-  check(system, result.state);
-  return result;
-}
-
-namespace {
-
 // Half the length along x or y, m, that a plank or cylinder must find room for in a cell; 0 if it lies along that
 // direction, since its images then make one, however long it is.
 double half_length_along(const Wall& wall, std::size_t k) {
@@ -178,6 +136,39 @@ void check_length(const GranularSystem& system, const Wall& wall) {
 
 }  // namespace
 
+GranularScene scene(const Packing& packing, const Dynamics& dynamics, const Period& period) {
+  if (packing.mass.empty()) throw Error("dynamics: expected grains with masses, met a packing without");
+  GranularScene result;
+  GranularSystem& system = result.system;
+  system.dimension = packing.dimension();
+  system.period = period;
+  system.radius = packing.radius;
+  system.mass = packing.mass;
+  system.driven_by.assign(packing.radius.size(), -1);
+  std::vector<double> x = packing.x, y = packing.y;
+  for (const BoundarySpec& spec : dynamics.boundaries) add_boundary(system, x, y, spec, packing.size());
+  // Disks of boundaries may have doubled the capacity.
+  for (std::vector<double>* values : {&system.radius, &system.mass, &x, &y}) values->shrink_to_fit();
+  system.driven_by.shrink_to_fit();
+  number_bodies(system);
+  result.state = initial_state(system, std::move(x), std::move(y), packing.z);
+  for (Index i = 0; i < system.grains(); ++i)  // the image of a grain that is nearest to the centre of its body
+    if (const Index k = system.driven_by[at(i)]; k >= 0 && system.period.any() && system.boundaries[at(k)].body) {
+      const Place& centre = system.boundaries[at(k)].motion.centre;
+      const Place place = moved_along(centre, 1, system.apart(centre, centre_of(result.state, at(i))));
+      result.state.x[at(i)] = place[0];
+      result.state.y[at(i)] = place[1];
+    }
+  complete(system, result.state, dynamics, packing.size());
+  for (const Index k : system.free_bodies) {
+    const Boundary& boundary = system.boundaries[at(k)];
+    take_free(*boundary.body, boundary.motion.initial.value_or(RigidVelocity{}), result.state.body_velocities[at(k)]);
+  }
+  release_grains(system, result.state);
+  check(system, result.state);
+  return result;
+}
+
 void complete(GranularSystem& system, const GranularState& first, const Dynamics& dynamics, Index grains) {
   number_bodies(system);
   for (const Wall& wall : system.walls) check_length(system, wall);
@@ -212,6 +203,25 @@ void complete(GranularSystem& system, const GranularState& first, const Dynamics
   std::vector<std::string> colours;
   for (const BoundarySpec& spec : dynamics.boundaries) colours.push_back(spec.colour);
   set_pairs(system, dynamics.colours, dynamics.pairs, colours, grains);
+}
+
+void check(const StepSolver& solver) {
+  const auto refuse = [](const char* key, std::string_view expected, std::string_view met) {
+    throw Error(fmt::format("solver.{}", key), fmt::format("expected {}, met {}", expected, met));
+  };
+  if (is_contact_solver(solver.algorithm) && solver.tolerance == 0)
+    refuse("tolerance", fmt::format("a number > 0 with solver.algorithm {}", to_string(solver.algorithm)), "0");
+  if (solver.algorithm == StepAlgorithm::two_stage_newton &&
+      solver.interface_preconditioner == SystemPreconditioner::bddc)
+    refuse("interface_preconditioner",
+           "network, lumped or dirichlet with two_stage_newton, whose systems are not symmetric", "bddc");
+  if (solver.criterion != Criterion::gluing) return;
+  if (!has_part(solver.algorithm, StepPart::exchanges))
+    refuse("criterion", fmt::format("solver.algorithm {} with criterion gluing", algorithms_with(StepPart::exchanges)),
+           fmt::format("{}, which has no interface", to_string(solver.algorithm)));
+  if (semi_implicit(solver))
+    refuse("criterion", "another solver.enrichment with criterion gluing",
+           "semi_implicit, which does not iterate on the jumps");
 }
 
 bool has_effect(const Dynamics& dynamics, std::string_view path) { return !missing_for(dynamics, path); }

@@ -20,6 +20,10 @@ struct Dynamics {
   std::vector<PairSpec> pairs = {};
 };
 
+/// Throws Error, with the key, for a tolerance of 0 with a contact solver, for bddc, of symmetric systems, with
+/// two_stage_newton, whose systems are not, and for gluing where nothing is cut.
+void check(const StepSolver& solver);
+
 /// The sections of a case file, with a blank line before each. A parameter without effect is written with its default.
 std::string to_toml(const Dynamics& dynamics);
 
@@ -52,9 +56,9 @@ struct Simulation {
   GranularState state;
   Dynamics dynamics;
   Partitioner partitioner = GridPartitioner{};
-  Processes processes = {};    ///< the ranks that share the subdomains of a step, each with the whole system and state
-  InertiaMethod inertia = {};  ///< factorisation of Stage 2, see stage_two_inertia
-  Bddc bddc = {};              ///< set by nscdd-mpi, see CutOptions
+  Processes processes = {};  ///< the ranks that share the subdomains of a step, each with the whole system and state
+  InertiaMethod inertia = multifrontal();  ///< factorisation of Stage 2
+  Bddc bddc = {};                          ///< set by nscdd-mpi, see CutOptions
 };
 
 inline StepStart start_of(const Simulation& simulation) {

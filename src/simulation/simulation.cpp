@@ -4,7 +4,6 @@
 #include "core/memory.hpp"
 #include "simulation/contact_solver_step.hpp"
 #include "simulation/step_decomposition.hpp"
-#include "simulation/step_verdict.hpp"
 
 #include <fmt/format.h>
 
@@ -65,14 +64,59 @@ void iterate(GranularStep<D>& step, GranularTwoStage<D>& iteration, const Simula
   step.contacts = std::move(contacts);
   step.velocities = std::move(velocities);
   if (report.interface_size > 0) {  // of the velocities that the state keeps: copies may still differ
-    const ContactResidual of_copies = report.residual;
+    const double impulses = report.residual.impulses;
     report.residual = residual_of(step, simulation.processes);
-    report.residual.impulses = of_copies.impulses;
-    report.residual.scale = of_copies.scale;
+    report.residual.impulses = impulses;
   }
   step.gluing = iteration.gluing();
   step.models = iteration.models();
   step.interface_impulses = iteration.interface_impulses();
+}
+
+template <int D>
+GranularStep<D> solve_once(const Simulation& simulation, const IterationSink& sink) {
+  const auto begin = Clock::now();
+  GranularStep<D> step;
+  const auto take = [&](GranularStep<D>&& prepared) {
+    step = std::move(prepared);
+    step.report.setup_seconds = seconds_since(begin);
+  };
+  const auto& algorithm = simulation.dynamics.solver.algorithm;
+  if (!is_contact_solver(algorithm)) {
+    PreparedStep<D> prepared = prepare_solution<D>(simulation);
+    take(std::move(prepared.share));
+    iterate(step, prepared.iteration, simulation, sink);
+  } else if (decomposes(algorithm)) {
+    auto [divided, parts] = divide_step<D>(simulation);
+    take(std::move(divided));
+    solve_divided_contacts(step, std::move(parts), simulation, sink);
+  } else {
+    take(share_step<D>(simulation));
+    solve_whole_contacts(step, simulation, sink);
+  }
+  if (step.report.status != SolverStatus::given_up) finish_solution(step, simulation);
+  return step;
+}
+
+// Whether a bond opens or slides in a solved step, on any rank.
+template <int D>
+bool bonds_part(const GranularStep<D>& step, const Simulation& simulation) {
+  if (!simulation.system.pairs.bonds() || step.report.status == SolverStatus::given_up) return false;
+  const double alert = alert_distance(simulation.system, simulation.dynamics.time);
+  bool parts = false;
+  for (std::size_t k = 0; k < step.contacts.size() && !parts; ++k)
+    parts = bond_of(start_of(simulation), step.problem.geometry[k], alert) &&
+            status_of(step.problem.law, step.contacts[k]) != ContactStatus::stick;
+  return simulation.processes.any(parts);
+}
+
+// Adds the work of an earlier try at a step to that of a row or report with this record.
+template <class Counted>
+void count_also(const StepReport& earlier, Counted& counted, IterationRecord& record) {
+  record.iteration += earlier.last.iteration;
+  record.sweeps += earlier.last.sweeps;
+  counted.factorisations += earlier.factorisations;
+  counted.interface_iterations += earlier.interface_iterations;
 }
 
 // Solves and takes the next step of a run. Returns how the run ended, if it did.
@@ -152,53 +196,6 @@ PreparedStep<D> prepare_solution(const Simulation& simulation) {
   return {std::move(step), std::move(enriched), std::move(iteration)};
 }
 
-namespace {
-
-template <int D>
-GranularStep<D> solve_once(const Simulation& simulation, const IterationSink& sink) {
-  const auto begin = Clock::now();
-  GranularStep<D> step;
-  const auto take = [&](GranularStep<D>&& prepared) {
-    step = std::move(prepared);
-    step.report.setup_seconds = seconds_since(begin);
-  };
-  const auto& algorithm = simulation.dynamics.solver.algorithm;
-  if (!is_contact_solver(algorithm)) {
-    PreparedStep<D> prepared = prepare_solution<D>(simulation);
-    take(std::move(prepared.share));
-    iterate(step, prepared.iteration, simulation, sink);
-  } else if (decomposes(algorithm)) {
-    auto [divided, parts] = divide_step<D>(simulation);
-    take(std::move(divided));
-    solve_divided_contacts(step, std::move(parts), simulation, sink);
-  } else {
-    take(share_step<D>(simulation));
-    solve_whole_contacts(step, simulation, sink);
-  }
-  if (step.report.status != SolverStatus::given_up) finish_solution(step, simulation);
-  return step;
-}
-
-// Whether a bond opens or slides in a solved step, on any rank.
-template <int D>
-bool bonds_part(const GranularStep<D>& step, const Simulation& simulation) {
-  if (!simulation.system.pairs.bonds() || step.report.status == SolverStatus::given_up) return false;
-  const double alert = alert_distance(simulation.system, simulation.dynamics.time);
-  bool parts = false;
-  for (std::size_t k = 0; k < step.contacts.size() && !parts; ++k)
-    parts = bond_of(start_of(simulation), step.problem.geometry[k], alert) &&
-            status_of(step.problem.law, step.contacts[k]) != ContactStatus::stick;
-  return simulation.processes.any(parts);
-}
-
-// Adds the iterations of an earlier try at a step.
-void count_also(const IterationRecord& earlier, IterationRecord& record) {
-  record.iteration += earlier.iteration;
-  record.sweeps += earlier.sweeps;
-}
-
-}  // namespace
-
 template <int D>
 GranularStep<D> solve_step(const Simulation& simulation, const IterationSink& sink) {
   constexpr double stronger_by = 10, strongest = 1e7;
@@ -212,16 +209,12 @@ GranularStep<D> solve_step(const Simulation& simulation, const IterationSink& si
     IterationSink further = sink;
     if (sink.row)
       further.row = [&](IterationRow row) {
-        count_also(before.last, row.record);
-        row.factorisations += before.factorisations;
-        row.interface_iterations += before.interface_iterations;
+        count_also(before, row, row.record);
         row.seconds += before.solve_seconds;
         sink.row(row);
       };
     step = solve_once<D>(stronger, further);
-    count_also(before.last, step.report.last);
-    step.report.factorisations += before.factorisations;
-    step.report.interface_iterations += before.interface_iterations;
+    count_also(before, step.report, step.report.last);
     step.report.setup_seconds += before.setup_seconds;
     step.report.solve_seconds += before.solve_seconds;
   }

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/solved_step.hpp"
 
-#include "mechanics/grain_source.hpp"
-#include "mechanics/levers.hpp"
-
 #include <fmt/ranges.h>
 
 #include <set>
@@ -30,14 +27,14 @@ struct StepRoom {
 template <int D>
 StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double pushes, double closing) {
   const TimeStepping& scheme = before.dynamics.time;
-  const auto motions = step_motions(before.system, before.state, scheme),
-             first = first_motions(before.system, before.state, scheme);
-  const auto poses = poses_at_contacts(before.system, before.state, scheme);
+  const StepStart start = start_of(before);
+  const auto motions = step_motions(start), first = first_motions(start);
+  const auto poses = poses_at_contacts(start);
   double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;
   double speed_squared = 0;  // of the fastest driven body or push
   for (Index i = 0; i < before.system.bodies(); ++i) {
     if (i < before.system.grains() && before.system.node_of(i) != i) continue;  // a grain of a free body
-    const GrainMotion motion = free_motion(start_of(before), poses, motions, i);
+    const GrainMotion motion = free_motion(start, poses, motions, i);
     const GrainVelocity<D> free = with_motion<D>(motion, before.system.inverse_mass(i));
     if (free.inverse_mass == 0) {
       speed_squared = std::max(speed_squared, squared_velocity(free) + squared_rim(free));
@@ -45,7 +42,7 @@ StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double p
     }
     const auto kinetic = [&](const GrainMotion& v) { return kinetic_energy(with_motion<D>(v, free.inverse_mass)); };
     mass += 1 / free.inverse_mass;
-    at_first += kinetic(start_motion(start_of(before), poses, first, i));
+    at_first += kinetic(start_motion(start, poses, first, i));
     free_flight += kinetic(motion);
     in_the_end += kinetic(step.all_grains[at(i)]);
   }
@@ -104,7 +101,7 @@ std::vector<RememberedSubdomain> subdomains_to_remember(const GranularStep<D>& s
   given = processes.gather(given);
   std::ranges::copy_if(given, std::back_inserter(known),
                        [&](const RememberedSubdomain& one) { return !own.contains(one.subdomain); });
-  std::ranges::sort(known, {}, [](const RememberedSubdomain& one) { return std::pair(one.a, one.b); });
+  std::ranges::sort(known, {}, body_pair);
   return known;
 }
 
@@ -117,7 +114,7 @@ std::vector<RememberedBond> bonds_to_remember(const GranularStep<D>& step, const
   for (const StepContact& c : step.problem.geometry)
     if (const auto bond = bond_of(start_of(simulation), c, alert)) bonds.push_back(*bond);
   if (!simulation.processes.alone()) bonds = simulation.processes.gather(bonds);
-  std::ranges::sort(bonds, {}, [](const RememberedBond& one) { return std::pair(one.a, one.b); });
+  std::ranges::sort(bonds, {}, body_pair);
   return bonds;
 }
 
@@ -125,11 +122,12 @@ std::vector<RememberedBond> bonds_to_remember(const GranularStep<D>& step, const
 template <int D>
 std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const GranularStep<D>& step) {
   const GranularSystem& system = before.system;
-  const auto motions = step_motions(system, before.state, before.dynamics.time);
-  const auto poses = poses_at_contacts(system, before.state, before.dynamics.time);
+  const StepStart start = start_of(before);
+  const auto motions = step_motions(start);
+  const auto poses = poses_at_contacts(start);
   std::vector<GrainMotion> result;
   result.reserve(at(system.bodies()));
-  for (Index i = 0; i < system.bodies(); ++i) result.push_back(free_motion(start_of(before), poses, motions, i));
+  for (Index i = 0; i < system.bodies(); ++i) result.push_back(free_motion(start, poses, motions, i));
   struct Moved {
     Index grain;
     GrainMotion velocity;
@@ -142,9 +140,9 @@ std::vector<GrainMotion> velocities_of_grains(const Simulation& before, const Gr
     for (const Moved& one : given) result[at(one.grain)] = one.velocity;
   });
   if (system.free_bodies.empty()) return result;
-  const auto solved = with_free_bodies(system, before.state, before.dynamics.time, motions, result);
+  const auto solved = with_free_bodies(start, motions, result);
   for (Index i = 0; i < system.grains(); ++i)
-    if (!system.free(i)) result[at(i)] = start_motion(start_of(before), poses, solved, i);
+    if (!system.free(i)) result[at(i)] = start_motion(start, poses, solved, i);
   return result;
 }
 
@@ -175,18 +173,23 @@ void finish_solution(GranularStep<D>& step, const Simulation& before) {
   const Processes& all = before.processes;
   StepReport& report = step.report;
   step.all_grains = velocities_of_grains(before, step);
+  report.overlap = {};
   const Vector sums = sums_over_contacts(step.partition, 6, all, [&](Index k, auto&& sum) {
     const GrainContact<D>& c = step.contacts[at(k)];
+    const StepContact& geometry = step.problem.geometry[at(k)];
+    const double overlap = std::max(0.0, -geometry.gap);
     const ContactWork work = work_of(step.problem, c, step.velocities);
     sum[0] += work.boundary;
     sum[1] += work.dissipation;
     sum[2] += c.impulse.n * std::max(0.0, -c.bias.n);
-    sum[3] += std::max(0.0, -step.problem.geometry[at(k)].gap);
-    sum[4] += step.problem.geometry[at(k)].gap < 0;
+    sum[3] += overlap;
+    sum[4] += geometry.gap < 0;
     sum[5] += c.impulse.n * std::max(0.0, -relative_velocity<D>(c, step.velocities).n - c.bias.n);
+    report.overlap.maximum = std::max(report.overlap.maximum, overlap);
+    report.overlap.relative =
+        std::max(report.overlap.relative, overlap / before.system.smaller_radius(geometry.a, geometry.b));
   });
   step.work = {sums[0], sums[1]};
-  report.overlap = interpenetration(before.system, step.problem.geometry);
   report.overlap = {.maximum = all.maximum(report.overlap.maximum),
                     .mean = sums[3] / std::max(1.0, sums[4]),
                     .relative = all.maximum(report.overlap.relative)};
@@ -235,7 +238,7 @@ StepReport take_step(Simulation& simulation, const GranularStep<D>& step) {
   StepReport report = step.report;
   GranularState& state = simulation.state;
   check_end_of_step(start_of(simulation), step.all_grains);
-  report.energy = finish_step(simulation.system, state, simulation.dynamics.time, step.all_grains, step.work);
+  report.energy = finish_step(start_of(simulation), state, step.all_grains, step.work);
   release_grains(simulation.system, state);
   state.bonds = bonds_to_remember(step, simulation);
   state.impulses = impulses_to_remember(step.problem, step.contacts);

@@ -67,17 +67,13 @@ std::vector<char> expected_columns(const Simulation& simulation, const StepProbl
 
 }  // namespace
 
-InertiaMethod stage_two_inertia(const Simulation& simulation) {
-  return simulation.inertia.analyse ? simulation.inertia : multifrontal();
-}
-
 template <int D>
 InterfaceOperator enriched_operator(const Simulation& simulation, const GranularStep<D>& step, double eta) {
   const Decomposition all = linear_parts(simulation, step);
   const StepSolver& solver = simulation.dynamics.solver;
   const bool active = solver.network == StageTwoNetwork::active || solver.enrichment == Enrichment::semi_implicit;
   return InterfaceFamily(active ? restrict_contacts(all, active_columns(simulation, step)) : all,
-                         InterfaceFamily::default_dense_limit, stage_two_inertia(simulation))
+                         InterfaceFamily::default_dense_limit, simulation.inertia)
       .at(eta);
 }
 
@@ -85,7 +81,7 @@ template <int D>
 double best_eta(const Simulation& simulation, const GranularStep<D>& step) {
   const Decomposition all = linear_parts(simulation, step);
   const StepSolver& solver = simulation.dynamics.solver;
-  const SpectralOptions options{.inertia = stage_two_inertia(simulation)};
+  const SpectralOptions options{.inertia = simulation.inertia};
   // Conjugate gradients choose their own steps.
   const bool relaxed = solver.interface_method == InterfaceMethod::richardson;
   const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0, options);

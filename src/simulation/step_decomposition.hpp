@@ -16,9 +16,6 @@ Decomposition linear_decomposition(const Simulation& simulation, const GranularS
                    GluingShape::chain, {grains, step.process_of_subdomain, simulation.processes});
 }
 
-/// Factorisation method of Stage 2: that of the simulation, or multifrontal() if it has none.
-InertiaMethod stage_two_inertia(const Simulation& simulation);
-
 /// X_eta of the linear Stage 2 of a step, of all contacts considered. With `network` active, and in the semi-implicit
 /// scheme, only of those that carried an impulse in the step before.
 template <int D>

@@ -149,8 +149,6 @@ bool IterationWatch::needs_residual() const {
   return std::ranges::count(of_law, Criterion(solver_.criterion)) > 0;
 }
 
-bool IterationWatch::needs_normal_change() const { return solver_.criterion == Criterion::normal_change; }
-
 IterationWatch::IterationWatch(const StepSolver& solver)
     : solver_(solver),
       watch_({.tolerance = solver.tolerance,
@@ -168,10 +166,6 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
                                    record.impulses, first_impulses_, glued);
   const bool goes_on = !status || *status == SolverStatus::stalled;
   return goes_on && record.iteration >= solver_.maximum_iterations ? SolverStatus::maximum_reached : status;
-}
-
-bool IterationWatch::judges(Index iteration) const {
-  return iteration % solver_.criterion_interval == 0 || iteration >= solver_.maximum_iterations;
 }
 
 }  // namespace nscdd

@@ -94,9 +94,11 @@ class IterationWatch {
  public:
   explicit IterationWatch(const StepSolver& solver);
   /// Whether it judges this iteration, from 1: every criterion_interval-th, and the last one allowed.
-  bool judges(Index iteration) const;
-  bool needs_residual() const;       ///< of the contact law, for its criterion
-  bool needs_normal_change() const;  ///< of the record, likewise
+  bool judges(Index iteration) const {
+    return iteration % solver_.criterion_interval == 0 || iteration >= solver_.maximum_iterations;
+  }
+  bool needs_residual() const;  ///< of the contact law, for its criterion
+  bool needs_normal_change() const { return solver_.criterion == Criterion::normal_change; }  ///< of the record
   /// How the iterations ended, or nothing if they go on. `residual` is used only if needed.
   std::optional<SolverStatus> judge(const IterationRecord& record, const ContactResidual& residual);
 

@@ -8,8 +8,6 @@
 namespace nscdd {
 namespace {
 
-constexpr auto ends_of = [](const auto& contact) { return std::pair(contact.a, contact.b); };
-
 // The subdomain of each contact of a step. For a contact of another rank it may return any subdomain of other ranks.
 // All ranks make it together. The simulation must outlive it.
 using SubdomainOfContact = std::function<Index(const StepContact&)>;
@@ -26,8 +24,8 @@ ReferenceProblem normal_problem(const StepProblem<D>& problem, Index bodies) {
 
 // The subdomain of a contact if it is among the known ones, ascending by (a, b); otherwise -1.
 Index known_subdomain(const std::vector<RememberedSubdomain>& known, const StepContact& c) {
-  const auto found = std::ranges::lower_bound(known, ends_of(c), {}, ends_of);
-  return found != known.end() && ends_of(*found) == ends_of(c) ? found->subdomain : -1;
+  const auto found = std::ranges::lower_bound(known, body_pair(c), {}, body_pair);
+  return found != known.end() && body_pair(*found) == body_pair(c) ? found->subdomain : -1;
 }
 
 // The subdomain of a midpoint, by the centres of the grains that move freely, where contacts are found.
@@ -106,15 +104,14 @@ void check_system(const Simulation& simulation, Index dimension) {
 
 // The wanted impulses of the step before, ascending by (a, b). Each rank has those of its own subdomains, but at the
 // beginning of a run all of them.
-template <class Wanted>
-std::vector<RememberedImpulse> impulses_of_all(const Simulation& simulation, const Wanted& wanted) {
+std::vector<RememberedImpulse> impulses_of_all(const Simulation& simulation, const auto& wanted) {
   const GranularState& state = simulation.state;
   if (state.process_of_subdomain.empty()) return state.impulses;
   std::vector<RememberedImpulse> found;
   simulation.processes.exchange(state.impulses, [&](std::span<const RememberedImpulse> given) {
     std::ranges::copy_if(given, std::back_inserter(found), wanted);
   });
-  std::ranges::sort(found, {}, ends_of);
+  std::ranges::sort(found, {}, body_pair);
   return found;
 }
 
@@ -231,7 +228,7 @@ GranularStep<D> share_step(const Simulation& simulation) {
   step.partition = partition_of(subdomain, subdomains, own);
   if (!all.alone())
     step.impulses = !afresh ? state.impulses : impulses_of_all(simulation, [&](const RememberedImpulse& one) {
-      return std::ranges::binary_search(own, ends_of(one), {}, ends_of);
+      return std::ranges::binary_search(own, body_pair(one), {}, body_pair);
     });
   std::vector<std::int32_t> bodies = bodies_of(own, system, all.alone());
   step.problem = step_of_contacts<D>(start, std::move(own), considered.boundary_speed, std::move(bodies),

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "contact_solvers/contact_problem.hpp"
 #include "simulation/dynamics.hpp"
 #include "simulation/step_report.hpp"
 
@@ -60,13 +59,5 @@ Packing free_grains(const GranularSystem& system, const GranularState& state, In
 /// The record of contacts, ascending by (a, b), and their partition.
 std::vector<RememberedSubdomain> subdomains_to_remember(const std::vector<StepContact>& contacts,
                                                         const Partition& partition);
-
-/// Sums of `quantities` numbers over all contacts of a step, added up subdomain by subdomain, see ContactSums.
-/// add(k, sums) adds those of contact k of this rank.
-template <class Add>
-Vector sums_over_contacts(const Partition& partition, Index quantities, const Processes& processes, Add&& add) {
-  return ContactSums(partition.subdomain_of_contact, partition.subdomains, processes)
-      .add_up(quantities, count(partition.subdomain_of_contact), add);
-}
 
 }  // namespace nscdd

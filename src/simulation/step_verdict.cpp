@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulation/step_verdict.hpp"
-
+// Decides whether a step that was solved has a solution.
 #include "core/memory.hpp"
 #include "simulation/contact_solver_step.hpp"
 

@@ -3,6 +3,8 @@
 
 #include "simulation/simulation.hpp"
 
+#include <set>
+
 namespace nscdd {
 
 /// A contact as a step left it.
@@ -49,6 +51,15 @@ std::vector<TrajectoryContact> trajectory_contacts(const GranularStep<D>& solved
     contacts.back().set(c.impulse);
   }
   return contacts;
+}
+
+/// The subdomains of each grain: those of its contacts.
+inline std::vector<std::set<Index>> subdomains_of_grains(const std::vector<TrajectoryContact>& contacts, Index grains) {
+  std::vector<std::set<Index>> held(at(grains));
+  for (const TrajectoryContact& contact : contacts)
+    for (const Index body : {contact.geometry.a, contact.geometry.b})
+      if (body < grains) held[at(body)].insert(contact.subdomain);
+  return held;
 }
 
 }  // namespace nscdd

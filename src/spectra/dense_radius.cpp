@@ -112,9 +112,6 @@ double ratio_of_masses(const Decomposition& parts) {
 }  // namespace
 
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
-  const auto look = [&] {
-    if (options.checkpoint) options.checkpoint();
-  };
   const Index n = b.rows();
   require_memory((b.system.flexibility() == 0 ? rigid_matrices_at_once : matrices_at_once) * bytes_of_matrix(n, n),
                  fmt::format("matrices of {} interface unknowns", n),
@@ -123,14 +120,14 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
   Matrix p, difference;
   if (!b.schwarz()) p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
-  look();
+  if (options.checkpoint) options.checkpoint();
   // P B. The pencil (P B, P) has the eigenvalues mu themselves: small radii keep their digits.
   if (!b.schwarz()) difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
   const Index unit_multiplicity = b.system.nullity();
   const double tilt = b.system.uncertainty();
   if (unit_multiplicity == n) return all_unit(n, "dense", std::isfinite(tilt));
   const auto ends_of = [&](Index wanted) {
-    look();
+    if (options.checkpoint) options.checkpoint();
     if (b.schwarz()) return schwarz_ends(b, unit_multiplicity);
     return unit_multiplicity == 0 ? pencil_ends(difference, p, wanted)
                                   : deflated_ends(difference, p, b.system.kernel().kernel, wanted);

@@ -12,6 +12,9 @@ constexpr double decades = 8;  // searched on either side of the natural scale
 struct SpectrumEnds {
   double min = not_a_number, max = not_a_number;
   bool converged = false;
+  double residual = 0;
+  std::string failure = {};
+
   double imbalance() const { return min + max - 2; }  // 0 where both are equal and opposite about 1
   double radius() const { return std::max(std::abs(1 - min), std::abs(1 - max)); }
   double relaxed_radius() const { return (max - min) / (max + min); }
@@ -26,17 +29,15 @@ class Spectra {
   SpectrumEnds at(double eta) {
     const SpectralRadius radius = spectral_radius({family_.at(eta), system_}, options_, &memory_);
     ++best.spectra;
-    last_residual_ = radius.residual;
-    last_failure_ = radius.failure;
     best.unit_multiplicity = radius.unit_multiplicity;
-    return {1 - radius.subdominant_max, 1 - radius.subdominant_min, radius.converged};
+    return {1 - radius.subdominant_max, 1 - radius.subdominant_min, radius.converged, radius.residual, radius.failure};
   }
 
   // At a reported point. (A search also tries an eta at which X_eta is numerically singular: residuals do not count.)
   SpectrumEnds reported(double eta) {
     const SpectrumEnds ends = at(eta);
-    best.residual = std::max(best.residual, last_residual_);
-    if (all_converged && !ends.converged) best.failure = fmt::format("eta = {}: {}", eta, last_failure_);
+    best.residual = std::max(best.residual, ends.residual);
+    if (all_converged && !ends.converged) best.failure = fmt::format("eta = {}: {}", eta, ends.failure);
     all_converged = all_converged && ends.converged;
     return ends;
   }
@@ -49,8 +50,6 @@ class Spectra {
   InterfaceOperator system_;
   SpectralOptions options_;
   SpectrumMemory memory_;
-  double last_residual_ = 0;
-  std::string last_failure_;
 };
 
 struct Range {
@@ -64,14 +63,14 @@ struct Range {
   double decreasing_root(Function&& f, double tolerance) const {
     const auto of_log = [&](double x) { return f(std::exp(x)); };
     double upper = std::log(high);
+    if (of_log(upper) >= 0) return high;  // no root below
     // Decade by decade from above: the ends grow like 1/eta below their root, so the bracket should be narrow.
-    while (true) {
+    while (upper > std::log(low)) {
       const double lower = std::max(upper - std::log(10.0), std::log(low));
-      if (upper == std::log(high) && of_log(upper) >= 0) return high;  // no root below
       if (of_log(lower) >= 0) return std::exp(find_root(of_log, lower, upper, tolerance).x);
-      if (lower <= std::log(low)) return 0;
       upper = lower;
     }
+    return 0;
   }
 };
 
@@ -86,10 +85,8 @@ void find_relaxed(Spectra& spectra, const Range& range) {
   const auto point = [&](int i) { return first + length * i / (samples - 1); };
   std::vector<double> values;
   for (int i = 0; i < samples; ++i) values.push_back(radius(point(i)));
-  // If the curve is flat at the low end but for rounding, its infimum is there.
   const auto least = std::min_element(values.begin(), values.end());
   const auto lowest = static_cast<int>(least - values.begin());
-  const bool falls_to_zero = lowest == 0 || values.front() <= *least * (1 + 1e-6);
   double x = point(lowest);
   if (best.generic_relaxed_radius <= *least * (1 + 1e-6)) {  // enriching does not pay
     best.relaxed_status = OptimumStatus::eta_to_infinity;
@@ -98,7 +95,8 @@ void find_relaxed(Spectra& spectra, const Range& range) {
     best.relaxation = best.generic_relaxation;
     return;
   }
-  if (falls_to_zero) {
+  // If the curve is flat at the low end but for rounding, its infimum is there.
+  if (lowest == 0 || values.front() <= *least * (1 + 1e-6)) {
     best.relaxed_status = OptimumStatus::eta_to_zero;
     x = point(0);
   } else if (lowest + 1 < samples && values[at(lowest - 1)] > *least && values[at(lowest + 1)] > *least) {

@@ -57,7 +57,6 @@ class EndSearch {
   double inward(double difference) const { return side_.inward(difference); }
   double tolerance() const { return side_.tolerance(value()); }
   double margin(double lambda) const { return side_.margin(lambda); }
-  double rounding(double lambda) const { return side_.rounding(lambda); }
   Index beyond(const ShiftedPencil& pencil) const { return side_.beyond(pencil); }
 
   // Proved bound of the spectrum, by a count or known beforehand; infinite without any.
@@ -196,9 +195,9 @@ class EndSearch {
 
   // A count just outside proves the end (the last shift may serve), one just inside gives its multiplicity.
   void certify() {
-    const double keep_away = std::max(tolerance(), 4 * rounding(value()));
+    const double keep_away = std::max(tolerance(), 4 * side_.rounding(value()));
     const double distance = outer_ ? std::abs(value() - *outer_) : infinity;
-    if (distance < 2 * rounding(value()) || distance > keep_away) {
+    if (distance < 2 * side_.rounding(value()) || distance > keep_away) {
       const std::optional<ShiftedPencil> out = side_.factorise(value() - inward(keep_away));
       if (!out || beyond(*out) != 0) return;
       outer_ = out->shift();

@@ -106,12 +106,6 @@ void include_maximum(Extreme& extreme, const Moebius& m, const Line& line, doubl
   for (const double x : places) extreme.include(sign * (m(x) - line(x)), x);
 }
 
-Extreme above_line(const std::vector<Moebius>& upper, const Line& line, double from, double to) {
-  Extreme extreme;
-  for (const Moebius& m : upper) include_maximum(extreme, m, line, 1, from, to);
-  return extreme;
-}
-
 // Between two crossings one lower bound is the best. If rounding moves a crossing, the bound still holds.
 Extreme below_line(const std::vector<Moebius>& lower, const Line& line, double from, double to) {
   std::vector<double> cuts{from, to};
@@ -182,7 +176,8 @@ Deviation deviation(const CurveLaw& law, const CurvePoint& from, const CurvePoin
   if (!from.ends || !to.ends) return {};
   const Bounds bounds = bounds_between(law, from, to);
   const Line line(from, to);
-  const Extreme above = above_line(bounds.upper, line, from.x, to.x);
+  Extreme above;
+  for (const Moebius& m : bounds.upper) include_maximum(above, m, line, 1, from.x, to.x);
   const Extreme below = below_line(bounds.lower, line, from.x, to.x);
   const double rounding = 1e-14 * std::max({1.0, from.radius, to.radius});  // of the bounds themselves
   const double x = above.value > below.value ? above.x : below.x;

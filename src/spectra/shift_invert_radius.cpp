@@ -260,13 +260,11 @@ std::optional<EndGuess> PencilMemory::expected(const PencilPoint& point, End Vis
   double lambda = coordinate.lambda(guess.value);
   double side = std::max(std::abs(coordinate.lambda(guess.value + guess.uncertainty) - lambda),
                          std::abs(lambda - coordinate.lambda(guess.value - guess.uncertainty)));
-  // X_epsilon grows with epsilon, and not faster: this bounds the extrapolation of a jump.
-  double least = last.end.lambda * std::exp(std::min(0.0, step.epsilon) + std::min(0.0, -step.eta));
-  double most = last.end.lambda * std::exp(std::max(0.0, step.epsilon) + std::max(0.0, -step.eta));
-  if (schwarz) {  // lambda moves towards 1, not faster
-    least = last.end.lambda * std::exp(-std::abs(step.epsilon));
-    most = last.end.lambda * std::exp(std::abs(step.epsilon));
-  }
+  // X_epsilon grows with epsilon, and not faster: this bounds the extrapolation of a jump. With schwarz lambda moves
+  // towards 1, not faster.
+  const double falls = schwarz ? -std::abs(step.epsilon) : std::min(0.0, step.epsilon) + std::min(0.0, -step.eta);
+  const double grows = schwarz ? std::abs(step.epsilon) : std::max(0.0, step.epsilon) + std::max(0.0, -step.eta);
+  const double least = last.end.lambda * std::exp(falls), most = last.end.lambda * std::exp(grows);
   lambda = std::clamp(lambda, least, most);
   side = std::min(side, most - least);
   if (!std::isfinite(lambda) || !std::isfinite(side) || !(lambda > 0)) return std::nullopt;

@@ -11,27 +11,6 @@
 namespace nscdd {
 namespace {
 
-LinearMap watched(LinearMap map, const std::function<void()>& checkpoint) {
-  if (!checkpoint) return map;
-  return [map = std::move(map), checkpoint](const Vector& x) {
-    checkpoint();
-    return map(x);
-  };
-}
-
-}  // namespace
-
-std::pair<double, double> rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p) {
-  const Vector sx = s(x), px = p.apply(x);
-  const double norm = x.dot(px);
-  const double lambda = x.dot(sx) / norm;
-  const Vector r = sx - lambda * px, y = p.solve(r);
-  const bool solved = (p.apply(y) - r).norm() <= 0.1 * r.norm();
-  return {lambda, solved ? std::sqrt(std::max(0.0, r.dot(y)) / norm) : infinity};
-}
-
-namespace {
-
 SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory& memory) {
   const Index n = b.rows(), unit_multiplicity = b.system.nullity();
   if (unit_multiplicity > 0 && n > dense_kernel_limit)
@@ -40,9 +19,11 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
         unit_multiplicity);
   SpectralRadius result;
   result.solver = "arpack";
-  const auto counting = [&](auto product) {
-    return watched([&result, product](const Vector& x) -> Vector { return ++result.applications, product(x); },
-                   options.checkpoint);
+  const auto counting = [&](auto product) -> LinearMap {
+    return [&, product](const Vector& x) -> Vector {
+      if (options.checkpoint) options.checkpoint();
+      return ++result.applications, product(x);
+    };
   };
   const LinearMap p_apply = counting([&](const Vector& x) { return b.preconditioner.apply(x); });
   const LinearMap p_solve = counting([&](const Vector& x) { return b.preconditioner.solve(x); });
@@ -115,6 +96,15 @@ SpectralRadius slepc_radius(const Contraction& b, const SpectralOptions& options
 }
 
 }  // namespace
+
+std::pair<double, double> rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p) {
+  const Vector sx = s(x), px = p.apply(x);
+  const double norm = x.dot(px);
+  const double lambda = x.dot(sx) / norm;
+  const Vector r = sx - lambda * px, y = p.solve(r);
+  const bool solved = (p.apply(y) - r).norm() <= 0.1 * r.norm();
+  return {lambda, solved ? std::sqrt(std::max(0.0, r.dot(y)) / norm) : infinity};
+}
 
 void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_multiplicity) {
   result.subdominant_min = mu_min;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "two_stage/contact_order.hpp"
-
+// The order in which a sweep visits the contacts of a subdomain.
 #include "contact_solvers/contact_turns.hpp"
+#include "two_stage/granular_decomposition.hpp"
 
 namespace nscdd {
 namespace {

@@ -8,8 +8,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
@@ -95,18 +93,18 @@ Decomposition CutContacts<D>::stage_two() const {
 
 // None if a subdomain is not positive definite in double precision.
 template <int D>
-std::optional<LocalPreconditioner> CutContacts<D>::local_preconditioner() const {
+LinearMap CutContacts<D>::local_map() const {
   const Decomposition parts = stage_two();
   const auto interface = std::make_shared<PrimalInterface>(condense(parts, 1));
-  if (!interface->definite()) return std::nullopt;
+  if (!interface->definite()) return {};
   weigh(*interface, options_.scaling);
   if (options_.preconditioner == SystemPreconditioner::lumped)
-    return LocalPreconditioner(parts, interface, LocalStiffness::lumped);
+    return local_preconditioner(parts, interface, LocalStiffness::lumped);
   std::shared_ptr<const CoarseProblem> coarse;
   if (options_.coarse_space == SystemCoarseSpace::geneo)
     coarse = std::make_shared<const CoarseProblem>(
         *interface, geneo_vectors(*interface, geneo_threshold(*interface, options_.kappa)));
-  return LocalPreconditioner(parts, interface, LocalStiffness::dirichlet, coarse);
+  return local_preconditioner(parts, interface, LocalStiffness::dirichlet, coarse);
 }
 
 // Stored zeros give all matrices one pattern. Driven directions of a free body have rows without entries of H.
@@ -121,7 +119,6 @@ SparseMatrix CutContacts<D>::system_of(Index i) const {
 
 template <int D>
 bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
-  ++work_.factorisations;
   relations_ = std::move(relations);
   longest_ = {};
   e_.clear();
@@ -145,7 +142,7 @@ bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
     regular[at(i)] = lu_[at(i)]->factorise(k);
   });
   const bool local = parts_.interface_size() > 0 && options_.preconditioner != SystemPreconditioner::network;
-  if (local && !(local_ = local_preconditioner())) return false;
+  if (local && !(local_ = local_map())) return false;
   if (!local && parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
     preconditioner_ = InterfaceFamily(stage_two(), 0, options_.inertia).at(options_.flexibility);
   return !processes().any(std::ranges::count(regular, 0) > 0);

@@ -26,7 +26,7 @@ struct CutOptions {
 /// Linear systems  P r + Q W r = b  of the contacts of a step (see ContactMatrix), cut in the FETI way. E = P^-1 Q.
 ///   Stage 1  K_E V_E = H_E P^-1 b - A_E^T F,  K_E = M_E + H_E E H_E^T: one factorised solve per subdomain
 ///   Stage 2  S F = g by a Krylov method,  S = sum_E A_E K_E^-1 A_E^T, preconditioned by
-///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T  or, with c = 1, by the LocalPreconditioner of this sum,
+///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T  or, with c = 1, by the local_preconditioner of this sum,
 /// where D is the diagonal of E: X_eta with eta = c alpha on the active contacts. In space D keeps the symmetric part
 /// of the tangential blocks of E: a sliding contact resists across its direction only. Then r = P^-1 b - E H_E^T V_E.
 /// With BDDC the V_E are the copies R_E V of (sum_E R_E^T K_E R_E) V = sum_E R_E^T H_E P^-1 b instead.
@@ -49,17 +49,15 @@ class CutContacts {
   /// As ContactMatrix::take_operations, of Stage 1.
   double take_operations();
 
-  const Decomposition& decomposition() const { return parts_; }
   const std::vector<ContactRelation<D>>& relations() const { return relations_; }
   Vector apply(const Vector& f) const;  ///< S F
   /// P^-1 g
-  Vector precondition(const Vector& g) const { return local_ ? local_->solve(g) : preconditioner_->solve(g); }
+  Vector precondition(const Vector& g) const { return local_ ? local_(g) : preconditioner_->solve(g); }
   Matrix dense() const;  ///< S
-  const std::optional<InterfaceOperator>& preconditioner() const { return preconditioner_; }
 
   /// Totals since construction.
   struct Work {
-    Index factorisations = 0, solves = 0, iterations = 0, failures = 0;
+    Index solves = 0, iterations = 0, failures = 0;
     double flops = 0;       ///< of Stage 1 on this rank, at the last take_operations
     double path_flops = 0;  ///< on the critical path: the sum over take_operations of the maximum over ranks
   };
@@ -76,7 +74,7 @@ class CutContacts {
   enum class Zeros { stored, left_out };
   SparseMatrix blocks_of(Index subdomain, const Blocks& blocks, Zeros zeros) const;
   Decomposition stage_two() const;
-  std::optional<LocalPreconditioner> local_preconditioner() const;
+  LinearMap local_map() const;
 
   Decomposition parts_;
   CutOptions options_;
@@ -87,7 +85,7 @@ class CutContacts {
   BddcSystem bddc_;
   double bddc_flops_ = 0;
   std::optional<InterfaceOperator> preconditioner_;
-  std::optional<LocalPreconditioner> local_;
+  LinearMap local_;  // see local_preconditioner
   bool symmetric_ = false;
   IteratedSolution longest_;  // of the last relations
   Work work_;

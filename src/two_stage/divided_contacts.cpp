@@ -8,13 +8,6 @@ namespace {
 
 constexpr Index contacts_for_threads = 4096;  // fewer are done before a thread wakes
 
-// Calls visit(colour, k) for all contacts of a subdomain.
-template <class Colours, class Visit>
-void for_each_contact_of(Colours& colours, const Visit& visit) {
-  for (auto& colour : colours)
-    for (std::size_t k = 0; k < colour.numbers.size(); ++k) visit(colour, k);
-}
-
 template <int D>
 void append(const ContactRows<D>& from, std::size_t k, ContactRows<D>& to) {
   to.friction = from.friction;
@@ -97,18 +90,17 @@ void DividedContacts<D>::set_data(const Partition& partition) {
   data.q = relative_velocities(moved(-pull_));
   data.friction.resize(number);
   data.normal.resize(D * number);
-  const std::vector<double> of_bodies = speeds_of<D>(problem_.free);
   Vector speeds(number);
   for (Index c = 0; c < number; ++c) {
     const GrainContact<D>& contact = contacts[at(c)];
     set_component(data.q, c, component<D>(data.q, c) + contact.bias);
     data.friction[c] = contact.friction;
     data.normal.template segment<D>(D * c).setConstant(1 / inverse_normal_delassus(contact));
-    speeds[c] = of_bodies[at(contact.a)] + of_bodies[at(contact.b)];
+    speeds[c] = speed_of(problem_.free[at(contact.a)]) + speed_of(problem_.free[at(contact.b)]);
   }
   // Per contact H has 2 x 5 entries in the plane, 2 x 15 in space; H^T and H each take two operations per entry.
   data.product_operations = 2.0 * 2 * (D == 2 ? 10 : 30) * processes_.sum(static_cast<double>(number));
-  data.sums = ContactSums(partition.subdomain_of_contact, partition.subdomains, processes_);
+  data.sums = {partition.subdomain_of_contact, partition.subdomains, processes_};
   const auto diagonal = [&](Index c) -> FullDelassus<D> {
     const GrainContact<D>& contact = contacts[at(c)];
     if (contact.levers) return lever_delassus(*contact.levers, contact.inverse_mass_a, contact.inverse_mass_b);
@@ -129,15 +121,23 @@ void DividedContacts<D>::for_each_subdomain(const std::function<void(Index)>& wo
 }
 
 template <int D>
+template <class Self, class Visit>
+void DividedContacts<D>::for_each_contact(Self& self, const Visit& visit) {
+  self.for_each_subdomain([&](Index e) {
+    for (auto& colour : self.coloured_[at(e)])
+      for (std::size_t k = 0; k < colour.numbers.size(); ++k) visit(e, colour, k);
+  });
+}
+
+template <int D>
 CopiesOfGrains<D> DividedContacts<D>::caused(const Vector& r) const {
   CopiesOfGrains<D> velocities(bodies_.size());
   for_each_subdomain([&](Index e) {
     std::vector<GrainVelocity<D>>& own = velocities[at(e)];
-    for (const Index body : bodies_[at(e)])
-      own.push_back(with_unknowns(GrainUnknowns<D>{}, problem_.free[at(body)].inverse_mass));
-    for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
-      colour.contacts.push_bodies(k, component<D>(r, colour.numbers[k]), own);
-    });
+    for (const Index body : bodies_[at(e)]) own.push_back({.inverse_mass = problem_.free[at(body)].inverse_mass});
+    for (const Coloured& colour : coloured_[at(e)])
+      for (std::size_t k = 0; k < colour.numbers.size(); ++k)
+        colour.contacts.push_bodies(k, component<D>(r, colour.numbers[k]), own);
   });
   shared_.add_up(velocities);
   return velocities;
@@ -158,11 +158,8 @@ CopiesOfGrains<D> DividedContacts<D>::moved(const Vector& r) const {
 template <int D>
 Vector DividedContacts<D>::relative_velocities(const CopiesOfGrains<D>& velocities) const {
   Vector u(D * count(problem_.contacts));
-  for_each_subdomain([&](Index e) {
-    const std::vector<GrainVelocity<D>>& own = velocities[at(e)];
-    for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
-      set_component(u, colour.numbers[k], colour.contacts.relative_velocity_at(k, own));
-    });
+  for_each_contact(*this, [&](Index e, const Coloured& colour, std::size_t k) {
+    set_component(u, colour.numbers[k], colour.contacts.relative_velocity_at(k, velocities[at(e)]));
   });
   return u;
 }
@@ -184,10 +181,8 @@ template <int D>
 Vector DividedContacts<D>::swept(const Vector& r, const SweepTurn& turn, double omega) {
   const Vector pulled = r - pull_;
   CopiesOfGrains<D> velocities = moved(pulled);
-  for_each_subdomain([&](Index e) {
-    for_each_contact_of(coloured_[at(e)], [&](Coloured& colour, std::size_t k) {
-      colour.contacts.set_impulse(k, component<D>(pulled, colour.numbers[k]));
-    });
+  for_each_contact(*this, [&](Index, Coloured& colour, std::size_t k) {
+    colour.contacts.set_impulse(k, component<D>(pulled, colour.numbers[k]));
   });
   std::vector<std::vector<std::vector<SweptVector<D>>>> before(bodies_.size());  // impulses, if there is momentum
   CopiesOfGrains<D> slower;                                                      // velocities
@@ -211,10 +206,8 @@ Vector DividedContacts<D>::swept(const Vector& r, const SweepTurn& turn, double 
       });
   }
   Vector result(r.size());
-  for_each_subdomain([&](Index e) {
-    for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
-      set_component(result, colour.numbers[k], colour.contacts.impulse(k));
-    });
+  for_each_contact(*this, [&](Index, const Coloured& colour, std::size_t k) {
+    set_component(result, colour.numbers[k], colour.contacts.impulse(k));
   });
   return result + pull_;
 }

@@ -65,6 +65,9 @@ class DividedContacts {
   Vector relative_velocities(const CopiesOfGrains<D>& velocities) const;  // H^T V
   void set_data(const Partition& partition);
   void for_each_subdomain(const std::function<void(Index)>& work) const;
+  // Calls visit(e, colour, k) for all contacts, in parallel over subdomains e.
+  template <class Self, class Visit>
+  static void for_each_contact(Self& self, const Visit& visit);
 
   const StepProblem<D>& problem_;
   Processes processes_;

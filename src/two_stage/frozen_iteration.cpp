@@ -51,19 +51,11 @@ LocalMaps local_maps(const GranularDecomposition<D>& parts, Index e, const std::
   return maps;
 }
 
-// Calls each(k) for the contacts of a subdomain with a turning impulse, by their places in it.
-template <int D, class Each>
-void for_each_turning(const GranularSubdomain<D>& subdomain, const std::vector<FrozenContact<D>>& frozen,
-                      const Each& each) {
-  for (std::size_t k = 0; k < subdomain.numbers.size(); ++k)
-    if (frozen[at(subdomain.numbers[k])].turning > 0) each(k);
-}
-
-// `across`: the turning impulses across the directions of sliding, N s.
+// `across`: the turning impulses across the directions of sliding, N s; those of the subdomain begin at `turned`.
+// Returns their end.
 template <int D>
-void sweep(const GranularSubdomain<D>& subdomain, const std::vector<FrozenContact<D>>& frozen,
-           std::vector<GrainVelocity<D>>& v, Vector& across) {
-  [[maybe_unused]] Index turned = 0;
+Index sweep(const GranularSubdomain<D>& subdomain, const std::vector<FrozenContact<D>>& frozen,
+            std::vector<GrainVelocity<D>>& v, Vector& across, Index turned) {
   for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
     const FrozenContact<D>& now = frozen[at(subdomain.numbers[k])];
     if (now.status == ContactStatus::open) continue;
@@ -87,6 +79,7 @@ void sweep(const GranularSubdomain<D>& subdomain, const std::vector<FrozenContac
     }
     apply_impulse(c, change, v);
   }
+  return turned;
 }
 
 }  // namespace
@@ -121,13 +114,13 @@ FrozenIteration<D>::FrozenIteration(GranularDecomposition<D> parts, std::vector<
   }
   Index row = size;
   for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
-    for_each_turning(subdomain, frozen_, [&](std::size_t k) {
-      const GrainContact<D> c = subdomain.contact(k);
-      root.push_back(1 / std::sqrt(c.inverse_w().inverse_t));
+    for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
       const FrozenContact<D>& now = frozen_[at(subdomain.numbers[k])];
+      if (!(now.turning > 0)) continue;
+      root.push_back(1 / std::sqrt(subdomain.contact(k).inverse_w().inverse_t));
       impulses.add(row, turning[at(row - size)], std::sqrt(now.turning) * root.back());
       ++row;
-    });
+    }
   root_ = Vector::Map(root.data(), row);
   impulses.add_block(gluing.matrix(row, parts_.interface_size()), 0, columns);
   range_ = std::make_shared<RangeProjector>(impulses.matrix(row, columns + parts_.interface_size()));
@@ -148,29 +141,21 @@ Vector FrozenIteration<D>::apply(const Vector& y, Index iterations) const {
     std::ranges::for_each(subdomain.velocities, set);
     std::ranges::for_each(subdomain.whole_copies, set, &WholeCopy<D>::common);
   }
-  std::vector<Vector> across;
-  for (const GranularSubdomain<D>& subdomain : parts_.subdomains) {
-    Index size = 0;
-    for_each_turning(subdomain, frozen_, [&](std::size_t) { ++size; });
-    across.emplace_back(velocities.segment(k, size));
-    k += size;
-  }
+  Vector across = velocities.tail(rows() - k);
   for (Index i = 0; i < iterations; ++i) iterate(work, across);
   Vector image(rows());
-  const Vector moved = work.free_velocities();
-  image.head(moved.size()) = moved;
-  k = moved.size();
-  for (const Vector& own : across) {
-    image.segment(k, own.size()) = own;
-    k += own.size();
-  }
+  image << work.free_velocities(), across;
   return project(image.cwiseProduct(root_));
 }
 
 template <int D>
-void FrozenIteration<D>::iterate(GranularDecomposition<D>& work, std::vector<Vector>& across) const {
-  for (std::size_t e = 0; e < work.subdomains.size(); ++e)
-    for (Index n = 0; n < sweeps_; ++n) sweep(parts_.subdomains[e], frozen_, work.subdomains[e].velocities, across[e]);
+void FrozenIteration<D>::iterate(GranularDecomposition<D>& work, Vector& across) const {
+  Index turned = 0;
+  for (std::size_t e = 0; e < work.subdomains.size(); ++e) {
+    const Index first = turned;
+    for (Index n = 0; n < sweeps_; ++n)
+      turned = sweep(parts_.subdomains[e], frozen_, work.subdomains[e].velocities, across, first);
+  }
   if (work.interface_size() == 0) return;
   const Vector jumps = work.interface_jumps();
   work.apply_interface_impulses(relaxation_ *
@@ -209,10 +194,9 @@ MapRadius frozen_radius(const Matrix& contraction) {
 }
 
 template <int D>
-MapRadius frozen_radius(const FrozenIteration<D>& iteration, const ArpackOptions& options, Index power) {
+MapRadius frozen_radius(const FrozenIteration<D>& iteration, Index power) {
   const LinearMap map = [&](const Vector& y) { return iteration.apply(y, power); };
-  MapRadius radius = map_radius(iteration.rows(), map, {.tolerance = radius_tolerance, .arpack = options},
-                                UnitEigenvalues::passed_over);
+  MapRadius radius = map_radius(iteration.rows(), map, {.tolerance = radius_tolerance}, UnitEigenvalues::passed_over);
   if (power > 1) radius.value = std::pow(radius.value, 1 / static_cast<double>(power));
   return radius;
 }
@@ -223,7 +207,7 @@ template Matrix frozen_contraction(const GranularDecomposition<2>&, const std::v
                                    const std::optional<InterfaceOperator>&, double);
 template Matrix frozen_contraction(const GranularDecomposition<3>&, const std::vector<FrozenContact<3>>&,
                                    const std::optional<InterfaceOperator>&, double);
-template MapRadius frozen_radius(const FrozenIteration<2>&, const ArpackOptions&, Index);
-template MapRadius frozen_radius(const FrozenIteration<3>&, const ArpackOptions&, Index);
+template MapRadius frozen_radius(const FrozenIteration<2>&, Index);
+template MapRadius frozen_radius(const FrozenIteration<3>&, Index);
 
 }  // namespace nscdd

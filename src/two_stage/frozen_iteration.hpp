@@ -34,7 +34,7 @@ class FrozenIteration {
   const Vector& weights() const { return root_; }  ///< in y: of velocities, then of impulses
 
  private:
-  void iterate(GranularDecomposition<D>& work, std::vector<Vector>& across) const;
+  void iterate(GranularDecomposition<D>& work, Vector& across) const;
 
   GranularDecomposition<D> parts_;
   GranularDecomposition<D> resting_;  // the same at rest and without contacts: copied by `apply`
@@ -58,7 +58,7 @@ Matrix frozen_contraction(const GranularDecomposition<D>& parts, const std::vect
 /// at most 1e-6. If moduli crowd at 1, a power of the map separates them sooner: `value` is then the root of the
 /// power's radius, all else is of the power. An odd power keeps the signs of real eigenvalues.
 template <int D>
-MapRadius frozen_radius(const FrozenIteration<D>& iteration, const ArpackOptions& options = {}, Index power = 1);
+MapRadius frozen_radius(const FrozenIteration<D>& iteration, Index power = 1);
 MapRadius frozen_radius(const Matrix& contraction);
 
 }  // namespace nscdd

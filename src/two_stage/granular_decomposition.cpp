@@ -3,7 +3,6 @@
 
 #include "core/memory.hpp"
 #include "linalg/threads.hpp"
-#include "two_stage/contact_order.hpp"
 
 #include <fmt/format.h>
 
@@ -115,14 +114,10 @@ auto unknowns_of_copies(const GranularDecomposition<D>& parts) {
 template <int D>
 ImpulseScale GranularDecomposition<D>::scale_of(const StepProblem<D>& problem, const Partition& partition,
                                                 const Processes& processes) {
-  Eigen::MatrixXd sums(4, partition.subdomains);
-  const auto scales = impulse_scales<D>(problem.law, problem.contacts, problem.free, partition.subdomain_of_contact,
-                                        partition.subdomains);
-  for (Index e = 0; e < partition.subdomains; ++e) {
-    const ImpulseScale& own = scales[at(e)];
-    sums.col(e) << own.alone, own.momenta, own.speeds, own.energies;
-  }
-  const Vector sum = processes.sum_of_parts(std::move(sums));
+  const Vector sum = sums_over_contacts(partition, 4, processes, [&](Index k, auto&& sums) {
+    const ImpulseScale own = impulse_scale(problem.law, problem.contacts[at(k)], problem.free);
+    sums += Eigen::Vector4d(own.alone, own.momenta, own.speeds, own.energies);
+  });
   return {.alone = sum[0], .momenta = sum[1], .speeds = sum[2], .energies = sum[3]};
 }
 
@@ -274,8 +269,7 @@ ReferenceProblem reference_problem(const StepProblem<D>& problem, Index grains) 
   };
   for (const GrainContact<D>& c : problem.contacts)
     for (const LocalVector<D>& direction : contact_directions<D>())
-      c.levers ? h.add_levers(*c.levers, rows(c.a), rows(c.b), direction)
-               : h.add(c.normal, rows(c.a), rows(c.b), direction);
+      h.add(c.normal, rows(c.a), rows(c.b), direction, c.levers.get());
   result.h = h.matrix();
   return result;
 }

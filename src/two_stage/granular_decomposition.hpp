@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mechanics/contact_residual.hpp"
+#include "contact_solvers/contact_problem.hpp"
 #include "mechanics/step_problem.hpp"
 #include "two_stage/step_solver.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
@@ -43,6 +43,14 @@ GrainUnknowns<D> load_of_others(const Vector& f, Index first, Index last, Index 
   for (Index row = first; row < last; ++row)
     for (Index k = 0; k < unknowns_of_grain<D> && row != own; ++k) load[at(k)] += f[unknowns_of_grain<D> * row + k];
   return load;
+}
+
+/// Sums of `quantities` numbers over all contacts of a step, added up subdomain by subdomain, see ContactSums.
+/// add(k, sums) adds those of contact k of this rank.
+template <class Add>
+Vector sums_over_contacts(const Partition& partition, Index quantities, const Processes& processes, Add&& add) {
+  return ContactSums{partition.subdomain_of_contact, partition.subdomains, processes}.add_up(
+      quantities, count(partition.subdomain_of_contact), add);
 }
 
 /// One subdomain E of a step: its contacts in sweep order, and their bodies. A shared grain has the mass of a copy.
@@ -100,6 +108,12 @@ struct GranularDecomposition {
   /// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma; the load of the other copies on a whole one.
   void apply_interface_impulses(const Vector& change);
 };
+
+/// The order of contacts in memory and in a sweep. `points`: of the contacts, m; needed for `interleaved` only.
+template <int D>
+std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
+                                 const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,
+                                 std::span<const std::array<double, 3>> points);
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses at those of the step. `order`,
 /// `seed`: see contact_order. Ranks that share the step pass the contacts of their own subdomains and get these and the

@@ -25,29 +25,23 @@ double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt
 }  // namespace
 
 ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, const Processes& processes) {
-  constexpr Index maxima = 2;
-  Eigen::MatrixXd numbers(11 + maxima, count(of_subdomains));
+  constexpr Index sums = 11, maxima = 2;
+  const auto numbers_of = [](auto& r) {  // the maxima last
+    return std::tie(r.natural_map, r.impulses, r.violation, r.work, r.scale_work, r.scale_velocity, r.squared_work,
+                    r.active, r.stick, r.slide, r.loaded, r.largest_violation, r.largest_squared_work);
+  };
+  Eigen::MatrixXd numbers(sums + maxima, count(of_subdomains));
   for (Index e = 0; e < numbers.cols(); ++e) {
-    const ContactResidual& one = of_subdomains[at(e)];
-    numbers.col(e) << one.natural_map, one.impulses, one.violation, one.work, one.scale_work, one.scale_velocity,
-        one.squared_work, static_cast<double>(one.active), static_cast<double>(one.stick),
-        static_cast<double>(one.slide), static_cast<double>(one.loaded), one.largest_violation,
-        one.largest_squared_work;
+    const auto set = [&](auto... number) { numbers.col(e) = Eigen::Vector<double, sums + maxima>(double(number)...); };
+    std::apply(set, numbers_of(of_subdomains[at(e)]));
   }
   const Vector sum = processes.sum_of_parts(std::move(numbers), maxima);
-  return {.natural_map = sum[0],
-          .impulses = sum[1],
-          .violation = sum[2],
-          .work = sum[3],
-          .scale_work = sum[4],
-          .scale_velocity = sum[5],
-          .squared_work = sum[6],
-          .largest_violation = sum[11],
-          .largest_squared_work = sum[12],
-          .active = static_cast<Index>(sum[7]),
-          .stick = static_cast<Index>(sum[8]),
-          .slide = static_cast<Index>(sum[9]),
-          .loaded = static_cast<Index>(sum[10])};
+  ContactResidual result;
+  auto take = [next = sum.begin()](auto&... number) mutable {
+    ((number = static_cast<std::remove_reference_t<decltype(number)>>(*next++)), ...);
+  };
+  std::apply(take, numbers_of(result));
+  return result;
 }
 
 template <int D>
@@ -75,22 +69,18 @@ void GranularTwoStage<D>::start(const std::vector<RememberedGluing>& gluing) {
   Vector f = Vector::Zero(parts_.interface_size());
   auto old = gluing.begin();
   const auto& rows = parts_.interface.gluing();
-  for (Index row = 0; row < count(rows);) {
-    const Index grain = rows[at(row)].grain, last = row + parts_.interface.multiplicity(grain) - 1;
+  for (Index first = 0, last = 0; first < count(rows); first = last) {
+    const Index grain = rows[at(first)].grain;
+    last = first + parts_.interface.multiplicity(grain) - 1;
     while (old != gluing.end() && old->grain < grain) ++old;
-    const auto copies = parts_.interface.copies(grain);
     const auto end = std::find_if(old, gluing.end(), [&](const auto& one) { return one.grain != grain; });
-    const bool shared_alike =
-        std::equal(old, end, copies.begin(), copies.end(),
-                   [](const RememberedGluing& one, const GrainCopy& copy) { return one.subdomain == copy.subdomain; });
-    for (const Index first = row; row < last; ++row) {
-      if (!shared_alike) continue;
-      const RememberedGluing& one = old[row - first];
+    const bool shared_alike = std::ranges::equal(std::span(old, end), parts_.interface.copies(grain), {},
+                                                 &RememberedGluing::subdomain, &GrainCopy::subdomain);
+    for (Index row = first; row < last && shared_alike; ++row)
       for (Index k = 0; k < size; ++k) {
-        f[size * row + k] = one.impulse[at(k)];
+        f[size * row + k] = old[row - first].impulse[at(k)];
         if (row > first) f[size * row + k] += f[size * (row - 1) + k];
       }
-    }
   }
   correct(f);
 }
@@ -179,13 +169,6 @@ std::vector<SweepSums> GranularTwoStage<D>::stage_one() {
 }
 
 template <int D>
-Index GranularTwoStage<D>::contact_updates() const {
-  Index contacts = 0;
-  for (const GranularSubdomain<D>& subdomain : parts_.subdomains) contacts += subdomain.contacts.size();
-  return sweeps_ * contacts;
-}
-
-template <int D>
 void GranularTwoStage<D>::correct(const Vector& change) {
   interface_impulses_ += change;
   parts_.apply_interface_impulses(change);
@@ -269,6 +252,21 @@ IterationRecord GranularTwoStage<D>::record() const {
           .interface_second_change = ratio(sum[second_changes], interface),
           .gluing = ratio(sum[jumps], at_least(free_speed_squared_, sum[speeds])),
           .impulses = sum[impulses]};
+}
+
+template <int D>
+double GranularTwoStage<D>::normal_change() const {
+  Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(2, count(parts_.subdomains));
+  for_each_in_parallel(terms.cols(), [&](Index e) {
+    const std::vector<SweptVector<D>>& now = parts_.subdomains[at(e)].contacts.impulses;
+    const std::vector<SweptVector<D>>& before = remembered_.at(at(e));
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      terms(0, e) += std::abs(now[k].n - before.at(k).n);
+      terms(1, e) += std::abs(now[k].n);
+    }
+  });
+  const Vector sum = parts_.interface.processes().sum_of_parts(std::move(terms));
+  return sum[0] == 0 ? 0.0 : sum[0] / std::max(sum[1], std::sqrt(impulse_floor_squared_));
 }
 
 template <int D>

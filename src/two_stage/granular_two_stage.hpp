@@ -58,13 +58,16 @@ class GranularTwoStage {
   IterationRecord record() const;
 
   /// Keeps the impulses for normal_change, that of IterationRecord if one iteration lies between; collective.
-  void remember_impulses();
+  void remember_impulses() {
+    remembered_.resize(parts_.subdomains.size());
+    for (std::size_t e = 0; e < remembered_.size(); ++e) remembered_[e] = parts_.subdomains[e].contacts.impulses;
+  }
   double normal_change() const;
 
   ContactResidual residual() const;
 
   /// Updates of single contacts in all sweeps so far, on this rank.
-  Index contact_updates() const;
+  Index contact_updates() const { return sweeps_ * parts_.contacts; }
 
   /// Status of every contact, in the order of the step problem.
   std::vector<ContactStatus> statuses() const;
@@ -87,8 +90,7 @@ class GranularTwoStage {
   // Sums of squares over the subdomains for a record.
   enum Quantity { changes, impulses, jumps, speeds, interface_changes, second_changes, interface_squares, quantities };
   // The sum of term(e) over the subdomains in their order: no bit depends on the ranks.
-  template <class Term>
-  double summed(const Term& term) const {
+  double summed(const auto& term) const {
     Eigen::MatrixXd terms(1, count(parts_.subdomains));
     for (Index e = 0; e < terms.cols(); ++e) terms(0, e) = term(e);
     return parts_.interface.processes().sum_of_parts(std::move(terms))[0];

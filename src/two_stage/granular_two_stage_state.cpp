@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Results of the iterations of a step: impulses, velocities and gluing of all subdomains.
-#include "linalg/threads.hpp"
 #include "two_stage/granular_two_stage.hpp"
 
 namespace nscdd {
@@ -15,17 +14,6 @@ struct SentCopy {
   Index subdomain, grain;
   GrainUnknowns<D> velocity;
 };
-
-// Adds to the velocity of a shared grain, at first V_free, its share of the change of one copy.
-template <int D>
-void take_in_copy(const SentCopy<D>& copy, const StepProblem<D>& problem, const Interface& interface,
-                  std::vector<GrainVelocity<D>>& velocities) {
-  const Index body = body_of(problem, copy.grain);
-  if (body < 0) return;  // a grain of other ranks
-  const double part = 1 / static_cast<double>(interface.multiplicity(copy.grain));
-  const GrainUnknowns<D> start = unknowns(problem.free[at(body)]);
-  add(velocities[at(body)], [&](std::size_t k) { return part * (copy.velocity[k] - start[k]); });
-}
 
 }  // namespace
 
@@ -75,7 +63,13 @@ typename GranularTwoStage<D>::Solution GranularTwoStage<D>::gather(const StepPro
   copies = all.gather(copies);
   // In the order of subdomains: no bit depends on the ranks.
   std::ranges::stable_sort(copies, {}, &SentCopy<D>::subdomain);
-  for (const SentCopy<D>& copy : copies) take_in_copy(copy, problem, interface, result.velocities);
+  for (const SentCopy<D>& copy : copies) {  // a shared grain, at first at V_free, takes a share of the change of each
+    const Index body = body_of(problem, copy.grain);
+    if (body < 0) continue;  // a grain of other ranks
+    const double part = 1 / static_cast<double>(interface.multiplicity(copy.grain));
+    const GrainUnknowns<D> start = unknowns(problem.free[at(body)]);
+    add(result.velocities[at(body)], [&](std::size_t k) { return part * (copy.velocity[k] - start[k]); });
+  }
   return result;
 }
 
@@ -84,9 +78,12 @@ std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
   constexpr Index size = unknowns_of_grain<D>;
   std::vector<RememberedGluing> result;
   const auto& rows = parts_.interface.gluing();
-  Index before = 0;                          // shared grains
-  for (Index row = 0; row < count(rows);) {  // A_E^T F: along a chain, F of the row after a copy minus that before it
-    const Index grain = rows[at(row)].grain, first = row, last = row + parts_.interface.multiplicity(grain) - 1;
+  Index before = 0;  // shared grains
+  // A_E^T F: along a chain, F of the row after a copy minus that before it.
+  for (Index first = 0, last = 0; first < count(rows); first = last, ++before) {
+    const Index grain = rows[at(first)].grain;
+    last = first + parts_.interface.multiplicity(grain) - 1;
+    Index row = first;
     for (const GrainCopy& copy : parts_.interface.copies(grain)) {
       RememberedGluing one{grain, copy.subdomain};
       if (parts_.copies == CopyMass::whole)
@@ -99,40 +96,13 @@ std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
       result.push_back(one);
       ++row;
     }
-    row = last;
-    ++before;
   }
   return result;
 }
 
-template <int D>
-void GranularTwoStage<D>::remember_impulses() {
-  remembered_.resize(parts_.subdomains.size());
-  for (std::size_t e = 0; e < remembered_.size(); ++e) remembered_[e] = parts_.subdomains[e].contacts.impulses;
-}
-
-template <int D>
-double GranularTwoStage<D>::normal_change() const {
-  Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(2, count(parts_.subdomains));
-  for_each_in_parallel(terms.cols(), [&](Index e) {
-    const std::vector<SweptVector<D>>& now = parts_.subdomains[at(e)].contacts.impulses;
-    const std::vector<SweptVector<D>>& before = remembered_.at(at(e));
-    for (std::size_t k = 0; k < now.size(); ++k) {
-      terms(0, e) += std::abs(now[k].n - before.at(k).n);
-      terms(1, e) += std::abs(now[k].n);
-    }
-  });
-  const Vector sum = parts_.interface.processes().sum_of_parts(std::move(terms));
-  return sum[0] == 0 ? 0.0 : sum[0] / std::max(sum[1], std::sqrt(impulse_floor_squared_));
-}
-
 template GranularTwoStage<2>::Solution GranularTwoStage<2>::gather(const StepProblem<2>&);
 template std::vector<RememberedGluing> GranularTwoStage<2>::gluing() const;
-template void GranularTwoStage<2>::remember_impulses();
-template double GranularTwoStage<2>::normal_change() const;
 template GranularTwoStage<3>::Solution GranularTwoStage<3>::gather(const StepProblem<3>&);
 template std::vector<RememberedGluing> GranularTwoStage<3>::gluing() const;
-template void GranularTwoStage<3>::remember_impulses();
-template double GranularTwoStage<3>::normal_change() const;
 
 }  // namespace nscdd

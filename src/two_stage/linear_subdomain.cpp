@@ -2,7 +2,6 @@
 #include "two_stage/linear_subdomain.hpp"
 
 #include "linalg/sparse_entries.hpp"
-#include "mechanics/contact_blocks.hpp"
 
 namespace nscdd {
 namespace {
@@ -24,14 +23,6 @@ FrozenContact<D> frozen_as(ContactStatus status, const GranularSubdomain<D>& sub
     }
   }
   return result;
-}
-
-template <int D>
-std::vector<FrozenContact<D>> frozen_at(const GranularSubdomain<D>& subdomain,
-                                        const std::vector<ContactStatus>& statuses) {
-  std::vector<FrozenContact<D>> frozen;
-  for (std::size_t k = 0; k < statuses.size(); ++k) frozen.push_back(frozen_as(statuses[k], subdomain, k));
-  return frozen;
 }
 
 // Columns of a contact in G and in N.
@@ -76,8 +67,7 @@ FrozenNetwork frozen_network(const GranularSubdomain<D>& subdomain, const std::v
     const GrainContact<D> c = subdomain.contact(k);
     const auto put = [&](LocalVector<D> impulse, LocalVector<D> rest, double flexible = 0) {
       const auto add = [&](ConnectivityBuilder<D>& columns, const LocalVector<D>& direction) {
-        const BodyRows &a = network.rows[at(c.a)], &b = network.rows[at(c.b)];
-        c.levers ? columns.add_levers(*c.levers, a, b, direction) : columns.add(c.normal, a, b, direction);
+        columns.add(c.normal, network.rows[at(c.a)], network.rows[at(c.b)], direction, c.levers.get());
       };
       add(impulses, impulse);
       add(resting, rest);
@@ -104,14 +94,15 @@ FrozenNetwork frozen_network(const GranularSubdomain<D>& subdomain, const std::v
 
 template <int D>
 LinearSubdomain<D>::LinearSubdomain(const GranularSubdomain<D>& subdomain, const ContactLaw& law,
-                                    std::vector<ContactStatus> statuses, double flexibility, const Fields& fields)
+                                    const std::vector<ContactStatus>& statuses, double flexibility,
+                                    const Fields& fields)
     : law_(law),
-      frozen_(frozen_at(subdomain, statuses)),
       contacts_(subdomain.contacts),
       base_(subdomain.velocities),
       present_(subdomain.velocities),
-      flexibility_(flexibility),
-      network_(frozen_network(subdomain, frozen_)) {
+      flexibility_(flexibility) {
+  for (std::size_t k = 0; k < statuses.size(); ++k) frozen_.push_back(frozen_as(statuses[k], subdomain, k));
+  network_ = frozen_network(subdomain, frozen_);
   if (!network_.turning.empty())
     throw Error("linear subdomain: expected contacts whose impulses do not turn, met one that slides in space");
   if (fields) fields_ = fields(network_);
@@ -137,15 +128,14 @@ LinearSubdomain<D>::LinearSubdomain(const GranularSubdomain<D>& subdomain, const
 // v + bias in the resting directions.
 template <int D>
 Vector LinearSubdomain<D>::strain(const std::vector<GrainVelocity<D>>& velocities) const {
-  Vector result(network_.resting.cols()), own(D);
+  Vector result(network_.resting.cols());
   Index column = 0;
   for (std::size_t k = 0; k < frozen_.size(); ++k) {
     const Index size = directions<D>(frozen_[k].status);
     if (size == 0) continue;
     const GrainContact<D> c = contacts_.contact(k, velocities);
-    set_component<D>(own, 0, relative_velocity<D>(c, velocities) + c.bias);
-    result.segment(column, size) = own.head(size);
-    column += size;
+    const std::array<double, D> v = along_directions(relative_velocity<D>(c, velocities) + c.bias);
+    for (Index i = 0; i < size; ++i) result[column++] = v[at(i)];
   }
   return result;
 }
@@ -185,14 +175,13 @@ LinearAnswer<D> LinearSubdomain<D>::answer(const GranularSubdomain<D>& subdomain
     d = (here + network_.resting.transpose() * change) / -flexibility_;
   }
   Index column = 0;
-  Vector own = Vector::Zero(D);
   for (std::size_t k = 0; k < frozen_.size(); ++k) {
     const Index size = directions<D>(frozen_[k].status);
     if (size == 0) continue;
-    own.head(size) = d.segment(column, size);
-    column += size;
+    std::array<double, D> change{};
+    for (Index i = 0; i < size; ++i) change[at(i)] = d[column++];
     const GrainContact<D> c = contacts_.contact(k, base_);
-    LocalVector<D> r = c.impulse + component<D>(own, 0);
+    LocalVector<D> r = c.impulse + from_directions<D>(change.data());
     // On the edge of the cone to the last bit, so that rounding does not make the contact stick.
     if (frozen_[k].status != ContactStatus::stick) r.t = (r.n + c.pull) * frozen_[k].slope;
     result.impulses[k] = swept(c.normal, r);
@@ -204,16 +193,11 @@ LinearAnswer<D> LinearSubdomain<D>::answer(const GranularSubdomain<D>& subdomain
 
 template <int D>
 bool LinearSubdomain<D>::admits(const LinearAnswer<D>& answer) const {
-  const auto impulse = [&](const GrainContact<D>& c) {
-    const LocalVector<D> stop = stopping_impulse<D>(c, answer.velocities);
-    return with_delassus(c, [&](const auto& w) {
-      return std::visit([&](const auto& law) { return law_at(law, c.pull).impulse(stop, w, c.friction); }, law_);
-    });
-  };
   for (std::size_t k = 0; k < frozen_.size(); ++k) {
     GrainContact<D> c = contacts_.contact(k, answer.velocities);
     c.impulse = in_frame(c.normal, answer.impulses[k]);
-    c.impulse = impulse(c);
+    const LocalVector<D> stop = stopping_impulse<D>(c, answer.velocities);
+    c.impulse = with_delassus(c, [&](const auto& w) { return law_impulse(law_, c, stop, w); });
     if (status_of(law_, c) != frozen_[k].status) return false;
   }
   return true;

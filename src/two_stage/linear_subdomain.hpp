@@ -51,8 +51,8 @@ class LinearSubdomain {
   /// `statuses`: of the present impulses of the contacts. `flexibility`: alpha > 0, 1/kg. With `fields` the subdomain
   /// is homogenised: V - V_0 - M^-1 F' is a combination of fields, which coarse_velocities gives for its network, and M
   /// (V - V_0) = G d + F' holds for their powers only (Galerkin).
-  LinearSubdomain(const GranularSubdomain<D>& subdomain, const ContactLaw& law, std::vector<ContactStatus> statuses,
-                  double flexibility, const Fields& fields = {});
+  LinearSubdomain(const GranularSubdomain<D>& subdomain, const ContactLaw& law,
+                  const std::vector<ContactStatus>& statuses, double flexibility, const Fields& fields = {});
 
   bool regular() const { return !solver_ || regular_; }  ///< if false, nothing else may be called
 

@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "two_stage/model_switch.hpp"
 
+#include "linalg/pencil.hpp"
 #include "linalg/sparse_entries.hpp"
-
-#include <Eigen/QR>
 
 #include <set>
 
 namespace nscdd {
 namespace {
-
-// Independent columns of one field at the bodies: an orthonormal basis of `values`, its rows times `scale`.
-Matrix basis_of(const Matrix& values, const Vector& scale) {
-  Eigen::ColPivHouseholderQR<Matrix> factors(scale.asDiagonal() * values);
-  factors.setThreshold(1e-10);
-  return factors.householderQ() * Matrix::Identity(values.rows(), factors.rank());
-}
 
 // Values of the bilinear functions of the mesh at the bodies.
 Matrix bilinear(const std::vector<PlacedBody>& bodies, const std::vector<Index>& moved,
@@ -100,7 +92,7 @@ SparseMatrix coarse_velocities(const FrozenNetwork& network, const std::vector<P
     const Matrix values = bilinear(bodies, moved, cells);
     Vector radius(count(moved));
     for (Index row = 0; row < count(moved); ++row) radius[row] = bodies[at(moved[at(row)])].radius;
-    const Matrix translation = basis_of(values, Vector::Ones(count(moved))), rotation = basis_of(values, radius);
+    const Matrix translation = orthonormal_basis(values), rotation = orthonormal_basis(radius.asDiagonal() * values);
     for (Index k = 0; k < 3; ++k) {
       const Matrix& basis = k < 2 ? translation : rotation;
       for (Index column = 0; column < basis.cols(); ++column, ++columns)

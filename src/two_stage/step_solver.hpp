@@ -55,7 +55,7 @@ constexpr auto names_of(InterfaceNetwork) { return std::to_array<std::string_vie
 /// The preconditioner of these systems.
 enum class SystemPreconditioner {
   network,    ///< X or X_eta, by InterfaceNetwork
-  lumped,     ///< see LocalPreconditioner: of the contacts of InterfaceNetwork, as stiff as in the system
+  lumped,     ///< see local_preconditioner: of the contacts of InterfaceNetwork, as stiff as in the system
   dirichlet,  ///< the same
   bddc,       ///< of PETSc, see BddcParameters: symmetric systems, solved in velocities
 };
@@ -196,11 +196,9 @@ struct StepSolver {
     visit(enriched_stage_two, "network", self.network,
           Field{.description = "contacts of Stage 2: all considered, or those that carried an impulse in the "
                                "last step"});
-    visit(
-        enriched_stage_two, "enrichment", self.enrichment,
-        Field{.description =
-                  "iterations in which the enriched Stage 2 acts; the semi-implicit scheme: once, on the contacts that "
-                  "carried an impulse in the last step"});
+    visit(enriched_stage_two, "enrichment", self.enrichment,
+          Field{.description = "iterations in which the enriched Stage 2 acts; the semi-implicit scheme: once, on the "
+                               "contacts that carried an impulse in the last step"});
     visit(stage_two, "interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
     visit(exchanges, "interface_relaxation", self.interface_relaxation,
           Field{.description = "relaxation omega of Stage 2, or of the resultants that Schwarz's method exchanges",
@@ -247,9 +245,5 @@ struct StepSolver {
 inline bool semi_implicit(const StepSolver& solver) {
   return has_part(solver.algorithm, StepPart::enriched_stage_two) && solver.enrichment == Enrichment::semi_implicit;
 }
-
-/// Throws Error, with the key, for a tolerance of 0 with a contact solver, for bddc, of symmetric systems, with
-/// two_stage_newton, whose systems are not, and for gluing where nothing is cut.
-void check(const StepSolver& solver);
 
 }  // namespace nscdd

@@ -155,15 +155,15 @@ void check_restarts(const Simulation& begin, Index steps) {
 }
 
 DatboxTexts texts_of(const DatboxWriter& writer, const TrajectoryStep& step) {
-  const std::vector<std::pair<std::string, std::string>> tables = writer.tables();
+  const std::vector<std::pair<std::string, std::string>> driven = writer.driven();
   return {writer.bodies(),
           writer.bulk(),
           writer.tact(),
-          writer.driven(),
+          driven.front().second,
           writer.dof(step),
           {},
-          [tables](const std::string& name) {
-            for (const auto& [own, text] : tables)
+          [driven](const std::string& name) {
+            for (const auto& [own, text] : driven)
               if (own == name) return text;
             return std::string();
           }};
@@ -378,8 +378,7 @@ TEST_CASE(
   CHECK(back.dynamics.interaction.static_friction == 0.45);
   // The bodies that touch, and their friction, are those of the run.
   const auto friction_of = [](const Simulation& one, Index a, Index b) {
-    const PairRule* rule = one.system.pairs.of(a, b);
-    if (rule != nullptr && rule->friction) return *rule->friction;
+    if (const PairRule& rule = one.system.pairs.of(a, b); rule.friction) return *rule.friction;
     return one.system.is_boundary(a) || one.system.is_boundary(b) ? one.dynamics.interaction.friction_of(true, true)
                                                                   : one.dynamics.interaction.friction;
   };

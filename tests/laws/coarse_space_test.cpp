@@ -27,11 +27,11 @@ std::shared_ptr<PrimalInterface> weighted(const Model& model, double epsilon, Sc
 }
 
 // P^-1 X_eps as a symmetric matrix, L^T P^-1 L, X_eps = L L^T.
-Vector dual_spectrum(const Model& model, double epsilon, const LocalPreconditioner& p) {
+Vector dual_spectrum(const Model& model, double epsilon, const LinearMap& p) {
   const Matrix x = InterfaceFamily(model.parts).at(epsilon * flexibility_scale(model)).dense();
   const Matrix lower = cholesky_factor(x);
   Matrix map(x.rows(), x.cols());
-  for (Index k = 0; k < x.cols(); ++k) map.col(k) = p.solve(lower.col(k));
+  for (Index k = 0; k < x.cols(); ++k) map.col(k) = p(lower.col(k));
   map = (lower.transpose() * map).eval();
   CHECK((map - map.transpose()).norm() <= 1e-6 * map.norm());
   return symmetric_values(map);
@@ -111,7 +111,7 @@ TEST_CASE("FETI-Dirichlet and the balanced primal interface have one upper spect
           const BalancedSpectrum spectrum(*interface, *coarse);
           const Vector primal = spectrum.all(coarse->size());
           if (primal.size() > 0) CHECK(primal[0] > 1 - 1e-7);
-          const LocalPreconditioner dual(model.parts, interface, LocalStiffness::dirichlet, coarse);
+          const LinearMap dual = local_preconditioner(model.parts, interface, LocalStiffness::dirichlet, coarse);
           check_same_upper(dual_spectrum(model, epsilon, dual), primal);
         }
       }
@@ -144,11 +144,11 @@ TEST_CASE("lumped and Dirichlet preconditioners are the formulas of the literatu
     for (const bool stiffness : {false, true})
       for (const bool lumped : {false, true}) {
         const auto interface = weighted(model, 0.01, stiffness ? Scaling::stiffness : Scaling::multiplicity);
-        const LocalPreconditioner p(model.parts, interface,
-                                    lumped ? LocalStiffness::lumped : LocalStiffness::dirichlet);
+        const LinearMap p =
+            local_preconditioner(model.parts, interface, lumped ? LocalStiffness::lumped : LocalStiffness::dirichlet);
         const Matrix literal = literal_preconditioner(model, *interface, lumped, stiffness);
         for (Index k = 0; k < literal.cols(); ++k)
-          CHECK((p.solve(Vector::Unit(literal.cols(), k)) - literal.col(k)).norm() < 1e-8 * literal.norm());
+          CHECK((p(Vector::Unit(literal.cols(), k)) - literal.col(k)).norm() < 1e-8 * literal.norm());
       }
   });
 }

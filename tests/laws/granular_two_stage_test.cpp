@@ -6,7 +6,6 @@
 #include "../support/granular.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
-#include "two_stage/contact_order.hpp"
 
 #include <doctest/doctest.h>
 

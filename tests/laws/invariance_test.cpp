@@ -10,7 +10,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <numeric>
 
 using namespace nscdd;
 using namespace nscdd::testing;
@@ -42,8 +41,7 @@ void require_equal(const std::vector<double>& a, const std::vector<double>& b) {
 
 // Permutes the contacts of a problem and of its partition together.
 void permute_contacts(ReferenceProblem& problem, Partition& partition, std::uint64_t seed) {
-  std::vector<Index> order(at(problem.contacts()));
-  std::iota(order.begin(), order.end(), Index{0});
+  std::vector<Index> order = natural_order(problem.contacts());
   RandomStream random(seed);
   for (Index i = problem.contacts() - 1; i > 0; --i) std::swap(order[at(i)], order[at(random.below(i + 1))]);
   const Matrix h = problem.h;

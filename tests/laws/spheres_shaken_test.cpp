@@ -4,7 +4,6 @@
 #include "formats/contact_problem/step_fclib.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/step_problem.hpp"
-#include "two_stage/contact_order.hpp"
 #include "two_stage/granular_decomposition.hpp"
 
 #include <doctest/doctest.h>

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace nscdd::testing {
 namespace {
@@ -67,11 +66,7 @@ SparseMatrix lower_triangle(const Matrix& full) {
   return lower;
 }
 
-std::vector<Index> single_rows(Index n) {
-  std::vector<Index> group(at(n));
-  std::iota(group.begin(), group.end(), Index{0});
-  return group;
-}
+std::vector<Index> single_rows(Index n) { return natural_order(n); }
 
 SymmetricProblem saddle_point(Index pairs, double first, double last, std::uint64_t seed) {
   RandomStream random(seed);

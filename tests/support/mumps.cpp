@@ -88,6 +88,22 @@ class Mumps {
   bool analysed_ = false;
 };
 
+// A factor that solves from, to and on the border by whole solves.
+InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern) {
+  const auto spread = [n = pattern.lower.rows()](const Vector& g) {
+    Vector x = Vector::Zero(n);
+    x.tail(g.size()) = g;
+    return x;
+  };
+  const auto gather = [border = pattern.border](const Vector& x) -> Vector { return x.tail(border); };
+  return {.regular = true,
+          .negative_eigenvalues = negative_eigenvalues,
+          .solve = solve,
+          .solve_from_border = [=](const Vector& g) { return solve(spread(g)); },
+          .solve_to_border = [=](const Vector& b) { return gather(solve(b)); },
+          .solve_on_border = [=](const Vector& g) { return gather(solve(spread(g))); }};
+}
+
 }  // namespace
 
 InertiaMethod mumps(double pivot_threshold) {

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 namespace nscdd::testing {
 
@@ -85,8 +84,7 @@ void on_every_interface(const std::function<void(const Model&)>& law) {
 
 Case renumbered(const Case& one, std::uint64_t seed) {
   const Packing before = build(one).packing;
-  std::vector<Index> order(at(before.size()));
-  std::iota(order.begin(), order.end(), Index{0});
+  std::vector<Index> order = natural_order(before.size());
   RandomStream random(seed);
   for (Index i = before.size() - 2; i > 0; --i) std::swap(order[at(i)], order[at(random.below(i + 1))]);
   Packing after;

@@ -95,9 +95,9 @@ TEST_CASE("bodies of a case: colours and rules of pairs, written and read back")
   CHECK_FALSE(dynamics.pairs[1].rule.friction.has_value());
   const GranularSystem system = simulation_of(resolve(back)).system;
   const Index plank = system.grains();
-  CHECK(system.pairs.of(2, plank)->friction == 0.125);
-  CHECK(system.pairs.of(1, plank)->friction == 0.125);  // of the clump, which has the colour of its boundary
-  CHECK(system.pairs.of(4, plank) == nullptr);
+  CHECK(system.pairs.of(2, plank).friction == 0.125);
+  CHECK(system.pairs.of(1, plank).friction == 0.125);             // of the clump, which has the colour of its boundary
+  CHECK(&system.pairs.of(4, plank) == &ContactPairs().of(0, 0));  // no rule
   CHECK(system.may_touch(4, 5));
   CHECK_FALSE(system.may_touch(2, 5));
   CHECK_FALSE(system.may_touch(0, 5));

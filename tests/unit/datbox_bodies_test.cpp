@@ -382,8 +382,7 @@ TEST_CASE("DATBOX: the friction of each pair of colours is the one that contacts
     const Dynamics dynamics = datbox_dynamics(datbox);
     const GranularSystem system = scene(datbox_packing(datbox, DatboxGrains::all), dynamics).system;
     return [system, dynamics](Index a, Index b) {
-      const PairRule* rule = system.pairs.of(a, b);
-      if (rule != nullptr && rule->friction) return *rule->friction;
+      if (const PairRule& rule = system.pairs.of(a, b); rule.friction) return *rule.friction;
       return dynamics.interaction.friction_of(system.is_boundary(a) || system.is_boundary(b), true);
     };
   };

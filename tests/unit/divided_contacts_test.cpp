@@ -12,7 +12,6 @@
 #include <doctest/doctest.h>
 
 #include <numbers>
-#include <numeric>
 #include <set>
 
 using namespace nscdd;
@@ -50,8 +49,7 @@ Dynamics cut_dynamics(const std::string& law, double restitution = 0) {
 // By colours.
 template <int D>
 std::vector<Index> order_of(const Divided<D>& divided) {
-  std::vector<Index> order(at(divided.whole.contacts()));
-  std::iota(order.begin(), order.end(), Index{0});
+  std::vector<Index> order = natural_order(divided.whole.contacts());
   std::ranges::stable_sort(order, {}, [&](Index c) { return divided.colours.of_contact[at(c)]; });
   return order;
 }

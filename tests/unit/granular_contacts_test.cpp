@@ -195,7 +195,7 @@ TEST_CASE("overlaps: the largest, their mean, and the largest as a part of the s
   const Simulation s = simulation_of(
       {{.radius = 1}, {.x = 1.9375, .radius = 1}, {.x = -1.09375, .radius = 0.125}, {.x = -2, .radius = 0.5}},
       Dynamics());
-  const Interpenetration found = interpenetration(s.system, prepared(s).geometry);
+  const Interpenetration found = solve_step(s).report.overlap;
   CHECK(found.maximum == 0.0625);
   CHECK(found.mean == (0.0625 + 0.03125) / 2);
   CHECK(found.relative == 0.03125 / 0.125);

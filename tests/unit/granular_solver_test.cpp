@@ -245,8 +245,8 @@ TEST_CASE("relaxation: a resting disk is given that part of what its weight stil
 }
 
 TEST_CASE("residual: sums of parts add up entry by entry, and both ways to slide are slides") {
-  ContactResidual sum{1, 2, 3, 4, 5, 6, 7, 8, 90, 10, 11, 12, 13};
-  sum += ContactResidual{10, 20, 30, 40, 50, 60, 70, 80, 9, 100, 110, 120, 130};
+  const ContactResidual sum = added_up(
+      {{1, 2, 3, 4, 5, 6, 7, 8, 90, 10, 11, 12, 13}, {10, 20, 30, 40, 50, 60, 70, 80, 9, 100, 110, 120, 130}}, {});
   CHECK(std::array{sum.natural_map, sum.impulses, sum.violation, sum.work, sum.scale_work, sum.scale_velocity,
                    sum.squared_work} == std::array{11.0, 22.0, 33.0, 44.0, 55.0, 66.0, 77.0});
   CHECK(std::array{sum.largest_violation, sum.largest_squared_work} == std::array{80.0, 90.0});

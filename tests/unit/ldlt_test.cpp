@@ -3,7 +3,6 @@
 #include "../support/matrices.hpp"
 #include "linalg/multifrontal/factor.hpp"
 #include "linalg/multifrontal/fronts.hpp"
-#include "linalg/multifrontal/group_order.hpp"
 #include "linalg/random.hpp"
 
 #include <doctest/doctest.h>
@@ -159,7 +158,7 @@ TEST_CASE("symmetric factor: what is apart from the border serves a family, to t
     std::vector<char> on_border(at(n), 0);
     for (const Index i : border) on_border[at(i)] = 1;
     const SymmetricAnalysis analysis(problem.lower, problem.group, {}, border);
-    const SymmetricInterior interior(analysis, problem.lower);
+    const SymmetricInterior interior = eliminated_interior(analysis, problem.lower);
     for (const double factor : {1.0, -0.3, 2.5}) {
       CAPTURE(factor);
       SparseMatrix lower = problem.lower;
@@ -204,13 +203,13 @@ TEST_CASE("symmetric factor: rows that are kept leave their Schur complement, an
       REQUIRE(rows == by_group);
       const Matrix a = full(problem.lower), a_ee = a(rest, rest), a_ke = a(rows, rest);
       if (!rest.empty() && symmetric_eigenvalues(a_ee).cwiseAbs().minCoeff() < 1e-3) continue;  // must be regular
-      const SymmetricFactor factor(analysis, problem.lower);
+      SymmetricFactor factor(analysis, problem.lower);
       if (!factor.regular()) {  // pivots are not delayed
         CHECK(problem.name == "chain of groups with empty diagonals");
         continue;
       }
       const Matrix schur = schur_complement(a(rows, rows), a_ke, a_ee);
-      const Matrix found = factor.kept_block().selfadjointView<Eigen::Lower>();
+      const Matrix found = Matrix(factor.take_kept_block()).selfadjointView<Eigen::Lower>();
       CHECK(largest(found - schur) < 1e-8 * (largest(schur) + largest(a)));
       CHECK(factor.negative_eigenvalues() == (rest.empty() ? 0 : negative_count(a_ee)));
       const Vector x = RandomStream(3).normal_vector(n), b = a * x;

@@ -7,7 +7,6 @@
 #include "../support/sanitized.hpp"
 #include "linalg/multifrontal/analysis.hpp"
 #include "linalg/multifrontal/factor.hpp"
-#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/lu.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
@@ -90,7 +89,7 @@ TEST_CASE("memory: a symmetric factor takes what its analysis counts, on any num
       check_held(memory.held, [&] { return SymmetricFactor(analysis, lower); });
     }
     if (border > 0) {
-      const SymmetricInterior interior(analysis, lower);
+      const SymmetricInterior interior = eliminated_interior(analysis, lower);
       const SymmetricFactor first(interior, lower);
       check_held(memory.border, [&] { return SymmetricFactor(interior, lower); });
     }

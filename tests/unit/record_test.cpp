@@ -7,7 +7,6 @@
 #include "files/hdf5_file.hpp"
 #include "formats/case/case_file.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
-#include "formats/lmgc90/contact_forces.hpp"
 #include "formats/lmgc90/vloc_rloc.hpp"
 #include "formats/report/problem_report.hpp"
 

@@ -184,8 +184,7 @@ template <int D>
 void check_sweeps(LocalFrictionProblem problem) {
   RandomStream random(11);
   const Vector start = random.normal_vector(problem.size()).cwiseAbs();
-  std::vector<Index> order(at(problem.contacts()));
-  std::iota(order.begin(), order.end(), Index{0});
+  std::vector<Index> order = natural_order(problem.contacts());
   REQUIRE(BodyBlocks<D>::of(problem, {}).has_value());
   for (const bool bodies : {true, false}) {
     if (!bodies) problem.mass = problem.h = SparseMatrix();

@@ -112,6 +112,14 @@ inline void check_bounds(const std::string&, const Field&, std::string_view) {}
 template <Named Enum>
 void check_bounds(Choice<Enum>, const Field&, std::string_view) {}
 
+/// Throws Error naming "section.key" for a parameter of a section that is out of its bounds.
+template <class Parameters>
+void require_bounds(const Parameters& parameters, std::string_view section) {
+  Parameters::fields(parameters, [&](std::string_view key, const auto& value, const Field& field) {
+    check_bounds(value, field, std::string(section).append(".").append(key));
+  });
+}
+
 /// Throws Error(key, "expected two numbers for a packing in the plane, met ...") for another number of components.
 template <class Number>
 void require_components(const Components<Number>& value, Index dimension, std::string_view key) {

@@ -12,6 +12,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -65,6 +66,13 @@ template <class Value>
 void sort_unique(std::vector<Value>& values) {
   std::sort(values.begin(), values.end());
   values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+/// 0, 1, ..., n - 1.
+inline std::vector<Index> natural_order(Index n) {
+  std::vector<Index> order(at(n));
+  std::iota(order.begin(), order.end(), Index{0});
+  return order;
 }
 
 /// Invalid input. The message states what was expected, what was met, and where (file and line, key, option or grain);

@@ -46,7 +46,4 @@ struct BddcSystem {
 /// nscdd/mpi/bddc.hpp makes one.
 using Bddc = std::function<BddcSystem(const Decomposition& own, SparseMatrix matrix, const BddcParameters& parameters)>;
 
-/// The subdomain of this rank. Throws Error unless there are as many subdomains as ranks.
-Index own_subdomain(const Decomposition& parts);
-
 }  // namespace nscdd

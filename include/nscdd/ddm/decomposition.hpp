@@ -65,6 +65,9 @@ Decomposition of_process(Decomposition parts, const std::vector<Index>& process_
 /// Throws Error for more processes than subdomains.
 void require_subdomains(Index subdomains, Index processes);
 
+/// The subdomain of this rank, for BDDC. Throws Error unless there are as many subdomains as ranks.
+Index own_subdomain(const Decomposition& parts);
+
 /// The rank of each subdomain. METIS cuts the graph of subdomains, whose edges weigh what two of them exchange, into
 /// parts of about equal `weight` (one number per subdomain). Throws Error for more processes than subdomains.
 std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>& weight, Index processes);

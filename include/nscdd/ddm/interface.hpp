@@ -65,7 +65,9 @@ class Interface {
   const std::vector<Gluing>& gluing() const { return gluing_; }
 
   /// Copies of a grain, none if it touches nothing. For grains of other ranks see shared_interface.
-  std::span<const GrainCopy> copies(Index grain) const;
+  std::span<const GrainCopy> copies(Index grain) const {
+    return {copies_.data() + start_[at(grain)], at(multiplicity(grain))};
+  }
   /// Their number, by which its mass is divided.
   Index multiplicity(Index grain) const { return start_[at(grain + 1)] - start_[at(grain)]; }
 

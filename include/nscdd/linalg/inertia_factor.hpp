@@ -46,18 +46,12 @@ struct InertiaMethod {
 /// solves on the border. The bits do not depend on the number of threads. `work`: counts its operations.
 InertiaMethod multifrontal(std::shared_ptr<WorkCount> work = std::make_shared<WorkCount>());
 
-/// A factor that solves from, to and on the border by whole solves.
-InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern);
-
 /// Error of a factor: ||d|| / ||x|| on the border, x = A^-1 E 1, d its first correction by iterative refinement.
 double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index border,
                    const Processes& processes = {});
 
 /// Inexactness below which the inertia and solutions of a factor are used.
 inline constexpr double reliable_inexactness = 1e-3;
-
-/// Factorises with `first`, and with `second` if that is not reliable; returns the more exact of the two factors.
-InertiaMethod first_reliable(InertiaMethod first, InertiaMethod second);
 
 /// Settings of ARPACK, the matrix-free solver of eigenvalue problems, which factorises nothing.
 struct ArpackOptions {

@@ -38,6 +38,10 @@ struct Masses {
   /// Empty: the packing's own masses, or unit masses if it has none.
   std::optional<MassModel> model;
   double density = 0;  ///< for MassModel::density: kg/m^2 in the plane, kg/m^3 in space
+
+  static void fields(auto& self, auto&& visit) {
+    visit("density", self.density, Field{.description = "surface density", .unit = "kg/m^2", .above = 0});
+  }
 };
 
 /// The packing with its masses set. Throws Error for `given` and a packing without masses.

@@ -4,9 +4,6 @@
 #include <nscdd/core/fields.hpp>
 #include <nscdd/ddm/contraction.hpp>
 
-#include <string>
-#include <vector>
-
 namespace nscdd {
 
 enum class SpectralSolver {

@@ -15,7 +15,7 @@ struct SweepParameters {
   bool relative_epsilon = false, relative_eta = false;  ///< whether multiples, for which tables have further columns
   std::vector<std::optional<double>> relaxation{1.0};   ///< empty: the optimal one
   std::vector<std::optional<long>> gauss_seidel_sweeps{std::nullopt};  ///< empty: exact Stage 1
-  ContactSet contacts = ContactSet::all;
+  Choice<ContactSet> contacts = ContactSet::all;
   SpectralOptions spectral = {};
   Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
 
@@ -30,8 +30,8 @@ void check_sweep(const SweepParameters& parameters, std::string_view dashes = ""
 struct SweepPoint {
   double epsilon = 1.0;
   double eta = infinity;
-  std::optional<double> relaxation;         ///< empty: the optimal one
-  std::optional<long> gauss_seidel_sweeps;  ///< empty: exact Stage 1
+  std::optional<double> relaxation = {};         ///< empty: the optimal one
+  std::optional<long> gauss_seidel_sweeps = {};  ///< empty: exact Stage 1
 };
 
 /// Scale of eta and epsilon, 1/kg: mean_normal_delassus, or 1 without contacts, where no flexibility matters.
@@ -41,7 +41,7 @@ double flexibility_scale(const Model& model);
 Index point_count(const SweepParameters& parameters);
 SweepPoint sweep_point(const SweepParameters& parameters, Index number);
 
-const ResultColumns<SweepPoint>& point_columns();
+ResultColumns<SweepPoint> point_columns();
 
 /// Data of a case in tables of spectra.
 struct CaseSummary {
@@ -53,7 +53,7 @@ struct CaseSummary {
   ContactSet contact_set = ContactSet::all;
   std::string rule;  ///< how these contacts were chosen, see ContactChoice
 };
-const ResultColumns<CaseSummary>& case_columns();
+ResultColumns<CaseSummary> case_columns();
 
 /// A model with a choice of contacts for Stage 1.
 struct Selection {
@@ -80,7 +80,7 @@ struct SweepResult {
 
 /// Columns of the case and the point; of relative flexibilities and of the scheme schwarz, if asked for; and of a whole
 /// row (docs/formats.md), those of certificates, further eigenvalues and what is asked for last.
-const ResultColumns<SweepResult>& place_columns();
+ResultColumns<SweepResult> place_columns();
 ResultColumns<SweepResult> asked_columns(const SweepParameters& parameters);
 ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters = {});
 

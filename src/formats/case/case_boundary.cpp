@@ -222,8 +222,9 @@ BoundarySpec read_boundary(StrictTable section) {
   section.require_keys({"name", "shape"});
   read_name(section, spec.name);
   section.read("shape", spec.shape);
+  const auto is = [&](auto... shapes) { return ((spec.shape == shapes) || ...); };
   BoundaryNumbers numbers(section);
-  if (spec.shape == BoundaryShape::grains) {
+  if (is(BoundaryShape::grains)) {
     if (section.has("grains")) {
       read_grains(section, spec.grains);
     } else {
@@ -232,14 +233,13 @@ BoundarySpec read_boundary(StrictTable section) {
       section.read("last", spec.last);
     }
     if (section.has("release") || section.has("release_distance")) read_source(section, numbers, spec);
-  } else if ((spec.shape == BoundaryShape::wall || spec.shape == BoundaryShape::plank) &&
-             (section.has("point") || section.has("normal"))) {
+  } else if (is(BoundaryShape::wall, BoundaryShape::plank) && (section.has("point") || section.has("normal"))) {
     section.require_keys({"point", "normal"});
     numbers.read("point", spec.point);
     numbers.read("normal", spec.normal);
     if (numbers.dimension() == 2)
       section.fail("point", fmt::format("from and to of a {} in the plane", to_string(spec.shape)), "point and normal");
-    if (spec.shape == BoundaryShape::plank) {
+    if (is(BoundaryShape::plank)) {
       section.require_keys({"axis", "length"});
       numbers.read("axis", spec.axis);
       section.read("length", spec.length, Field{.unit = "m", .above = 0});
@@ -248,20 +248,18 @@ BoundarySpec read_boundary(StrictTable section) {
   } else {
     read_ends(section, numbers, spec);
   }
-  if (spec.shape == BoundaryShape::disks || spec.shape == BoundaryShape::cylinder ||
-      spec.shape == BoundaryShape::plank) {
+  if (is(BoundaryShape::disks, BoundaryShape::cylinder, BoundaryShape::plank)) {
     section.require_keys({"radius"});
     section.read("radius", spec.radius, Field{.above = 0});
   }
-  if (spec.shape == BoundaryShape::disks) section.read("spacing", spec.spacing, Field{.minimum = 0});
-  if (spec.shape == BoundaryShape::cylinder) {
+  if (is(BoundaryShape::disks)) section.read("spacing", spec.spacing, Field{.minimum = 0});
+  if (is(BoundaryShape::cylinder)) {
     section.read("side", spec.side);
     section.read("ends", spec.ends);
   }
-  if (spec.shape == BoundaryShape::disks || spec.shape == BoundaryShape::grains)
-    section.read("orientation", spec.orientation);
+  if (is(BoundaryShape::disks, BoundaryShape::grains)) section.read("orientation", spec.orientation);
   section.read("colour", spec.colour);
-  spec.motion = read_motion(section, numbers, default_centre(spec));
+  spec.motion = read_motion(section, numbers, spec.default_centre());
   spec.body = read_body(section, numbers);
   spec.dimension = numbers.dimension();
   section.finish();

@@ -5,8 +5,6 @@
 #include "files/csv.hpp"
 #include "files/strict_toml.hpp"
 #include "formats/contact_problem/siconos_dat.hpp"
-#include "formats/lmgc90/contact_forces.hpp"
-#include "formats/lmgc90/record.hpp"
 #include "formats/lmgc90/vloc_rloc.hpp"
 #include "simulation/clumps.hpp"
 #include <nscdd/formats/packing_file.hpp>
@@ -103,12 +101,10 @@ void require_effects(const StrictTable& section, const Dynamics& dynamics, const
 
 // Whether a boundary has an initial velocity along a direction in which it is driven.
 bool starts_driven(const BoundarySpec& spec) {
-  if (!spec.motion.initial) return false;
-  if (!spec.body) return true;
-  const auto& [x, y, spin, z, spin_x, spin_y] = *spec.motion.initial;
-  const std::array<double, 6> along{x, y, z, spin_x, spin_y, spin};
-  for (std::size_t k = 0; k < along.size(); ++k)
-    if (along[k] != 0 && !spec.body->directions[k]) return true;
+  if (!spec.motion.initial || !spec.body) return spec.motion.initial.has_value();
+  RigidVelocity initial = *spec.motion.initial;
+  for (std::size_t k = 0; k < spec.body->directions.size(); ++k)
+    if (!spec.body->directions[k] && along(initial, static_cast<BodyDirection>(k)) != 0) return true;
   return false;
 }
 
@@ -182,6 +178,15 @@ void read_sections(StrictTable& root, CaseSpec& spec, bool effects_wanted) {
     root.fail("prescribed", "a spin only with [dynamics], since the linear study has none", "one without");
 }
 
+// What is no input of the program.
+std::string what_is_met(const std::filesystem::path& path, const std::string& text) {
+  if (std::filesystem::is_directory(path)) return "a folder without BODIES.DAT";
+  if (!std::filesystem::exists(path)) return "no such file";
+  if (text.empty() && path.extension() == ".txt") return "an empty file";
+  if (text.empty()) return fmt::format("a name that ends with '{}'", path.extension().string());
+  return fmt::format("the first line {}", field_text(text.substr(0, std::min<std::size_t>(text.find('\n'), 60))));
+}
+
 }  // namespace
 
 CaseSpec parse_case(std::string_view text, const std::string& file, bool of_trajectory) {
@@ -197,19 +202,6 @@ CaseSpec parse_case(std::string_view text, const std::string& file, bool of_traj
 }
 
 CaseSpec read_case(const std::string& path) { return parse_case(read_text(path), path); }
-
-namespace {
-
-// What is no input of the program.
-std::string what_is_met(const std::filesystem::path& path, const std::string& text) {
-  if (std::filesystem::is_directory(path)) return "a folder without BODIES.DAT";
-  if (!std::filesystem::exists(path)) return "no such file";
-  if (text.empty() && path.extension() == ".txt") return "an empty file";
-  if (text.empty()) return fmt::format("a name that ends with '{}'", path.extension().string());
-  return fmt::format("the first line {}", field_text(text.substr(0, std::min<std::size_t>(text.find('\n'), 60))));
-}
-
-}  // namespace
 
 CaseSpec spec_of_file(const std::string& path, bool moving) {
   const bool record = record_at(path).has_value();  // a contact problem, and the initial state of a case that moves

@@ -9,7 +9,6 @@ namespace {
 
 using hdf5::Group;
 
-constexpr const char* problem_groups[] = {"fclib_local", "fclib_global", "fclib_global_rolling"};
 constexpr std::pair<const char*, std::optional<std::string> FclibInfo::*> info_texts[] = {
     {"title", &FclibInfo::title}, {"description", &FclibInfo::description}, {"math_info", &FclibInfo::math_info}};
 
@@ -85,7 +84,7 @@ FclibSolution read_solution(const Group& group, const FclibFile& file) {
 
 std::vector<std::string> problems_in(const Group& root) {
   std::vector<std::string> found;
-  for (const char* name : problem_groups)
+  for (const char* name : {"fclib_local", "fclib_global", "fclib_global_rolling"})
     if (root.has(name)) found.emplace_back(name);
   return found;
 }

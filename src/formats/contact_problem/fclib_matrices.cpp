@@ -2,6 +2,7 @@
 #include "formats/contact_problem/fclib_matrices.hpp"
 
 #include "core/fail.hpp"
+#include "linalg/sparse_entries.hpp"
 
 #include <map>
 
@@ -45,10 +46,9 @@ void require_inside(const Group& group, const std::string& name, const std::vect
     fail("{}: expected indices in 0..{}, met {} at position {}", group.of(name), bound - 1, indices[at(k)], k);
 }
 
-using Triplets = std::vector<Eigen::Triplet<double>>;
-
 // nz >= 0: entry k lies at (p_k, i_k), or at (i_k, p_k) if only that fits the matrix. `either`: both fit.
-Triplets triplet_entries(const Group& group, std::int64_t rows, std::int64_t columns, Index entries, bool& either) {
+SparseEntries triplet_entries(const Group& group, std::int64_t rows, std::int64_t columns, Index entries,
+                              bool& either) {
   auto p = group.numbers<std::int64_t>("p"), i = group.numbers<std::int64_t>("i");
   const Vector x = vector_of(group, "x");
   require_length(group, "p", count(p), entries);
@@ -60,13 +60,14 @@ Triplets triplet_entries(const Group& group, std::int64_t rows, std::int64_t col
   if (!documented && swapped) std::swap(p, i);
   require_inside(group, "p", p, rows);
   require_inside(group, "i", i, columns);
-  Triplets found;
-  for (Index k = 0; k < entries; ++k) found.emplace_back(static_cast<int>(p[at(k)]), static_cast<int>(i[at(k)]), x[k]);
+  SparseEntries found;
+  for (Index k = 0; k < entries; ++k) found.add(p[at(k)], i[at(k)], x[k]);
   return found;
 }
 
 // nz = -1 (lines are columns) or -2 (rows): line k holds entries p_k ... p_(k+1) - 1 at i within the line.
-Triplets compressed_entries(const Group& group, std::int64_t lines, std::int64_t width, Index nzmax, bool by_columns) {
+SparseEntries compressed_entries(const Group& group, std::int64_t lines, std::int64_t width, Index nzmax,
+                                 bool by_columns) {
   const auto p = group.numbers<std::int64_t>("p"), i = group.numbers<std::int64_t>("i");
   const Vector x = vector_of(group, "x");
   require_length(group, "p", count(p), lines + 1);
@@ -77,12 +78,10 @@ Triplets compressed_entries(const Group& group, std::int64_t lines, std::int64_t
     if (p[at(k)] < p[at(k - 1)] || p[at(k)] > nzmax)
       fail("{}: expected numbers that ascend to {} at most, met {} at position {}", group.of("p"), nzmax, p[at(k)], k);
   require_inside(group, "i", i, width);
-  Triplets found;
+  SparseEntries found;
   for (Index line = 0; line < lines; ++line)
-    for (Index k = p[at(line)]; k < p[at(line + 1)]; ++k) {
-      const auto inner = static_cast<int>(i[at(k)]), outer = static_cast<int>(line);
-      found.emplace_back(by_columns ? inner : outer, by_columns ? outer : inner, x[k]);
-    }
+    for (Index k = p[at(line)]; k < p[at(line + 1)]; ++k)
+      by_columns ? found.add(i[at(k)], line, x[k]) : found.add(line, i[at(k)], x[k]);
   return found;
 }
 
@@ -90,7 +89,7 @@ Triplets compressed_entries(const Group& group, std::int64_t lines, std::int64_t
 SparseMatrix read_either(const Group& group, bool& either) {
   const std::int64_t rows = size_of(group, "m"), columns = size_of(group, "n");
   const std::int64_t nz = group.integer("nz"), nzmax = size_of(group, "nzmax");
-  Triplets entries;
+  SparseEntries entries;
   if (nz == -1) {
     entries = compressed_entries(group, columns, rows, nzmax, true);
   } else if (nz == -2) {
@@ -101,16 +100,7 @@ SparseMatrix read_either(const Group& group, bool& either) {
     fail("{}: expected -1 (by columns), -2 (by rows) or a number of triplets up to nzmax = {}, met {}", group.of("nz"),
          nzmax, nz);
   }
-  SparseMatrix matrix(rows, columns);
-  matrix.setFromTriplets(entries.begin(), entries.end());  // sums duplicate entries, as CSparse does
-  return matrix;
-}
-
-// The matrix with its triplets in the other order, in the room of the matrix.
-SparseMatrix with_swapped_triplets(const SparseMatrix& matrix) {
-  SparseMatrix swapped = matrix.transpose();
-  swapped.conservativeResize(matrix.rows(), matrix.cols());
-  return swapped;
+  return entries.matrix(rows, columns);  // sums duplicate entries, as CSparse does
 }
 
 // Whether every contact acts on one or two bodies, each with an orthogonal block of its translations.
@@ -145,7 +135,8 @@ SparseMatrix read_h(const Group& parent, Index dimension) {
   bool either = false;
   SparseMatrix h = read_either(group, either);
   if (!either || is_of_rigid_bodies(h, dimension)) return h;
-  SparseMatrix swapped = with_swapped_triplets(h);
+  SparseMatrix swapped = h.transpose();  // the triplets in the other order, in the room of h
+  swapped.conservativeResize(h.rows(), h.cols());
   if ((h - swapped).norm() == 0) return h;
   if (is_of_rigid_bodies(swapped, dimension)) return swapped;
   fail(

@@ -27,7 +27,7 @@ class Words {
 
   // `what`: the expected word, for errors.
   std::string_view word(std::string_view what) {
-    skip();
+    for (; !rest_.empty() && blank(rest_.front()); rest_.remove_prefix(1)) line_ += rest_.front() == end_;
     if (rest_.empty()) fail("{}: expected {}, met the end of the file", where(), what);
     const auto end = std::ranges::find_if(rest_, blank);
     const std::string_view found = rest_.substr(0, static_cast<std::size_t>(end - rest_.begin()));
@@ -78,11 +78,6 @@ class Words {
   std::string named(std::string_view what) const { return fmt::format("{}: {}", where(), what); }
 
  private:
-  void skip() {
-    std::size_t i = 0;
-    for (; i < rest_.size() && blank(rest_[i]); ++i) line_ += rest_[i] == end_;
-    rest_.remove_prefix(i);
-  }
   std::string_view rest_;
   std::string name_;
   char end_;  // of lines
@@ -227,12 +222,11 @@ std::variant<LocalFrictionProblem, GlobalFrictionProblem> read_problem(Words& wo
   if (dimension != 2 && dimension != 3) fail("{}: expected 2 or 3, met {}", words.named("dimension"), dimension);
   SparseMatrix matrix = read_matrix(words, "the first matrix");
   const Index numbers = (dimension + 1) * contacts;  // of q and mu
-  if (matrix.rows() == dimension * contacts && words.left() <= numbers + 1) {
-    LocalFrictionProblem local{.w = std::move(matrix), .q = {}, .friction = {}, .dimension = dimension};
-    local.q = read_numbers(words, "q", dimension * contacts);
-    local.friction = read_numbers(words, "mu", contacts);
-    return local;
-  }
+  if (matrix.rows() == dimension * contacts && words.left() <= numbers + 1)
+    return LocalFrictionProblem{.w = std::move(matrix),
+                                .q = read_numbers(words, "q", dimension * contacts),
+                                .friction = read_numbers(words, "mu", contacts),
+                                .dimension = dimension};
   GlobalFrictionProblem global{std::move(matrix), read_matrix(words, "H"), {}, {}, {}, dimension};
   global.f = read_numbers(words, "f", global.mass.rows());
   global.w = read_numbers(words, "w", dimension * contacts);

@@ -7,7 +7,6 @@
 
 #include <fmt/ranges.h>
 
-#include <numeric>
 #include <set>
 
 namespace nscdd {
@@ -70,15 +69,14 @@ Partition partition_of(const TrajectoryStep& step) {
 // Bodies ascend by their numbers, not in the order of a sweep.
 template <int D>
 GranularSubdomain<D> with_ascending_bodies(const GranularSubdomain<D>& part) {
-  std::vector<std::size_t> order(part.bodies.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(order, {}, [&](std::size_t i) { return part.bodies[i]; });
+  std::vector<Index> order = natural_order(count(part.bodies));
+  std::ranges::sort(order, {}, [&](Index i) { return part.bodies[at(i)]; });
   GranularSubdomain<D> result = part;
   std::vector<std::int32_t> place(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    result.bodies[k] = part.bodies[order[k]];
-    result.velocities[k] = part.velocities[order[k]];
-    place[order[k]] = static_cast<std::int32_t>(k);
+    result.bodies[k] = part.bodies[at(order[k])];
+    result.velocities[k] = part.velocities[at(order[k])];
+    place[at(order[k])] = static_cast<std::int32_t>(k);
   }
   for (ContactRow<D>& row : result.contacts.rows) {
     row.a = place[at(row.a)];
@@ -116,9 +114,7 @@ FclibFile fclib_of_step(const Simulation& before, const TrajectoryStep* after) {
     FclibFile file;
     if (after != nullptr) {
       require_same_contacts(step, *after);
-      std::vector<Index> all(step.contacts.size());
-      std::iota(all.begin(), all.end(), Index{0});
-      const Vector r = impulses_of<D>(*after, all);
+      const Vector r = impulses_of<D>(*after, natural_order(count(step.contacts)));
       // A state has the velocities of bodies after their turn.
       const bool grains = before.system.free_bodies.empty();
       file.solution = solution_of(

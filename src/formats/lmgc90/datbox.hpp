@@ -4,6 +4,8 @@
 #include "core/fail.hpp"
 #include "study/case/case.hpp"
 
+#include <filesystem>
+
 /// Input of LMGC90 for rigid bodies in the plane or in space, a folder DATBOX of BODIES.DAT, BULK_BEHAV.DAT,
 /// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI; of COMMAND.DAT the time step, theta and periods. Numbers have fixed columns
 /// and 7 or 8 digits. Errors name file and line.
@@ -69,8 +71,7 @@ struct DatboxBody {
   std::vector<DatboxContactor> contactors;           ///< at least one
   std::array<std::optional<DatboxDrive>, 6> drives;  ///< three in the plane
   std::array<std::optional<DatboxDrive>, 6> forces;  ///< N or N m
-  std::optional<DatboxPlace> force;                  ///< place of a prescribed force, if any
-  DatboxPlace place, velocity_place;
+  DatboxPlace place;
   std::string unmodelled;  ///< the error about its first shape that no packing has; empty: none
 
   bool driven() const {
@@ -156,6 +157,9 @@ Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxS
 /// a record is that of datbox_beside.
 bool holds_datbox(const std::string& path);
 
+/// The folder of such a path.
+std::filesystem::path datbox_folder(const std::string& path);
+
 /// The existing files of such a folder.
 std::vector<std::string> datbox_files(const std::string& path);
 
@@ -184,15 +188,8 @@ Packing datbox_packing(const Datbox& datbox, DatboxGrains which);
 /// whose Vloc_Rloc.INI has contacts is a contact problem, unless `moving`.
 CaseSpec case_of_datbox(const std::string& path, bool moving);
 
-/// The motion of a body along its driven degrees of freedom, `start` after the origin of the time of its drives, s; and
-/// the forces on it, N and N m. Throws Error for a driven body that turns about more than one axis.
-Motion datbox_motion(const DatboxBody& body, double start, Index dimension);
-Motion datbox_load(const DatboxBody& body, double start, Index dimension);
-
 /// Whether a body is a grain of the packing of a case that moves: free, without forces, one full disk or sphere.
 bool is_free_grain(const DatboxBody& body, bool space);
-/// Whether a body has the inertia of its first contactor, a full disk or sphere.
-bool has_full_inertia(const DatboxBody& body, bool space);
 
 /// All other bodies: walls, and driven or free clusters. `coloured`: they get the colour of their first contactor.
 std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool coloured);
@@ -203,16 +200,11 @@ const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const 
 /// Its laws, gravity and boundaries.
 Dynamics datbox_dynamics(const Datbox& datbox);
 
-struct DatboxContacts {
-  Interaction interaction;
-  std::vector<PairSpec> pairs = {};      ///< colours, as in colour_of, with other laws, or that do not see each other
-  std::vector<ColourSpec> colours = {};  ///< of grains; empty without pairs
-  double alert = 0;                      ///< largest distance at which bodies see each other, m
-  bool removes_overlaps = false;         ///< GAP_SGR_CLB, in one step
-};
-
-/// Throws Error if laws differ in their Signorini condition, or if one is another than those of DatboxLaw.
-DatboxContacts contact_law_of(const Datbox& datbox);
+/// Sets the interaction, the correction of overlaps, the pairs of colours (colour_of) that have other laws or do not
+/// see each other and, if there are any, the colours of grains. Returns the largest distance at which bodies see each
+/// other, m. Throws Error if laws differ in their Signorini condition, or if one is another than those of DatboxLaw.
+/// `dynamics`: with its defaults.
+double set_contact_laws(const Datbox& datbox, Dynamics& dynamics);
 
 /// Kind and colour of a contactor, such as "DISKx BLEUx"; that of disks and spheres of clusters is DISKx or SPHER.
 std::string colour_of(const Datbox& datbox, const DatboxContactor& contactor);

@@ -23,6 +23,12 @@ void read_node(FixedColumns& lines, DatboxBody& body, Index dimension) {
   body.written_digit = half_digit(body.position, dimension);
 }
 
+void require_frame(const DatboxBody& body, const DatboxPlace& place) {
+  const Eigen::Matrix3d rest = body.frame.transpose() * body.frame - Eigen::Matrix3d::Identity();
+  if (!(rest.cwiseAbs().maxCoeff() < 1e-5) || !(body.frame.determinant() > 0))
+    refuse(place, "expected three axes of a body that are unit, orthogonal and right-handed, met others");
+}
+
 // "localframe" after a PLANx or CYLND: its axes, and the shift of its centre from the node.
 void read_frame(FixedColumns& lines, DatboxBody& body) {
   const DatboxPlace place = lines.place();
@@ -178,16 +184,16 @@ double half_digit(const Eigen::Vector3d& place, Index dimension) {
 
 const char* datbox_body_kind(Index dimension) { return dimension == 2 ? "RBDY2" : "RBDY3"; }
 
-void require_frame(const DatboxBody& body, const DatboxPlace& place) {
-  const Eigen::Matrix3d rest = body.frame.transpose() * body.frame - Eigen::Matrix3d::Identity();
-  if (!(rest.cwiseAbs().maxCoeff() < 1e-5) || !(body.frame.determinant() > 0))
-    refuse(place, "expected three axes of a body that are unit, orthogonal and right-handed, met others");
+void set_axes(DatboxBody& body, const Eigen::Matrix3d& axes, const DatboxPlace& place) {
+  body.read_axes = !axes.isIdentity(0);
+  if (body.read_axes || !body.own_axes) body.frame = axes;  // LMGC90 writes principal axes, others x, y and z
+  require_frame(body, place);
 }
 
 DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first) {
   lines.require_next("a body");
   DatboxBody body;
-  body.place = body.velocity_place = lines.place();
+  body.place = lines.place();
   if (first && lines.text(2, 6) == "RBDY3") dimension = 3;
   if (lines.text(2, 6) != datbox_body_kind(dimension))
     lines.refuse(first ? "expected rigid bodies (RBDY2 in the plane, RBDY3 in space)"

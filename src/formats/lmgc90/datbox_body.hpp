@@ -23,11 +23,8 @@ const char* datbox_body_kind(Index dimension);
 /// Half of a unit in the seventh digit of the largest coordinate, as LMGC90 writes it: 0.1234567D+01.
 double half_digit(const Eigen::Vector3d& place, Index dimension);
 
-/// Throws Error unless the axes of a body are orthonormal to seven digits.
-void require_frame(const DatboxBody& body, const DatboxPlace& place);
-
 /// The axes of a body in space at the beginning, as columns; x, y and z do not replace principal axes that are
-/// computed. Throws Error as require_frame.
+/// computed. Throws Error unless they are orthonormal to seven digits.
 void set_axes(DatboxBody& body, const Eigen::Matrix3d& axes, const DatboxPlace& place);
 
 /// Reads the keys of a command file that a case has, too.

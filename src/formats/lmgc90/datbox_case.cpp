@@ -2,7 +2,6 @@
 // Packing and case of a DATBOX.
 #include "formats/lmgc90/vloc_rloc.hpp"
 
-#include <filesystem>
 #include <numbers>
 
 namespace nscdd {
@@ -10,6 +9,18 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
+
+// Whether a body has the inertia of its first contactor, a full disk or sphere.
+bool has_full_inertia(const DatboxBody& body, bool space) {
+  constexpr double tolerance = 1e-3;  // some files have three digits
+  const double radius = body.contactors[0].radius, average = body.average_radius;
+  if (!space) {
+    const double expected = radius / std::numbers::sqrt2;
+    return std::abs(body.gyration_radius - expected) <= tolerance * expected;
+  }
+  const double expected = 0.4 * radius * radius * 4.0 / 3 * std::numbers::pi * average * average * average;
+  return ((body.inertia.array() - expected).abs() <= tolerance * expected).all();
+}
 
 // Throws Error unless a free body is one grain, as the linear study has it.
 void require_grain(const DatboxBody& body, bool space) {
@@ -61,27 +72,11 @@ std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxGrains
   return moving;
 }
 
-// Without trailing slashes.
-std::string trimmed(std::string path) {
-  while (path.size() > 1 && path.back() == '/') path.pop_back();
-  return path;
-}
-
 }  // namespace
 
-bool has_full_inertia(const DatboxBody& body, bool space) {
-  constexpr double tolerance = 1e-3;  // some files have three digits
-  const double radius = body.contactors[0].radius, average = body.average_radius;
-  if (!space) {
-    const double expected = radius / std::numbers::sqrt2;
-    return std::abs(body.gyration_radius - expected) <= tolerance * expected;
-  }
-  const double expected = 0.4 * radius * radius * 4.0 / 3 * std::numbers::pi * average * average * average;
-  return ((body.inertia.array() - expected).abs() <= tolerance * expected).all();
-}
-
 bool is_free_grain(const DatboxBody& body, bool space) {
-  return !body.driven() && !body.force && body.contactors.size() == 1 && body.wall().empty() &&
+  const bool loaded = std::ranges::any_of(body.forces, [](const auto& one) { return one.has_value(); });
+  return !body.driven() && !loaded && body.contactors.size() == 1 && body.wall().empty() &&
          body.contactors[0].shift.isZero(0) && has_full_inertia(body, space);
 }
 
@@ -117,29 +112,22 @@ Packing datbox_packing(const Datbox& datbox, DatboxGrains which) {
 Dynamics datbox_dynamics(const Datbox& datbox) {
   const Packing packing = datbox_packing(datbox, DatboxGrains::all);
   Dynamics dynamics;
-  const DatboxContacts contacts = contact_law_of(datbox);
-  const Interaction& interaction = dynamics.interaction = contacts.interaction;
-  dynamics.pairs = contacts.pairs;
-  dynamics.colours = contacts.colours;
-  dynamics.boundaries = boundaries_of_datbox(datbox, !contacts.pairs.empty());
+  const double alert = set_contact_laws(datbox, dynamics);
+  dynamics.boundaries = boundaries_of_datbox(datbox, !dynamics.pairs.empty());
   if (!datbox.gravity) fail("{}/BULK_BEHAV.DAT: expected a section $gravy, met none", datbox.folder);
   const auto [x, y, z] = *datbox.gravity;
   dynamics.time.gravity = datbox.space() ? Components<double>{x, y, z} : Components<double>{x, y};
-  dynamics.time.alert = std::min(10.0, contacts.alert / *std::ranges::min_element(packing.radius));
+  dynamics.time.alert = std::min(10.0, alert / *std::ranges::min_element(packing.radius));
   dynamics.time.boundary_instant = BoundaryInstant::end;
   dynamics.time.step = datbox.command.step.value_or(dynamics.time.step);
   dynamics.time.theta = datbox.command.theta.value_or(dynamics.time.theta);
-  if (contacts.removes_overlaps)
-    dynamics.time.maximum_push_speed = 1e100;
-  else if (!interaction.on_velocity())
-    dynamics.time.penetration_correction = 0;
   return dynamics;
 }
 
 CaseSpec case_of_datbox(const std::string& path, bool moving) {
   const Datbox datbox = read_datbox(path, DatboxShapes::any);
   CaseSpec spec;
-  spec.name = datbox_name(trimmed(path));
+  spec.name = datbox_name(path);
   const auto unmodelled = std::ranges::find_if(datbox.bodies, [](const auto& one) { return !one.unmodelled.empty(); });
   if (unmodelled != datbox.bodies.end()) {
     const std::string network = vloc_rloc_of_datbox(path);
@@ -148,7 +136,8 @@ CaseSpec case_of_datbox(const std::string& path, bool moving) {
     spec.packing = ContactProblemFile{network};
     return spec;
   }
-  const std::string folder(trimmed(path));
+  // Without trailing slashes.
+  const std::string folder = path.substr(0, std::max<std::size_t>(path.find_last_not_of('/') + 1, 1));
   spec.packing = PackingFile{folder, moving && !vloc_rloc_of_datbox(folder).empty() ? folder : ""};
   spec.prescribed = moving_grains(datbox, moving ? DatboxGrains::all : DatboxGrains::free);
   spec.contacts.period_x = datbox.command.period_x.value_or(0);

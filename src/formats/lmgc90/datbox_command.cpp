@@ -16,17 +16,17 @@ DatboxSource read_source(FixedColumns& lines, Index dimension) {
   lines.require_next("the first body of a source point");
   const double first = lines.number_in(before_colon(lines), "the number of a body");
   if (!(first >= 1 && first < 1e9 && first == std::floor(first)))
-    lines.refuse("expected the number of a body", std::string(before_colon(lines)));
+    lines.refuse("expected the number of a body", before_colon(lines));
   source.first = static_cast<Index>(first);
   lines.require_next("the distance of a source point");
   source.at.distance = lines.number_in(before_colon(lines), "a distance");
-  if (!(source.at.distance > 0)) lines.refuse("expected a distance > 0", std::string(before_colon(lines)));
+  if (!(source.at.distance > 0)) lines.refuse("expected a distance > 0", before_colon(lines));
   lines.require_next("the coordinates of a source point");
   std::vector<std::string_view> words;
   for (const std::string_view word : split(before_colon(lines), ' '))
     if (!word.empty()) words.push_back(word);
   if (words.size() < at(dimension))
-    lines.refuse(fmt::format("expected {} coordinates", dimension), std::string(before_colon(lines)));
+    lines.refuse(fmt::format("expected {} coordinates", dimension), before_colon(lines));
   for (std::size_t k = 0; k < at(dimension); ++k) source.at.point[k] = lines.number_in(words[k], "a coordinate");
   return source;
 }
@@ -53,7 +53,7 @@ DatboxCommand read_datbox_command(FixedColumns lines, Index dimension) {
     const bool theta = found->second == &command.theta;
     if (theta ? !(value >= 0.5 && value <= 1) : !(value > 0))
       lines.refuse(fmt::format("{}: expected a number {}", found->first, theta ? "in 0.5..1" : "> 0"),
-                   std::string(before_colon(lines)));
+                   before_colon(lines));
     *found->second = value;
   }
   return command;

@@ -7,13 +7,9 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-const char* status_name(LocalVector<2> impulse, ContactStatus status) {
-  if (status == ContactStatus::open) return "noctc";
-  if (status == ContactStatus::stick) return "stick";
-  return impulse.t > 0 ? "slifw" : "slibw";  // LMGC90's tangential impulse has the other sign
+const char* status_name(ContactStatus status, const char* sliding) {
+  return status == ContactStatus::open ? "noctc" : status == ContactStatus::stick ? "stick" : sliding;
 }
-
-std::string gap_line(const char* name, double gap) { return fmt::format("{:27}{}\n", "", datbox_named({{name, gap}})); }
 
 // The tangent of LMGC90 for two spheres. (If exactly one component of the normal is 0, its formula is not orthogonal to
 // the normal; ours replaces it.)
@@ -26,7 +22,8 @@ Vector3 tangent_of(const Vector3& n) {
 
 }  // namespace
 
-std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const {
+std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const TrajectoryContact& c, WallKind kind,
+                                       Index number) const {
   const GranularSystem& system = first_.system;
   const GranularState& state = step.state;
   const StepContact& g = c.geometry;
@@ -36,7 +33,7 @@ std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const Traject
       return {state.velocity_x[at(body)], state.velocity_y[at(body)], system.radius[at(body)] * state.spin[at(body)]};
     const Index boundary = system.walls[at(body - system.grains())].boundary;
     const RigidVelocity rigid = boundary_velocities(system, state, state.time)[at(boundary)];
-    const Vector3 v = velocity_at(datbox_vector(g.point), rigid, state.poses[at(boundary)]);
+    const auto v = velocity_of_point(rigid, state.poses[at(boundary)], g.point);
     return {v[0], v[1], 0};
   };
   const LocalVector<2> v = relative_velocity(Direction<2>{g.normal[0], g.normal[1]}, velocity(g.a), velocity(g.b));
@@ -45,20 +42,21 @@ std::string DatboxWriter::disk_contact(const TrajectoryStep& step, const Traject
   const double h = first_.dynamics.time.step;
   const Place &a = places_[at(g.a)], &b = places_[at(g.b)];
   const bool of_boundary = system.is_boundary(g.a) || system.is_boundary(g.b);
-  const WallKind kind = wall ? wall_kind(at(g.b - system.grains())) : WallKind{"DISKx", "DKDKx"};
+  // LMGC90's tangential impulse has the other sign.
+  const char* status = status_name(c.status, c.impulse.t > 0 ? "slifw" : "slibw");
   return fmt::format(
              "$icdan  {}  {:7}\n cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus   iadj\n"
              " RBDY2  {:5}  DISKx  {:5}  {}  RBDY2  {:5}  {}  {:5}  {}  {:5}\n",
              kind.contact, number, a.body, a.contactor, of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains,
-             b.body, kind.contactor, b.contactor, status_name(c.impulse, c.status), b.body) +
-         datbox_three({"rlt/H", "rln/H", "rls/H"}, {-c.impulse.t / h, c.impulse.n / h, 0}) +
-         datbox_three({"vlt =", "vln =", "vls ="}, {-v.t, v.n, 0}) + gap_line("gapTT", g.gap) +
+             b.body, kind.contactor, b.contactor, status, b.body) +
+         datbox_line({{"rlt/H", -c.impulse.t / h}, {"rln/H", c.impulse.n / h}, {"rls/H", 0}}) +
+         datbox_line({{"vlt =", -v.t}, {"vln =", v.n}, {"vls =", 0}}) + datbox_line({{"gapTT", g.gap}}) +
          datbox_three("n({})=", {-g.normal[0], -g.normal[1], 0}) +
          datbox_three("coo{}=", {g.point[0] - distance * g.normal[0], g.point[1] - distance * g.normal[1], 0}) + "\n";
 }
 
-std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number,
-                                         bool wide) const {
+std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const TrajectoryContact& c, WallKind kind,
+                                         Index number, bool wide) const {
   const GranularSystem& system = first_.system;
   const GranularState& state = step.state;
   const StepContact& g = c.geometry;
@@ -80,8 +78,8 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
       return Vector3(state.velocity_x[i], state.velocity_y[i], state.velocity_z[i]) +
              Vector3(state.spin_x[i], state.spin_y[i], state.spin[i]).cross(lever * towards_b);
     const auto k = at(on_wall ? system.walls[plank].boundary : system.driven_by[i]);
-    const Vector3 point = on_wall ? datbox_vector(g.point) : centre(state, i);
-    const Vector3 moved = velocity_at(point, motions[k], state.poses[k]);
+    const Vector3 moved =
+        datbox_vector(velocity_of_point(motions[k], state.poses[k], on_wall ? g.point : centre_of(state, i)));
     if (on_wall || system.boundaries[k].orientation != Orientation::turning) return moved;
     return moved + spin_vector(motions[k]).cross(lever * towards_b);
   };
@@ -93,7 +91,6 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   const Vector3 point = datbox_vector(g.point) + n * (round ? g.gap : wall ? g.gap / 2 : (radius_b - radius_a) / 2);
   const bool of_boundary = system.is_boundary(g.a) || system.is_boundary(g.b);
   const Place &a = places_[at(g.a)], &b = places_[at(g.b)];
-  const WallKind kind = wall ? wall_kind(plank) : WallKind{"SPHER", "SPSPx"};
   const int digits = wide ? 7 : 5;
   const std::string blanks(wide ? 4 : 2, ' ');
   std::string text =
@@ -101,15 +98,12 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
                   kind.contact, number, blanks, blanks, blanks, blanks);
   text += fmt::format(" RBDY3  {:{}}  SPHER  {:{}}         {}  RBDY3  {:{}}  {}  {:{}}  {}", a.body, digits,
                       a.contactor, digits, of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains, b.body,
-                      digits, kind.contactor, b.contactor, digits,
-                      c.status == ContactStatus::open    ? "noctc"
-                      : c.status == ContactStatus::stick ? "stick"
-                                                         : "slide");
+                      digits, kind.contactor, b.contactor, digits, status_name(c.status, "slide"));
   if (!wall) text += fmt::format("  {:{}}", b.body, digits);
-  text += "\n" + datbox_three({"rls/H", "rlt/H", "rln/H"}, {r.dot(s), r.dot(t), r.dot(n)}) +
-          datbox_three({"vls =", "vlt =", "vln ="}, {v.dot(s), v.dot(t), v.dot(n)}) + gap_line("gTT =", g.gap) +
-          (round ? "" : datbox_three("s({})=", s)) + datbox_three("t({})=", t) + datbox_three("n({})=", n) +
-          (round ? datbox_three("s({})=", s) : "") + datbox_three("coo{}=", point) + "\n";
+  text += "\n" + datbox_line({{"rls/H", r.dot(s)}, {"rlt/H", r.dot(t)}, {"rln/H", r.dot(n)}}) +
+          datbox_line({{"vls =", v.dot(s)}, {"vlt =", v.dot(t)}, {"vln =", v.dot(n)}}) +
+          datbox_line({{"gTT =", g.gap}}) + (round ? "" : datbox_three("s({})=", s)) + datbox_three("t({})=", t) +
+          datbox_three("n({})=", n) + (round ? datbox_three("s({})=", s) : "") + datbox_three("coo{}=", point) + "\n";
   return text;
 }
 
@@ -119,16 +113,16 @@ std::string DatboxWriter::vloc_rloc(const TrajectoryStep& step) const {
   constexpr Index most = 99'999;  // contacts of two spheres for which LMGC90 has narrow columns
   const bool wide = count(step.contacts) - std::ranges::count_if(step.contacts, at_wall) > most;
   std::vector<WallKind> kinds = wall_kinds();
-  kinds.insert(kinds.begin(), WallKind{"", ""});  // of two grains
+  const WallKind of_grains = space_ ? WallKind{"SPHER", "SPSPx"} : WallKind{"DISKx", "DKDKx"};
+  kinds.insert(kinds.begin(), of_grains);
   for (const WallKind& kind : kinds) {
     Index number = 0;
-    const auto is_own = [&](const TrajectoryContact& c) {
-      const std::string_view contact = at_wall(c) ? wall_kind(at(c.geometry.b - first_.system.grains())).contact : "";
-      return contact == kind.contact;
-    };
-    for (const TrajectoryContact& c : step.contacts)
-      if (is_own(c))
-        text += space_ ? sphere_contact(step, c, ++number, wide && !at_wall(c)) : disk_contact(step, c, ++number);
+    for (const TrajectoryContact& c : step.contacts) {
+      const WallKind own = at_wall(c) ? wall_kind(at(c.geometry.b - first_.system.grains())) : of_grains;
+      if (own.contact == kind.contact)
+        text += space_ ? sphere_contact(step, c, kind, ++number, wide && !at_wall(c))
+                       : disk_contact(step, c, kind, ++number);
+    }
   }
   return text;
 }

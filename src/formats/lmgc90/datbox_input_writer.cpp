@@ -21,8 +21,22 @@ std::string table_name(const char* kind, Index body, std::size_t dof) {
   return fmt::format("{}_{}_{}.dat", std::string_view(kind) == "force" ? "force" : "velocity", body, dof + 1);
 }
 
-std::string law_text(const char* name, const Dynamics& dynamics, double friction, double at_rest) {
+// LMGC90 extrapolates tables linearly, so their ends have two rows of one velocity.
+std::string table_text(const std::vector<double>& time, const std::vector<double>& values) {
+  std::string text;
+  const auto add = [&](double t, double value) { text += fmt::format("{:.17g} {:.17g}\n", t, value); };
+  const double reach = 1 + time.back() - time.front();  // s, of the constant ends
+  add(time.front() - reach, values.front());
+  for (std::size_t k = 0; k < values.size(); ++k) add(time[k], values[k]);
+  add(time.back() + reach, values.back());
+  return text;
+}
+
+std::string law_text(const char* name, const Dynamics& dynamics, bool at_boundary) {
   const Interaction& interaction = dynamics.interaction;
+  const bool frictionless = to_string(interaction.law) == Frictionless::name;
+  const double friction = frictionless ? 0 : interaction.friction_of(at_boundary, true),
+               at_rest = frictionless ? 0 : interaction.friction_of(at_boundary, false);
   const bool two = at_rest != friction;
   const std::string frictions =
       two ? datbox_named({{"dfrc=", friction}, {"sfrc=", at_rest}}) : datbox_named({{"fric=", friction}});
@@ -45,28 +59,10 @@ std::string without_law(const Interaction& interaction) {
   return {};
 }
 
-std::string law_texts(const Dynamics& dynamics) {
-  const Interaction& interaction = dynamics.interaction;
-  const bool frictionless = to_string(interaction.law) == Frictionless::name;
-  const auto text = [&](const char* name, bool at_boundary) {
-    const auto friction = [&](bool slid) { return frictionless ? 0 : interaction.friction_of(at_boundary, slid); };
-    return law_text(name, dynamics, friction(true), friction(false));
-  };
-  return text(datbox_law_of_grains, false) + text(datbox_law_of_boundaries, true);
-}
-
-// Contactors `grain` of a colour see those of another kind and colour.
-std::string sight_text(const char* body, const char* grain, const char* own_colour, const char* contactor,
-                       const char* colour, double alert) {
-  const bool both_free = own_colour == std::string_view(datbox_grains) && colour == std::string_view(datbox_grains);
-  const char* law = both_free ? datbox_law_of_grains : datbox_law_of_boundaries;
-  return fmt::format(
-      "$seety\n cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert\n {}  {}  {}  {}  {}  {}  {}      {}\n\n",
-      body, grain, own_colour, law, body, contactor, colour, datbox_number(alert));
-}
-
 bool turns_about_one_axis(const Motion& motion) {
-  const std::vector<Eigen::Vector3d> spins = spins_of(motion);
+  std::vector<Eigen::Vector3d> spins;
+  for (const RigidVelocity& v : motion.velocity) spins.push_back(spin_vector(v));
+  for (const Oscillation& one : motion.oscillations) spins.push_back(spin_vector(one.amplitude));
   const Eigen::Vector3d first = *std::ranges::max_element(spins, {}, [](const auto& spin) { return spin.norm(); });
   return std::ranges::none_of(spins,
                               [&](const auto& spin) { return first.cross(spin).norm() > 1e-12 * first.squaredNorm(); });
@@ -82,7 +78,7 @@ std::string datbox_number(double value) {
                      std::abs(exponent) < 100 ? "D" : "", exponent < 0 ? '-' : '+', std::abs(exponent));
 }
 
-std::string datbox_named(std::initializer_list<std::pair<std::string_view, double>> values) {
+std::string datbox_named(DatboxNumbers values) {
   std::string text;
   for (const auto& [name, value] : values) text += fmt::format("  {:5}{}", name, datbox_number(value));
   return text;
@@ -173,11 +169,17 @@ std::string DatboxWriter::without_datbox() const {
 }
 
 std::string DatboxWriter::tact() const {
-  const double alert = first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius);
+  const std::string alert = datbox_number(first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius));
   const char* grain = space_ ? "SPHER" : "DISKx";
-  std::string text = "! File TACT_BEHAV\n\n" + law_texts(first_.dynamics);
-  const auto add = [&](const char* own_colour, const char* contactor, const char* colour) {
-    text += sight_text(kind(), grain, own_colour, contactor, colour, alert);
+  std::string text = "! File TACT_BEHAV\n\n" + law_text(datbox_law_of_grains, first_.dynamics, false) +
+                     law_text(datbox_law_of_boundaries, first_.dynamics, true);
+  // Contactors `grain` of a colour see those of another kind and colour.
+  const auto add = [&](std::string_view own_colour, std::string_view contactor, std::string_view colour) {
+    const bool both_free = own_colour == datbox_grains && colour == datbox_grains;
+    text += fmt::format(
+        "$seety\n cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert\n {}  {}  {}  {}  {}  {}  {}      {}\n\n",
+        kind(), grain, own_colour, both_free ? datbox_law_of_grains : datbox_law_of_boundaries, kind(), contactor,
+        colour, alert);
   };
   add(datbox_grains, grain, datbox_grains);
   add(datbox_grains, grain, datbox_boundaries);
@@ -226,7 +228,8 @@ std::vector<DatboxWriter::Driven> DatboxWriter::driven_bodies() const {
   return all;
 }
 
-std::string DatboxWriter::driven() const {
+std::vector<std::pair<std::string, std::string>> DatboxWriter::driven() const {
+  std::vector<std::pair<std::string, std::string>> tables;
   std::string text = "! File DRV_DOF\n\n";
   Index last = 0;
   for (const Driven& one : driven_bodies()) {  // velocities of a body come before its forces
@@ -245,29 +248,14 @@ std::string DatboxWriter::driven() const {
       } else if (is_constant(values)) {
         for (const double value : {values.front(), 0.0, 0.0, 0.0, 1.0, 0.0}) text += " " + datbox_number(value);
       } else {
-        text += " evolution " + table_name(one.kind, one.body, dof);
+        tables.emplace_back(table_name(one.kind, one.body, dof), table_text(one.time, values));
+        text += " evolution " + tables.back().first;
       }
       text += "\n";
     }
   }
-  return text + (last == 0 ? "" : "$$$$$$\n\n");
-}
-
-std::vector<std::pair<std::string, std::string>> DatboxWriter::tables() const {
-  std::vector<std::pair<std::string, std::string>> all;
-  for (const Driven& one : driven_bodies())
-    for (std::size_t dof = 0; dof < one.velocity.size(); ++dof) {
-      const std::vector<double>& values = one.velocity[dof];
-      if (values.empty() || is_constant(values)) continue;
-      std::string text;
-      const auto add = [&](double time, double value) { text += fmt::format("{:.17g} {:.17g}\n", time, value); };
-      const double reach = 1 + one.time.back() - one.time.front();  // s, of the constant ends
-      add(one.time.front() - reach, values.front());
-      for (std::size_t k = 0; k < values.size(); ++k) add(one.time[k], values[k]);
-      add(one.time.back() + reach, values.back());
-      all.emplace_back(table_name(one.kind, one.body, dof), text);
-    }
-  return all;
+  tables.insert(tables.begin(), {"DRV_DOF.DAT", text + (last == 0 ? "" : "$$$$$$\n\n")});
+  return tables;
 }
 
 }  // namespace nscdd

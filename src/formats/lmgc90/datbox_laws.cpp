@@ -34,33 +34,6 @@ const DatboxSight* sight_of(const Datbox& datbox, const std::string& a, const st
   return nullptr;
 }
 
-const DatboxLaw& law_of(const Datbox& datbox, const DatboxSight& sight) {
-  return law_named(datbox, sight.law, sight.place);
-}
-
-}  // namespace
-
-const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const DatboxPlace& place) {
-  const auto found = datbox.laws.find(name);
-  if (found == datbox.laws.end()) refuse(place, "expected a law that is described, met '{}'", name);
-  const DatboxLaw& law = found->second;
-  if (law.kind != "IQS_CLB" && law.kind != "GAP_SGR_CLB" && !law.on_velocity() && !law.wet() && !law.bond())
-    refuse(law.place,
-           "expected law IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, with _DS or without, IQS_WET_DS_CLB or "
-           "COUPLED_DOF, met {}: others are not modelled",
-           law.kind);
-  if (law.tangential_cohesion != 0)
-    refuse(law.place, "coht: expected 0, met {}: a cohesion along the surface is not modelled",
-           law.tangential_cohesion);
-  return law;
-}
-
-std::string colour_of(const Datbox& datbox, const DatboxContactor& contactor) {
-  return fmt::format("{} {}", contactor.wall.empty() ? datbox.grain() : contactor.wall, contactor.colour);
-}
-
-namespace {
-
 // Pairs of colours that may meet, and how they see each other.
 struct Meeting {
   std::string a, b;
@@ -100,14 +73,33 @@ std::vector<ColourSpec> runs_of_colours(const Datbox& datbox) {
 
 }  // namespace
 
-DatboxContacts contact_law_of(const Datbox& datbox) {
-  DatboxContacts result;
+const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const DatboxPlace& place) {
+  const auto found = datbox.laws.find(name);
+  if (found == datbox.laws.end()) refuse(place, "expected a law that is described, met '{}'", name);
+  const DatboxLaw& law = found->second;
+  if (law.kind != "IQS_CLB" && law.kind != "GAP_SGR_CLB" && !law.on_velocity() && !law.wet() && !law.bond())
+    refuse(law.place,
+           "expected law IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, with _DS or without, IQS_WET_DS_CLB or "
+           "COUPLED_DOF, met {}: others are not modelled",
+           law.kind);
+  if (law.tangential_cohesion != 0)
+    refuse(law.place, "coht: expected 0, met {}: a cohesion along the surface is not modelled",
+           law.tangential_cohesion);
+  return law;
+}
+
+std::string colour_of(const Datbox& datbox, const DatboxContactor& contactor) {
+  return fmt::format("{} {}", contactor.wall.empty() ? datbox.grain() : contactor.wall, contactor.colour);
+}
+
+double set_contact_laws(const Datbox& datbox, Dynamics& dynamics) {
+  double alert = 0;
   const std::vector<Meeting> meetings = meetings_of(datbox);
   const DatboxLaw *of_grains = nullptr, *of_boundaries = nullptr, none;
   for (const Meeting& one : meetings) {
     if (one.sight == nullptr) continue;
-    const DatboxLaw& law = law_of(datbox, *one.sight);
-    result.alert = std::max(result.alert, one.sight->alert);
+    const DatboxLaw& law = law_named(datbox, one.sight->law, one.sight->place);
+    alert = std::max(alert, one.sight->alert);
     if (law.bond()) continue;
     const DatboxLaw*& first = one.plain ? of_grains : of_boundaries;
     if (first == nullptr) first = &law;
@@ -122,24 +114,19 @@ DatboxContacts contact_law_of(const Datbox& datbox) {
   }
   const DatboxLaw& law = of_grains != nullptr ? *of_grains : of_boundaries != nullptr ? *of_boundaries : none;
   const DatboxLaw& at_boundaries = of_boundaries != nullptr ? *of_boundaries : law;
-  const bool same = at_boundaries.friction == law.friction && at_boundaries.static_friction == law.static_friction;
+  const auto frictions = [](const DatboxLaw& some) { return std::pair(some.friction, some.static_friction); };
+  const bool same = frictions(at_boundaries) == frictions(law);
   const double static_at_boundaries = same ? law.static_friction : at_boundaries.friction;  // without a rule
-  bool bonds = false;
   for (const Meeting& one : meetings) {
     PairRule rule;
     if (one.sight == nullptr) {
       rule.touch = false;
+    } else if (const DatboxLaw& own = law_named(datbox, one.sight->law, one.sight->place); own.bond()) {
+      rule.bond = true;
     } else {
-      const DatboxLaw& own = law_of(datbox, *one.sight);
-      if (own.bond()) {
-        bonds = true;
-        result.pairs.push_back({{one.a, one.b}, {.bond = true}});
-        continue;
-      }
       const auto set = [](std::optional<double>& value, double now, double otherwise) {
         if (now != otherwise) value = now;
       };
-      const auto frictions = [](const DatboxLaw& some) { return std::pair(some.friction, some.static_friction); };
       if ((one.plain && frictions(own) != frictions(law)) ||
           (one.boundary && frictions(own) != std::pair(at_boundaries.friction, static_at_boundaries))) {
         rule.friction = own.friction;
@@ -149,23 +136,26 @@ DatboxContacts contact_law_of(const Datbox& datbox) {
       set(rule.tangential_restitution, own.tangential_restitution, law.tangential_restitution);
       if (!rule.friction && !rule.restitution && !rule.tangential_restitution) continue;
     }
-    result.pairs.push_back({{one.a, one.b}, rule});
+    dynamics.pairs.push_back({{one.a, one.b}, rule});
   }
-  if (!result.pairs.empty()) result.colours = runs_of_colours(datbox);
-  Interaction& interaction = result.interaction;
+  if (!dynamics.pairs.empty()) dynamics.colours = runs_of_colours(datbox);
+  Interaction& interaction = dynamics.interaction;
   interaction.friction = law.friction;
   if (!same) interaction.boundary_friction = at_boundaries.friction;
   if (law.static_friction != law.friction) interaction.static_friction = law.static_friction;
   if (law.on_velocity()) interaction.signorini = Signorini::velocity;
-  if (law.wet() || bonds) {
+  if (law.wet() || std::ranges::any_of(dynamics.pairs, [](const PairSpec& pair) { return pair.rule.bond; })) {
     interaction.law = std::string(Cohesive::name);
     interaction.cohesion = law.cohesion;
     interaction.cohesion_range = law.range;
   }
   interaction.restitution = law.restitution;
   interaction.tangential_restitution = law.tangential_restitution;
-  result.removes_overlaps = law.kind == "GAP_SGR_CLB";
-  return result;
+  if (law.kind == "GAP_SGR_CLB")  // it removes an overlap in one step
+    dynamics.time.maximum_push_speed = 1e100;
+  else if (!law.on_velocity())
+    dynamics.time.penetration_correction = 0;
+  return alert;
 }
 
 }  // namespace nscdd

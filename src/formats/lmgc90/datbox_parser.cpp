@@ -3,7 +3,6 @@
 #include "formats/lmgc90/datbox_body.hpp"
 #include "formats/lmgc90/record.hpp"
 
-#include <filesystem>
 #include <set>
 
 namespace nscdd {
@@ -57,7 +56,6 @@ void read_drives(FixedColumns lines, Datbox& datbox, const DatboxTexts& texts, c
       if (lines.section() || lines.text(2, 3) == "NO") continue;
       const std::string_view kind = lines.text(2, 6);
       if (kind != "vlocy" && kind != "force") lines.refuse("expected vlocy or force", kind);
-      if (kind == "force") body.force = lines.place();
       const Index dof = lines.integer(9, 13, "degree of freedom");
       if (dof < 1 || dof > most)
         lines.refuse(fmt::format("expected a degree of freedom 1, 2 {}", most == 3 ? "or 3" : "... 6"),
@@ -98,7 +96,6 @@ void read_initial(FixedColumns lines, Datbox& datbox) {
     if (datbox.space()) lines.require_next("displacements X(4) to X(6)");  // always 0 in LMGC90
     lines.require_next("velocities V");
     body.velocity = lines.three_numbers("V({})");
-    body.velocity_place = lines.place();
     if (!datbox.space()) continue;
     lines.require_next("velocities V(4) to V(6)");
     body.spin = {lines.number(35, "V(4)"), lines.number(56, "V(5)"), lines.number(77, "V(6)")};
@@ -187,17 +184,11 @@ void read_tact(FixedColumns lines, Datbox& datbox) {
   }
 }
 
+}  // namespace
+
 fs::path datbox_folder(const std::string& path) {
   if (const auto record = record_at(path)) return datbox_beside(record->file);
   return is_file(fs::path(path) / "BODIES.DAT") ? fs::path(path) : fs::path(path) / "DATBOX";
-}
-
-}  // namespace
-
-void set_axes(DatboxBody& body, const Eigen::Matrix3d& axes, const DatboxPlace& place) {
-  body.read_axes = !axes.isIdentity(0);
-  if (body.read_axes || !body.own_axes) body.frame = axes;  // LMGC90 writes principal axes, others x, y and z
-  require_frame(body, place);
 }
 
 std::string datbox_beside(const std::string& file) {

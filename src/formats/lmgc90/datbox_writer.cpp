@@ -19,21 +19,11 @@ std::string frame_text(const Matrix3& frame) {
 
 }  // namespace
 
-std::vector<Vector3> spins_of(const Motion& motion) {
-  std::vector<Vector3> spins;
-  for (const RigidVelocity& v : motion.velocity) spins.push_back(spin_vector(v));
-  for (const Oscillation& one : motion.oscillations) spins.push_back(spin_vector(one.amplitude));
-  return spins;
-}
-
-std::string datbox_three(const std::array<std::string, 3>& names, const Vector3& values) {
-  return fmt::format("{:27}{}\n", "",
-                     datbox_named({{names[0], values[0]}, {names[1], values[1]}, {names[2], values[2]}}));
-}
+std::string datbox_line(DatboxNumbers values) { return fmt::format("{:27}{}\n", "", datbox_named(values)); }
 
 std::string datbox_three(const char* names, const Vector3& values, int first) {
   const auto name = [&](int k) { return fmt::format(fmt::runtime(names), first + k); };
-  return datbox_three({name(0), name(1), name(2)}, values);
+  return datbox_line({{name(0), values[0]}, {name(1), values[1]}, {name(2), values[2]}});
 }
 
 std::string datbox_head(const char* title, Index step, double time) {
@@ -67,14 +57,6 @@ DatboxWriter::DatboxWriter(const Simulation& first)
   if (size > 0) density_ = mass / size;  // else there are clumps only, which have masses of their own
   const double extent = space_ ? (high - low).norm() : high.head<2>().maxCoeff() - low.head<2>().minCoeff();
   for (std::size_t w = 0; w < planks_.size(); ++w) lay_plank(w, extent + margin_);
-}
-
-Vector3 DatboxWriter::centre(const GranularState& state, std::size_t grain) const {
-  return {state.x[grain], state.y[grain], space_ ? state.z[grain] : 0};
-}
-
-Vector3 DatboxWriter::velocity_at(const Vector3& point, const RigidVelocity& velocity, const Pose& pose) const {
-  return datbox_vector(velocity_of_point(velocity, pose, {point[0], point[1], point[2]}));
 }
 
 std::string DatboxWriter::bodies() const {
@@ -128,19 +110,15 @@ std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
   std::string text;
   if (body.wall >= 0) {
     const Plank& plank = planks_[at(body.wall)];
-    if (const Wall& wall = first_.system.walls[at(body.wall)]; wall.round()) {
-      text = fmt::format(" {}      1  color  {}", wall_kind(at(body.wall)).contactor, colour);
-      const double radius = std::abs(wall.radius);
-      if (!space_) return text + datbox_named({{"byrd=", radius}}) + "\n";
-      text += datbox_named({{"High=", plank.length}, {"byrd=", radius}}) + "\n";
-      return wall.radius > 0 ? text : text + frame_text(node.frame);  // the axes of DNLYC are those of DOF
-    }
-    if (!space_)
-      return fmt::format(" JONCx      1  color  {}{}\n", colour,
-                         datbox_named({{"ax1 =", plank.length}, {"ax2 =", plank.thickness}}));
-    return fmt::format(" PLANx      1  color  {}{}\n", colour,
-                       datbox_named({{"axe1=", plank.length}, {"axe2=", plank.width}, {"axe3=", plank.thickness}})) +
-           frame_text(node.frame);
+    const Wall& wall = first_.system.walls[at(body.wall)];
+    const std::string height = space_ ? datbox_named({{"High=", plank.length}}) : "";  // of a cylinder
+    const std::string sizes =
+        wall.round() ? height + datbox_named({{"byrd=", std::abs(wall.radius)}})
+        : space_     ? datbox_named({{"axe1=", plank.length}, {"axe2=", plank.width}, {"axe3=", plank.thickness}})
+                     : datbox_named({{"ax1 =", plank.length}, {"ax2 =", plank.thickness}});
+    text = fmt::format(" {}      1  color  {}{}\n", wall_kind(at(body.wall)).contactor, colour, sizes);
+    const bool hollow = wall.round() && wall.radius > 0;  // the axes of DNLYC are those of DOF
+    return space_ && !hollow ? text + frame_text(node.frame) : text;
   }
   for (const std::size_t i : body.grains) {
     const bool cluster = space_ ? free_body(body) != nullptr : body.boundary >= 0;
@@ -156,7 +134,7 @@ std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
     }
     const double x = first_.state.x[i] - node.place[0], y = first_.state.y[i] - node.place[1];
     const double c = std::cos(node.angle), sine = std::sin(node.angle);  // into the axes of the body
-    text += fmt::format("{:27}{}\n", "", datbox_named({{"coo1=", c * x + sine * y}, {"coo2=", c * y - sine * x}}));
+    text += datbox_line({{"coo1=", c * x + sine * y}, {"coo2=", c * y - sine * x}});
   }
   return text;
 }
@@ -189,7 +167,8 @@ std::string DatboxWriter::dof(const TrajectoryStep& step) const {
       spin << (space_ ? state.spin_x[i] : 0), (space_ ? state.spin_y[i] : 0), state.spin[i];
       if (!space_) turned = state.angle[i];
     } else {
-      velocity = velocity_at(now.place, motions[b], state.poses[b]);
+      velocity =
+          datbox_vector(velocity_of_point(motions[b], state.poses[b], {now.place[0], now.place[1], now.place[2]}));
       if (!space_ || body.wall >= 0 || system.boundaries[b].orientation == Orientation::turning)
         spin = spin_vector(motions[b]);
       turned = state.poses[b].angle - first_.state.poses[b].angle;

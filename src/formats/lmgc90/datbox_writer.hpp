@@ -8,6 +8,8 @@
 
 namespace nscdd {
 
+inline Eigen::Vector3d datbox_vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
+
 /// Steps of a run in the formats of LMGC90: its output folder OUTBOX, and the DATBOX that starts from the first step.
 /// docs/formats.md describes bodies, contacts and axes.
 class DatboxWriter {
@@ -27,10 +29,10 @@ class DatboxWriter {
   /// with their boundary, spheres that do, a wall that turns about a point in front of it or about several axes, and a
   /// plank or cylinder that turns about another point than its middle.
   std::string without_datbox() const;
-  std::string tact() const;    ///< TACT_BEHAV.DAT: a law between grains, one at boundaries, and who sees whom
-  std::string driven() const;  ///< DRV_DOF.DAT: velocities of the driven bodies, constant or by a table (evolution)
-  /// Names and texts of these tables. LMGC90 extrapolates them linearly, so their ends have two rows of one velocity.
-  std::vector<std::pair<std::string, std::string>> tables() const;
+  std::string tact() const;  ///< TACT_BEHAV.DAT: a law between grains, one at boundaries, and who sees whom
+  /// Names and texts of DRV_DOF.DAT, with velocities of driven bodies and forces on free ones, and of the tables
+  /// (evolution) that it names.
+  std::vector<std::pair<std::string, std::string>> driven() const;
 
  private:
   struct Body {
@@ -44,7 +46,7 @@ class DatboxWriter {
   };
   // The names of a contactor and of its contacts with grains.
   struct WallKind {
-    const char *contactor, *contact;
+    std::string_view contactor, contact;
   };
   // A wall as a body, m. A cylinder has half its length, and a node that is shifted along its axis.
   struct Plank {
@@ -71,8 +73,9 @@ class DatboxWriter {
   WallKind wall_kind(std::size_t wall) const;
   std::vector<WallKind> wall_kinds() const;  // that there are
   void lay_plank(std::size_t wall, double beyond);
-  Eigen::Vector3d centre(const GranularState& state, std::size_t grain) const;
-  Eigen::Vector3d velocity_at(const Eigen::Vector3d& point, const RigidVelocity& velocity, const Pose& pose) const;
+  static Eigen::Vector3d centre(const GranularState& state, std::size_t grain) {
+    return datbox_vector(centre_of(state, grain));
+  }
   Node plank_node(std::size_t wall, const Pose& pose) const;
   Node node_of(const Body& body, const GranularState& state) const;
   std::string contactors(const Body& body, const Node& node) const;
@@ -82,8 +85,9 @@ class DatboxWriter {
   Eigen::Matrix3d inertia_in(const FreeBody& free, const Body& body, const Eigen::Matrix3d& frame) const;
   std::string without_free(const Body& body) const;  // why a free body in space cannot be written; or empty
   std::string node_text(const char* names, const Eigen::Vector3d& place, double angle) const;
-  std::string disk_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const;
-  std::string sphere_contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number, bool wide) const;
+  std::string disk_contact(const TrajectoryStep& step, const TrajectoryContact& c, WallKind kind, Index number) const;
+  std::string sphere_contact(const TrajectoryStep& step, const TrajectoryContact& c, WallKind kind, Index number,
+                             bool wide) const;
   std::vector<Driven> driven_bodies() const;
   const char* kind() const { return space_ ? "RBDY3" : "RBDY2"; }
 
@@ -100,14 +104,14 @@ class DatboxWriter {
 std::string datbox_number(double value);
 
 /// Numbers with names of five letters, such as "byrd=", each after two blanks.
-std::string datbox_named(std::initializer_list<std::pair<std::string_view, double>> values);
-
-inline Eigen::Vector3d datbox_vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
+using DatboxNumbers = std::initializer_list<std::pair<std::string_view, double>>;
+std::string datbox_named(DatboxNumbers values);
+/// The same as a line, after 27 columns.
+std::string datbox_line(DatboxNumbers values);
 
 inline double datbox_volume(double radius) { return 4.0 / 3 * std::numbers::pi * radius * radius * radius; }
 
-/// A line of three numbers after 27 columns, with their names, or with numbered names such as "coo{}=".
-std::string datbox_three(const std::array<std::string, 3>& names, const Eigen::Vector3d& values);
+/// Such a line of three numbers with numbered names such as "coo{}=".
 std::string datbox_three(const char* names, const Eigen::Vector3d& values, int first = 1);
 
 /// The head of a file of a step, and the line that ends a head or a list.
@@ -121,8 +125,5 @@ inline constexpr const char *datbox_grains = "GRAIN", *datbox_boundaries = "BOUN
 inline constexpr const char *datbox_law_of_grains = "CLB_G", *datbox_law_of_boundaries = "CLB_B";
 
 inline Eigen::Vector3d spin_vector(const RigidVelocity& v) { return {v.spin_x, v.spin_y, v.spin}; }
-
-/// Spins of the entries and oscillations of a motion.
-std::vector<Eigen::Vector3d> spins_of(const Motion& motion);
 
 }  // namespace nscdd

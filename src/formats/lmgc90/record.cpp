@@ -63,14 +63,12 @@ struct RecordRows {
   DatboxPlace place(std::size_t row) const { return {dataset, static_cast<Index>(row) + 1}; }
 };
 
-// The names of laws in the order of TACT_BEHAV.DAT.
-std::vector<std::string> laws_in_order(const Datbox& datbox) {
+// The lines and names of laws in the order of TACT_BEHAV.DAT.
+std::vector<std::pair<Index, std::string>> laws_in_order(const Datbox& datbox) {
   std::vector<std::pair<Index, std::string>> laws;
   for (const auto& [name, law] : datbox.laws) laws.emplace_back(law.place.line, name);
   std::ranges::sort(laws);
-  std::vector<std::string> names;
-  for (auto& [line, name] : laws) names.push_back(std::move(name));
-  return names;
+  return laws;
 }
 
 // Statuses are groups of six, of plain contacts from 2 and then of four kinds of cohesive ones, whose last three slide.
@@ -83,6 +81,17 @@ Index one_of(std::int64_t met, Index number, const DatboxPlace& place, const cha
 }
 
 }  // namespace
+
+void complete_contact(DatboxContact& contact, bool space) {
+  const Vector3 n = contact.frame.col(0);
+  if (!space) contact.frame.rightCols(2) << Vector3(n[1], -n[0], 0), Vector3::UnitZ();
+  const Eigen::Matrix3d rest = contact.frame.transpose() * contact.frame - Eigen::Matrix3d::Identity();
+  constexpr double tolerance = 1e-5;  // of numbers with seven digits
+  if (rest.cwiseAbs().maxCoeff() < tolerance) return;
+  if (!space) refuse(contact.place, "expected a unit vector n, met one of length {}", n.norm());
+  refuse(contact.place, "expected orthonormal n, t and s, met products of two that are off by up to {:.2g}",
+         rest.cwiseAbs().maxCoeff());
+}
 
 std::optional<RecordPlace> record_at(const std::string& path) {
   const std::size_t colon = path.rfind(':');
@@ -111,7 +120,6 @@ void read_state(const RecordPlace& place, Datbox& datbox) {
     for (const std::size_t first :
          space ? std::array<std::size_t, 4>{0, 3, 6, 9} : std::array<std::size_t, 4>{0, 3, 0, 3})
       if (!state.three(k, first).allFinite()) refuse(state.place(k), "expected finite numbers in rdata, met others");
-    body.velocity_place = state.place(k);
     body.position += state.three(k, 0);
     body.velocity = state.three(k, space ? 6 : 3);
     if (!space) continue;
@@ -135,7 +143,7 @@ DatboxNetwork read_network(const RecordPlace& place, const Datbox& datbox) {
   const Group group = record.group("VlocRloc");
   const RecordRows<std::int64_t> whole(group, "idata", 19, std::nullopt);
   const RecordRows<double> real(group, "rdata", space ? 19 : 9, group.rows("idata"));
-  const std::vector<std::string> laws = laws_in_order(datbox);
+  const auto laws = laws_in_order(datbox);
   for (std::size_t k = 0; k < at(group.rows("idata")); ++k) {
     DatboxContact& contact = network.contacts.emplace_back();
     contact.place = whole.place(k);
@@ -148,7 +156,7 @@ DatboxNetwork read_network(const RecordPlace& place, const Datbox& datbox) {
       refuse(contact.place, "expected two bodies, met body {} twice", contact.candidate + 1);
     contact.candidate_shape = whole(k, 12) - 1;
     contact.antagonist_shape = whole(k, 13) - 1;
-    contact.law = laws[at(one_of(whole(k, 16), count(laws), contact.place, "laws of TACT_BEHAV.DAT"))];
+    contact.law = laws[at(one_of(whole(k, 16), count(laws), contact.place, "laws of TACT_BEHAV.DAT"))].second;
     contact.slid = slides_in_record(whole(k, 18));
     const auto local = [&](std::size_t first) {  // (t, n) or (t, n, s)
       return Vector3(real(k, first + 1), real(k, first), space ? real(k, first + 2) : 0);

@@ -2,10 +2,8 @@
 #include "formats/lmgc90/vloc_rloc.hpp"
 
 #include "files/csv.hpp"
-#include "formats/lmgc90/record.hpp"
 #include "linalg/sparse_entries.hpp"
 
-#include <filesystem>
 #include <numbers>
 
 namespace nscdd {
@@ -18,8 +16,7 @@ using Vector6 = Eigen::Vector<double, 6>;
 // Translations, then one spin, or three along the axes of the body. One that is driven in some of them keeps all rows,
 // so that every body has as many; a driven one has no entry in H, and its velocity is data.
 struct NetworkBody {
-  Index row = -1;  // the first in M; -1: all are driven
-  std::array<bool, 6> driven{};
+  Index row = -1;                                             // the first in M; -1: all are driven
   Matrix spin_axes;                                           // as columns
   Vector6 mass = Vector6::Zero();                             // kg or kg m^2
   Vector6 before = Vector6::Zero(), after = Vector6::Zero();  // the step without impulses of contacts, m/s or rad/s
@@ -41,7 +38,7 @@ Vector6 masses_of(const Datbox& datbox, const DatboxBody& body) {
   const double m = density * std::numbers::pi * (datbox.space() ? 4.0 / 3 * radius : 1) * radius * radius;
   Vector6 mass;
   mass << m, m, (datbox.space() ? m : m * gyration * gyration), density * body.inertia;
-  if (!(mass.head(datbox.space() ? 6 : 3).minCoeff() > 0))
+  if (!((datbox.space() ? mass.minCoeff() : mass.head<3>().minCoeff()) > 0))
     refuse(body.place,
            "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which only disks, spheres, "
            "cylinders in space, and a single POLYG or POLYR replace",
@@ -61,11 +58,10 @@ std::vector<NetworkBody> network_bodies(const Datbox& datbox, double h, Index& r
              "which is in no file",
              body.contactors.size());
     NetworkBody& own = bodies.emplace_back();
-    for (Index k = 0; k < dofs; ++k) own.driven[at(k)] = body.drives[at(k)].has_value();
     own.spin_axes = datbox.space() ? Matrix(body.frame) : Matrix(Vector3::UnitZ());
     own.before << body.velocity, body.spin;
     own.after = own.before;
-    if (std::ranges::count(own.driven, true) < dofs) {
+    if (!body.fully_driven(datbox.dimension)) {
       own.mass = masses_of(datbox, body);
       own.row = rows;
       rows += dofs;
@@ -111,14 +107,15 @@ void add_contact(const Datbox& datbox, const std::vector<NetworkBody>& bodies, c
   for (const bool candidate : {true, false}) {
     const Index number = candidate ? contact.candidate : contact.antagonist;
     const NetworkBody& own = bodies[at(number)];
-    const Vector3 lever = lever_of(contact, datbox.bodies[at(number)], candidate, datbox.space());
+    const DatboxBody& body = datbox.bodies[at(number)];
+    const Vector3 lever = lever_of(contact, body, candidate, datbox.space());
     for (Index k = 0; k < d; ++k) {
       const Vector3 direction = (candidate ? 1 : -1) * contact.frame.col(k);
       Vector along(d + own.spin_axes.cols());  // the share of each unknown in the relative velocity
       along << direction.head(d), own.spin_axes.transpose() * lever.cross(direction);
       before[k] += along.dot(own.before.head(along.size()));
       for (Index j = 0; j < along.size(); ++j)
-        if (own.row >= 0 && !own.driven[at(j)])
+        if (own.row >= 0 && !body.drives[at(j)])
           entries.add(own.row + j, column + k, along[j]);
         else
           w[k] += along[j] * own.after[j];
@@ -133,14 +130,41 @@ void add_contact(const Datbox& datbox, const std::vector<NetworkBody>& bodies, c
   }
 }
 
-// Vloc_Rloc.OUT.7 goes with DOF.OUT.7.
-std::string state_beside(const fs::path& path) {
-  const std::string ending = path.filename().string().substr(std::string_view("Vloc_Rloc").size());
-  return (path.parent_path() / ("DOF" + ending)).string();
+// The contacts of a file at the state of `datbox`, which `state` names. Throws Error also for another time.
+DatboxNetwork network_at_state(const std::string& path, const Datbox& datbox, const std::string& state) {
+  DatboxNetwork network = parse_vloc_rloc(read_text(path), path, datbox);
+  if (std::abs(network.time - datbox.start) > 1e-6 * std::max(network.time, datbox.start))
+    fail("{}: expected the time of {}, {} s, met {} s", path, state, datbox.start, network.time);
+  return network;
 }
 
-std::string vloc_rloc_in_datbox(const fs::path& path) {
-  return ((is_file(path / "BODIES.DAT") ? path : path / "DATBOX") / "Vloc_Rloc.INI").string();
+ContactForces contact_forces_of(const Datbox& datbox, const DatboxNetwork& network) {
+  ContactForces result{datbox.dimension};
+  std::vector<Index> first;  // number of the first shape of a body: grains in the order of the files, then walls
+  for (const DatboxBody& body : datbox.bodies)
+    first.push_back(body.wall().empty() ? std::exchange(result.grains, result.grains + count(body.contactors))
+                                        : result.walls++);
+  for (std::size_t k = 0; k < first.size(); ++k)
+    if (!datbox.bodies[k].wall().empty()) first[k] += result.grains;
+  const auto number = [&](Index body, Index shape) -> Index {  // -1 of what is not there
+    if (body >= count(first) || shape < 0 || shape >= count(datbox.bodies[at(body)].contactors)) return -1;
+    return first[at(body)] + shape;
+  };
+  for (const DatboxContact& contact : network.contacts) {
+    if (contact.force.isZero(0)) continue;  // as in impulses_to_remember
+    const Index candidate = number(contact.candidate, contact.candidate_shape),
+                antagonist = number(contact.antagonist, contact.antagonist_shape);
+    if (candidate < 0 || antagonist < 0) continue;
+    const double sign = candidate > antagonist ? 1 : -1;  // from the force on the candidate to that on b
+    const Vector3 force = sign * contact.frame * contact.force, normal = sign * contact.frame.col(0);
+    result.forces.push_back({.a = std::min(candidate, antagonist),
+                             .b = std::max(candidate, antagonist),
+                             .impulse = datbox.space() ? std::array{force[0], force[1], force[2]}
+                                                       : std::array{normal.dot(force), normal.cross(force)[2], 0.0},
+                             .slid = contact.slid});
+  }
+  std::ranges::stable_sort(result.forces, {}, body_pair);
+  return result;
 }
 
 }  // namespace
@@ -195,27 +219,31 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
   return file;
 }
 
-DatboxNetwork read_vloc_rloc(const std::string& path, const Datbox& datbox, const std::string& state) {
-  DatboxNetwork network = parse_vloc_rloc(read_text(path), path, datbox);
-  if (std::abs(network.time - datbox.start) > 1e-6 * std::max(network.time, datbox.start))
-    fail("{}: expected the time of {}, {} s, met {} s", path, state, datbox.start, network.time);
-  return network;
-}
-
 FclibFile read_vloc_rloc(const std::string& path) {
   if (const auto record = record_at(path)) {
     const Datbox datbox = read_datbox(path, DatboxShapes::any);
     return contact_problem_of(datbox, read_network(*record, datbox), path);
   }
-  if (!has_vloc_rloc_name(path)) return read_vloc_rloc(vloc_rloc_in_datbox(path));
-  const std::string state = state_beside(path);
+  if (!has_vloc_rloc_name(path)) return read_vloc_rloc((datbox_folder(path) / "Vloc_Rloc.INI").string());
+  // Vloc_Rloc.OUT.7 goes with DOF.OUT.7.
+  const std::string ending = fs::path(path).filename().string().substr(std::string_view("Vloc_Rloc").size()),
+                    state = (fs::path(path).parent_path() / ("DOF" + ending)).string();
   const Datbox datbox = read_datbox(datbox_beside(path), DatboxShapes::any, is_there(state) ? state : "");
-  return contact_problem_of(datbox, read_vloc_rloc(path, datbox, state), path);
+  return contact_problem_of(datbox, network_at_state(path, datbox, state), path);
+}
+
+ContactForces read_contact_forces(const std::string& path) {
+  if (!holds_datbox(path)) fail("{}: expected a folder with BODIES.DAT or a record of LMGC90, met another", path);
+  const Datbox datbox = read_datbox(path);
+  if (const auto record = record_at(path)) return contact_forces_of(datbox, read_network(*record, datbox));
+  const std::string file = vloc_rloc_of_datbox(path);
+  if (file.empty()) fail("{}: expected contacts in Vloc_Rloc.INI, met none", path);
+  return contact_forces_of(datbox, network_at_state(file, datbox, "the initial state"));
 }
 
 std::string vloc_rloc_of_datbox(const std::string& path) {
   if (record_at(path)) return path;
-  const std::string file = vloc_rloc_in_datbox(path);
+  const std::string file = (datbox_folder(path) / "Vloc_Rloc.INI").string();
   return is_file(file) && read_text(file).find("$icdan") != std::string::npos ? file : "";
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "formats/lmgc90/network.hpp"
+#include "formats/lmgc90/record.hpp"
 #include <nscdd/formats/fclib.hpp>
 
 /// Contact networks of LMGC90, files Vloc_Rloc.INI and Vloc_Rloc.OUT.K of a step, between bodies of any shapes.
@@ -11,9 +11,6 @@ namespace nscdd {
 /// number is: their order depends on the kind. Throws Error with file and line for bodies that are not rigid, a contact
 /// without one of its numbers or of one body, and a frame that is not orthonormal to 10^-5.
 DatboxNetwork parse_vloc_rloc(std::string_view text, const std::string& name, const Datbox& datbox);
-
-/// Reads such a file at the state of `datbox`, which `state` names. Throws Error also for another time.
-DatboxNetwork read_vloc_rloc(const std::string& path, const Datbox& datbox, const std::string& state);
 
 /// The contact problem of the step after the state of `datbox`, with the points of its contacts, and with LMGC90's
 /// forces times h as a guess. h is that of the network, else its time / step number, else the default of cases. M is
@@ -27,6 +24,13 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
 /// that step, in the folder of the file has the state; the folder of datbox_beside has all else. Throws Error as the
 /// functions called, and for a state of another time.
 FclibFile read_vloc_rloc(const std::string& path);
+
+/// The nonzero forces and the statuses at the contacts of LMGC90's last step, from which a run starts as LMGC90 does:
+/// in Vloc_Rloc.INI of a folder that `holds_datbox`, or in a record, which may have none. Grains are those of
+/// `datbox_packing` with DatboxGrains::all, walls those of `boundaries_of_datbox`. As in LMGC90, contacts of bodies or
+/// contactors that BODIES.DAT does not have are left out. Throws Error as read_vloc_rloc, and for a folder without
+/// contacts.
+ContactForces read_contact_forces(const std::string& path);
 
 /// Vloc_Rloc.INI of a folder that `holds_datbox` if it has contacts, else empty.
 std::string vloc_rloc_of_datbox(const std::string& path);

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/matrices/operators_file.hpp"
 
+#include "core/fail.hpp"
 #include "files/hdf5_file.hpp"
-#include "files/output_file.hpp"
 #include "linalg/sparse_entries.hpp"
-
-#include <filesystem>
 
 namespace nscdd {
 namespace {
@@ -66,25 +64,26 @@ std::string manifest_table(const CaseOperator& one) {
       field_text(one.unit), rows, columns, stored_entries(one), truth(one.symmetric));
 }
 
-std::string manifest_head(const OperatorsHead& head, const Provenance& provenance) {
+std::string manifest_head(const CaseSummary& of_case, Index dofs_per_grain, const OperatorParameters& parameters,
+                          const Provenance& provenance) {
   std::string text =
       "# Operators of a case for other programs: each in a Matrix Market file beside this one, all in operators.h5.\n"
       "# `entries` are those stored in full; a symmetric Matrix Market file has only the lower triangle.\n";
   for (const auto& [name, content] : provenance)
     if (name == "program" || name == "command_line") text += fmt::format("{} = {}\n", name, field_text(content));
   const ResultColumns<CaseSummary>& columns = case_columns();
-  const Row cells = row(columns, head.of_case);
+  const Row cells = row(columns, of_case);
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const auto* words = std::get_if<std::string>(&cells[k]);
     text += fmt::format("{} = {}  # {}\n", columns[k].heading.name, words ? field_text(*words) : to_text(cells[k]),
                         columns[k].heading.description);
   }
-  text += fmt::format("dofs_per_grain = {}  # d\n", head.dofs_per_grain);
-  if (head.dense)
+  text += fmt::format("dofs_per_grain = {}  # d\n", dofs_per_grain);
+  if (parameters.dense)
     text += fmt::format(
         "epsilon = {}  # 1/kg, of the linear law, behind S\neta = {}  # 1/kg, of Stage 2, behind P\n"
         "relaxation = {}  # omega of B\n",
-        field_text(head.dense->epsilon), field_text(head.dense->eta), field_text(head.dense->relaxation));
+        field_text(parameters.epsilon), field_text(parameters.eta), field_text(parameters.relaxation));
   return text;
 }
 
@@ -106,7 +105,6 @@ class MatrixMarket {
     for_entries(matrix, [&](Index i, Index j, double value) {
       if (written(i, j)) add("{} {} {:.17g}\n", i + 1, j + 1, value);
     });
-    hand_on();
   }
   // Every entry, column by column.
   void write(const Matrix& matrix) {
@@ -114,13 +112,16 @@ class MatrixMarket {
     add("{} {}\n", matrix.rows(), matrix.cols());
     for (Index j = 0; j < matrix.cols(); ++j)
       for (Index i = symmetric_ ? j : 0; i < matrix.rows(); ++i) add("{:.17g}\n", matrix(i, j));
-    hand_on();
   }
   void write(const std::vector<Index>& numbers) {
     head("array", "integer");
     add("{} 1\n", numbers.size());
     for (const Index number : numbers) add("{}\n", number);
-    hand_on();
+  }
+  // Gives the pieces that are left to the file.
+  void hand_on() {
+    file_.bytes({text_.data(), text_.size()});
+    text_.clear();
   }
 
  private:
@@ -137,10 +138,6 @@ class MatrixMarket {
     constexpr std::size_t piece = 1 << 18;
     fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
     if (text_.size() >= piece) hand_on();
-  }
-  void hand_on() {
-    file_.bytes({text_.data(), text_.size()});
-    text_.clear();
   }
 
   OutputFile& file_;
@@ -176,6 +173,7 @@ void OperatorsFolder::add(const CaseOperator& one) {
   std::visit(
       [&](const auto& values) {
         text.write(values);
+        text.hand_on();
         put(hdf5_->root(), one, values);
       },
       one.values);
@@ -183,10 +181,11 @@ void OperatorsFolder::add(const CaseOperator& one) {
   tables_ += manifest_table(one);
 }
 
-void OperatorsFolder::finish(const OperatorsHead& head, const Provenance& provenance) {
+void OperatorsFolder::finish(const CaseSummary& of_case, Index dofs_per_grain, const OperatorParameters& parameters,
+                             const Provenance& provenance) {
   hdf5::put_provenance(hdf5_->root(), provenance);
   open(hdf5_name).bytes(hdf5_->bytes());
-  open(manifest_name).bytes(manifest_head(head, provenance) + tables_);
+  open(manifest_name).bytes(manifest_head(of_case, dofs_per_grain, parameters, provenance) + tables_);
   std::error_code ignored;
   fs::remove(path_ / manifest_name, ignored);
   for (OutputFile& file : files_) file.finish();

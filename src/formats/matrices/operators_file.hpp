@@ -12,13 +12,6 @@ namespace hdf5 {
 class File;
 }
 
-/// The head of the manifest.
-struct OperatorsHead {
-  CaseSummary of_case;
-  Index dofs_per_grain = 2;                 ///< d
-  std::optional<OperatorParameters> dense;  ///< of S, P and B; empty without them
-};
-
 /// The operators of a case as files of a folder (docs/formats.md): NAME.mtx for each (Matrix Market), operators.h5 with
 /// all of them, and manifest.toml. The manifest is written last: a folder with a manifest is complete.
 class OperatorsFolder {
@@ -36,7 +29,8 @@ class OperatorsFolder {
   /// Writes the file of an operator under its partial name.
   void add(const CaseOperator& one);
   /// Writes operators.h5 and the manifest, and gives all files their names.
-  void finish(const OperatorsHead& head, const Provenance& provenance);
+  void finish(const CaseSummary& of_case, Index dofs_per_grain, const OperatorParameters& parameters,
+              const Provenance& provenance);
 
  private:
   OutputFile& open(const std::string& name);

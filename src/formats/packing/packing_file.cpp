@@ -44,7 +44,12 @@ void require_columns(const std::vector<const PackingColumn*>& met, std::string_v
       fail("{}: expected a {} '{}', met none", where, kind, known.name);
 }
 
+// Throws Error for clumps.
 std::vector<const PackingColumn*> columns_of(const Packing& packing) {
+  if (!packing.clump.empty())
+    fail(
+        "expected free grains, met clumps, which have no column in CSV and HDF5: nscdd simulate takes them from a text "
+        "of YADE");
   std::vector<const PackingColumn*> columns;
   for (const PackingColumn& column : packing_columns)
     if (column.required || !(packing.*(column.values)).empty()) columns.push_back(&column);
@@ -168,13 +173,6 @@ Packing parse_text_packing(std::string_view text, const std::string& name) {
   return packing;
 }
 
-void require_no_clumps(const Packing& packing) {
-  if (!packing.clump.empty())
-    fail(
-        "expected free grains, met clumps, which have no column in CSV and HDF5: nscdd simulate takes them from a text "
-        "of YADE");
-}
-
 }  // namespace
 
 std::optional<PackingFormat> packing_format(const std::string& path) {
@@ -252,7 +250,6 @@ Packing read_packing(const std::string& path) {
 }
 
 std::string packing_csv(const Packing& packing) {
-  require_no_clumps(packing);
   const auto columns = columns_of(packing);
   std::string text = header_of(columns) + '\n';
   Row row(columns.size());
@@ -265,11 +262,10 @@ std::string packing_csv(const Packing& packing) {
 
 std::string packing_bytes(PackingFormat format, const Packing& packing, const Provenance& provenance) {
   if (format == PackingFormat::csv) return remarks(provenance) + packing_csv(packing);
-  require_no_clumps(packing);
+  const auto columns = columns_of(packing);
   return hdf5::new_file_bytes([&](const hdf5::Group& root) {
     hdf5::put_provenance(root, provenance);
     const hdf5::Group group = root.make_group("packing");
-    const auto columns = columns_of(packing);
     group.put_attribute("columns", header_of(columns));
     for (const PackingColumn* column : columns)
       group.put<double>(std::string(column->name), packing.*(column->values),

@@ -2,32 +2,24 @@
 #include "formats/report/run_report.hpp"
 
 #include "core/fail.hpp"
+#include "core/text.hpp"
 #include "files/csv.hpp"
-#include "mechanics/grain_source.hpp"
 
-#include <iterator>
 #include <map>
-#include <sstream>
 
 namespace nscdd {
 namespace {
 
 // The columns on the page.
-constexpr const char* shown_of_summary =
+constexpr std::string_view shown_of_summary =
     "step time iterations zeta interface_change gluing normal_change natural_map driven_residual no_room margin "
-    "closing_speed quad_dv "
-    "quad_dvr mean_dv_over_r qm_16 active stick slide contacts overlap_maximum kinetic potential boundary_work "
-    "dissipation numerical";
-constexpr const char* shown_of_iterations =
+    "closing_speed quad_dv quad_dvr mean_dv_over_r qm_16 active stick slide contacts overlap_maximum kinetic potential "
+    "boundary_work dissipation numerical";
+constexpr std::string_view shown_of_iterations =
     "step iteration zeta interface_change gluing normal_change natural_map quad_dv quad_dvr mean_dv_over_r qm_16";
 
-std::vector<std::string> words(const std::string& text) {
-  std::istringstream stream(text);
-  return {std::istream_iterator<std::string>(stream), {}};
-}
-
 template <class Result>
-Column heading_of(const std::string& name, const ResultColumns<Result>& columns) {
+Column heading_of(std::string_view name, const ResultColumns<Result>& columns) {
   return std::ranges::find(columns, name, [](const auto& column) { return column.heading.name; })->heading;
 }
 
@@ -54,8 +46,8 @@ double bytes_of(const TrajectoryStep& step) {
 
 // Compares the last iteration of each step, which always has a row, with the summary. The indicator zeta tells runs
 // apart that use up all allowed iterations.
-void require_same_run(const std::vector<double>& step, const std::vector<double>& iteration,
-                      const std::vector<double>& zeta, const std::string& path, const std::string& run) {
+void require_same_run(const std::vector<Series>& table, const std::string& path, const std::string& run) {
+  const std::vector<double>&step = table[0].values, &iteration = table[1].values, &zeta = table[2].values;
   const std::vector<double> taken = read_summary(run, "iterations"), end = read_summary(run, "zeta");
   std::map<std::size_t, std::size_t> last;  // row of the last iteration of a step
   for (std::size_t row = 0; row < step.size(); ++row) {
@@ -76,21 +68,20 @@ std::vector<Series> read_iterations(const std::string& path, const std::string& 
   const Index steps = count(read_statuses(run));
   const CsvText csv = parse_csv(read_text(path), path);
   std::vector<Series> all;
-  for (const std::string& name : words(shown_of_iterations)) {
+  for (const std::string_view name : split(shown_of_iterations, ' ')) {
     const auto found = std::ranges::find(csv.columns, name);
     if (found == csv.columns.end())
       fail("{}: expected a table of nscdd simulate --convergence with a column {}, met none", path, name);
-    Series series{heading_of(name, iteration_columns()), {}};
+    Series& series = all.emplace_back(Series{heading_of(name, iteration_columns()), {}});
     const auto column = static_cast<std::size_t>(found - csv.columns.begin());
     for (std::size_t row = 0; row < csv.rows.size(); ++row)
       series.values.push_back(
           parse_number(csv.rows[row][column], fmt::format("{}:{}: {}", path, csv.lines[row], name)));
-    all.push_back(std::move(series));
   }
   for (std::size_t row = 0; row < csv.rows.size(); ++row)
     if (const double step = all.front().values[row]; !(step >= 1 && step <= static_cast<double>(steps)))
       fail("{}:{}: step: expected one of the {} steps of the run, met {}", path, csv.lines[row], steps, step);
-  require_same_run(all[0].values, all[1].values, all[2].values, path, run);
+  require_same_run(all, path, run);
   return all;
 }
 
@@ -113,8 +104,8 @@ std::optional<RunReport> report_run(const std::string& path, const std::vector<I
     fail("{}: expected a run that has taken a step, met none", path);
   report.name = name_of_case(path, report.header);
   report.kept = count(trajectory_steps(path));
-  for (const std::string& name : words(shown_of_summary))
-    if (report.status.empty() || has_summary(path, name))
+  for (const std::string_view word : split(shown_of_summary, ' '))
+    if (const std::string name(word); report.status.empty() || has_summary(path, name))
       report.summary.push_back({heading_of(name, step_columns()), read_summary(path, name)});
   std::optional<Simulation> run;
   for (const Index number : steps) {

@@ -29,8 +29,6 @@ class TrajectoryWriter {
   /// Locks an existing trajectory to continue it, and changes nothing yet.
   TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns);
   ~TrajectoryWriter();  ///< commits, if the system lets it
-  TrajectoryWriter(const TrajectoryWriter&) = delete;
-  TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
 
   /// Must be called first for an existing trajectory. `case_text` replaces its own, because it may have more steps.
   /// The line `restart` joins those of earlier restarts in provenance/restarts, and `chains` replace all of the file.

@@ -43,6 +43,14 @@ inline constexpr auto state_columns = [](auto&& visit) {
   visit("eta", "1/kg", [](auto& state) { return &state.eta; });
 };
 
+/// Visits NAMEx, NAMEy and, in space, NAMEz: the numbers of the member `array` from `first` on.
+void visit_vector(auto&& visit, Index dimension, const std::string& name, const char* unit, auto array,
+                  std::size_t first = 0) {
+  for (std::size_t k = 0; k < at(dimension); ++k)
+    visit((name + "xyz"[k]).c_str(), unit,
+          [array, i = first + k](auto& element) { return &std::invoke(array, element)[i]; });
+}
+
 inline auto pose_columns(Index dimension) {
   return [space = dimension == 3](auto&& visit) {
     visit("x", "m", [](auto& pose) { return &pose.x; });
@@ -69,15 +77,13 @@ inline auto velocity_columns(Index dimension) {
 }
 
 inline auto geometry_columns(Index dimension) {
-  return [space = dimension == 3](auto&& visit) {
+  return [dimension](auto&& visit) {
     visit("a", "1", [](auto& c) { return &c.geometry.a; });
     visit("b", "1", [](auto& c) { return &c.geometry.b; });
-    visit("normal_x", "1", [](auto& c) { return &c.geometry.normal[0]; });
-    visit("normal_y", "1", [](auto& c) { return &c.geometry.normal[1]; });
-    if (space) visit("normal_z", "1", [](auto& c) { return &c.geometry.normal[2]; });
-    visit("point_x", "m", [](auto& c) { return &c.geometry.point[0]; });
-    visit("point_y", "m", [](auto& c) { return &c.geometry.point[1]; });
-    if (space) visit("point_z", "m", [](auto& c) { return &c.geometry.point[2]; });
+    visit_vector(
+        visit, dimension, "normal_", "1", [](auto& c) -> auto& { return c.geometry.normal; });
+    visit_vector(
+        visit, dimension, "point_", "m", [](auto& c) -> auto& { return c.geometry.point; });
     visit("gap", "m", [](auto& c) { return &c.geometry.gap; });
   };
 }
@@ -102,16 +108,12 @@ inline auto contact_columns(Index dimension) {
 }
 
 inline auto gluing_columns(Index dimension) {
-  return [space = dimension == 3](auto&& visit) {
+  return [dimension](auto&& visit) {
     visit("grain", "1", [](auto& gluing) { return &gluing.grain; });
     visit("subdomain", "1", [](auto& gluing) { return &gluing.subdomain; });
-    visit("impulse_x", "N s", [](auto& gluing) { return &gluing.impulse[0]; });
-    visit("impulse_y", "N s", [](auto& gluing) { return &gluing.impulse[1]; });
-    if (!space) return visit("impulse_rim", "N s", [](auto& gluing) { return &gluing.impulse[2]; });
-    visit("impulse_z", "N s", [](auto& gluing) { return &gluing.impulse[2]; });
-    visit("impulse_rim_x", "N s", [](auto& gluing) { return &gluing.impulse[3]; });
-    visit("impulse_rim_y", "N s", [](auto& gluing) { return &gluing.impulse[4]; });
-    visit("impulse_rim_z", "N s", [](auto& gluing) { return &gluing.impulse[5]; });
+    visit_vector(visit, dimension, "impulse_", "N s", &RememberedGluing::impulse);
+    if (dimension == 2) return visit("impulse_rim", "N s", [](auto& gluing) { return &gluing.impulse[2]; });
+    visit_vector(visit, dimension, "impulse_rim_", "N s", &RememberedGluing::impulse, 3);
   };
 }
 
@@ -146,20 +148,15 @@ inline constexpr auto model_columns = [](auto&& visit) {
 /// `radii`, `lengths`: whether the walls of a system have any, and with them columns of their own; in space all have
 /// radii.
 inline auto wall_columns(Index dimension, bool radii, bool lengths) {
-  return [space = dimension == 3, radii, lengths](auto&& visit) {
-    visit("point_x", "m", [](auto& wall) { return &wall.point[0]; });
-    visit("point_y", "m", [](auto& wall) { return &wall.point[1]; });
-    if (space) visit("point_z", "m", [](auto& wall) { return &wall.point[2]; });
-    visit("normal_x", "1", [](auto& wall) { return &wall.normal[0]; });
-    visit("normal_y", "1", [](auto& wall) { return &wall.normal[1]; });
-    if (space) visit("normal_z", "1", [](auto& wall) { return &wall.normal[2]; });
+  return [dimension, space = dimension == 3, radii, lengths](auto&& visit) {
+    visit_vector(visit, dimension, "point_", "m", &Wall::point);
+    visit_vector(visit, dimension, "normal_", "1", &Wall::normal);
     if (space || radii) visit("radius", "m", [](auto& wall) { return &wall.radius; });
-    if (!lengths) return visit("boundary", "1", [](auto& wall) { return &wall.boundary; });
-    visit("axis_x", "1", [](auto& wall) { return &wall.axis[0]; });
-    visit("axis_y", "1", [](auto& wall) { return &wall.axis[1]; });
-    if (space) visit("axis_z", "1", [](auto& wall) { return &wall.axis[2]; });
-    visit("half_length", "m", [](auto& wall) { return &wall.half_length; });
-    if (space) visit("half_width", "m", [](auto& wall) { return &wall.half_width; });
+    if (lengths) {
+      visit_vector(visit, dimension, "axis_", "1", &Wall::axis);
+      visit("half_length", "m", [](auto& wall) { return &wall.half_length; });
+      if (space) visit("half_width", "m", [](auto& wall) { return &wall.half_width; });
+    }
     visit("boundary", "1", [](auto& wall) { return &wall.boundary; });
   };
 }

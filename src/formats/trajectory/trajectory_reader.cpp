@@ -2,7 +2,6 @@
 #include "core/fail.hpp"
 #include "formats/case/case_file.hpp"
 #include "formats/trajectory/trajectory_layout.hpp"
-#include "mechanics/grain_source.hpp"
 
 #include <filesystem>
 
@@ -102,8 +101,7 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
     for (const RememberedImpulse& one : state.impulses)
       for (const Index body : {one.a, one.b})
         require_within(body, 0, count(state.x) + walls, "a or b", root.group("start"));
-    if (!std::ranges::is_sorted(state.impulses, {},
-                                [](const RememberedImpulse& one) { return std::pair(one.a, one.b); }))
+    if (!std::ranges::is_sorted(state.impulses, {}, body_pair))
       fail("{}: expected contacts ascending by (a, b), met others", root.group("start").path());
   }
   for (const TrajectoryContact& c : step.contacts) {
@@ -262,12 +260,10 @@ Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& h
   if (system.boundaries.size() != specs.size())
     fail("{}: expected the {} boundaries of its case, met {}", path, specs.size(), system.boundaries.size());
   for (std::size_t k = 0; k < specs.size(); ++k) {
-    if (system.boundaries[k].name != specs[k].name)
-      fail("{}: expected the boundary '{}' of its case, met '{}'", path, specs[k].name, system.boundaries[k].name);
-    system.boundaries[k].motion = specs[k].motion;
-    system.boundaries[k].orientation = specs[k].orientation;
-    system.boundaries[k].body = specs[k].body;
-    system.boundaries[k].source = specs[k].source;
+    Boundary& boundary = system.boundaries[k];
+    if (boundary.name != specs[k].name)
+      fail("{}: expected the boundary '{}' of its case, met '{}'", path, specs[k].name, boundary.name);
+    boundary = {boundary.name, specs[k].motion, specs[k].orientation, specs[k].body, boundary.node, specs[k].source};
   }
   if (state.poses.size() != specs.size())
     fail("{}: expected the poses of its {} boundaries, met {}", path, specs.size(), state.poses.size());

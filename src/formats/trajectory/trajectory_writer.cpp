@@ -14,14 +14,20 @@ using Steps = std::span<const TrajectoryStep>;
 // A commit takes some milliseconds, as long as a hundred steps of a few disks.
 constexpr std::chrono::seconds commit_interval{1};
 
+// A list of the state of a step.
+template <class List>
+auto of_state(List GranularState::*list) {
+  return [list](const TrajectoryStep& step) -> auto& { return step.state.*list; };
+}
+
 // The structs of `list` in each owner, one owner after the other.
 template <class Owner, class List, class Columns>
 void put_structs(const Group& group, std::span<const Owner> owners, List list, Columns&& columns, ArrayForm form) {
   columns([&](const char* column, const char* unit, auto get) {
-    using Number = decltype(layout::stored(*get(list(owners[0])[0])));
+    using Number = decltype(layout::stored(*get(std::invoke(list, owners[0])[0])));
     std::vector<Number> values;
     for (const Owner& owner : owners)
-      for (const auto& element : list(owner)) values.push_back(layout::stored(*get(element)));
+      for (const auto& element : std::invoke(list, owner)) values.push_back(layout::stored(*get(element)));
     form.attributes = {{"unit", unit}};
     group.put<Number>(column, values, form);
   });
@@ -36,48 +42,39 @@ void put_lists(const Group& group, Steps steps, List list, Columns&& columns, Ar
   std::vector<std::int64_t> rows;
   for (const TrajectoryStep& step : steps) {
     rows.push_back(end);
-    rows.push_back(end += count(list(step)));
+    rows.push_back(end += count(std::invoke(list, step)));
   }
   form.attributes = {{"unit", "1"}};
   form.rows = steps.size();
   group.put<std::int64_t>("rows", rows, form);
 }
 
-// Lists that few cases have: in all steps of a file or in none.
-struct Lists {
-  bool released = false, bonds = false;
-};
-Lists lists_of(const GranularSystem& system) {
-  return {std::ranges::any_of(system.boundaries, [](const Boundary& one) { return one.source.has_value(); }),
-          system.pairs.bonds()};
-}
-
 // One array per quantity holds all steps, which saves calls of HDF5. A chunk holds the contacts of a dense packing.
-void put_steps(const Group& group, Steps steps, bool append, const Lists& new_lists = {}) {
+// Lists that few cases have are in all steps of a file or in none: `system` of a new file decides.
+void put_steps(const Group& group, Steps steps, bool append, const GranularSystem* system = nullptr) {
   if (steps.empty()) return;
   ArrayForm form{.chunk = std::clamp<std::size_t>(2 * steps[0].state.x.size(), 256, 65536), .append = append};
   const auto state = [](const TrajectoryStep& step) { return std::span(&step.state, 1); };
-  const auto poses = [](const TrajectoryStep& step) -> auto& { return step.state.poses; };
-  const auto contacts = [](const TrajectoryStep& step) -> auto& { return step.contacts; };
-  const auto gluing = [](const TrajectoryStep& step) -> auto& { return step.state.gluing; };
-  const auto released = [](const TrajectoryStep& step) -> auto& { return step.state.released; };
-  const auto bonds = [](const TrajectoryStep& step) -> auto& { return step.state.bonds; };
-  const auto models = [](const TrajectoryStep& step) -> auto& { return step.state.models; };
+  const auto lists = [&](const char* name, auto list, auto columns) {
+    put_lists(group.make_group(name), steps, list, columns, form);
+  };
+  const auto releases = [](const Boundary& one) { return one.source.has_value(); };
+  using State = GranularState;
   const Index dimension = steps[0].state.z.empty() ? 2 : 3;
   put_structs(group, steps, state, layout::state_columns, form);
-  put_lists(group.make_group("contacts"), steps, contacts, layout::contact_columns(dimension), form);
-  put_lists(group.make_group("interface"), steps, gluing, layout::gluing_columns(dimension), form);
-  if (new_lists.bonds || group.has("bonds"))
-    put_lists(group.make_group("bonds"), steps, bonds, layout::bond_columns, form);
-  if (new_lists.released || group.has("released"))
-    put_lists(group.make_group("released"), steps, released, layout::released_columns, form);
+  lists("contacts", &TrajectoryStep::contacts, layout::contact_columns(dimension));
+  lists("interface", of_state(&State::gluing), layout::gluing_columns(dimension));
+  if (system != nullptr ? system->pairs.bonds() : group.has("bonds"))
+    lists("bonds", of_state(&State::bonds), layout::bond_columns);
+  if (system != nullptr ? std::ranges::any_of(system->boundaries, releases) : group.has("released"))
+    lists("released", of_state(&State::released), layout::released_columns);
   if (!steps[0].state.models.empty())  // one per subdomain in every step of a run that switches models
-    put_lists(group.make_group("models"), steps, models, layout::model_columns, form);
+    lists("models", of_state(&State::models), layout::model_columns);
   form.rows = steps.size();
-  put_structs(group.make_group("poses"), steps, poses, layout::pose_columns(dimension), form);
-  const auto bodies = [](const TrajectoryStep& step) -> auto& { return step.state.body_velocities; };
+  put_structs(group.make_group("poses"), steps, of_state(&State::poses), layout::pose_columns(dimension), form);
   if (!steps[0].state.body_velocities.empty())
-    put_structs(group.make_group("bodies"), steps, bodies, layout::velocity_columns(dimension), form);
+    put_structs(group.make_group("bodies"), steps, of_state(&State::body_velocities),
+                layout::velocity_columns(dimension), form);
   for (const auto& array : layout::state_arrays(dimension)) {
     std::vector<double> values;
     for (const TrajectoryStep& step : steps) {
@@ -91,8 +88,7 @@ void put_steps(const Group& group, Steps steps, bool append, const Lists& new_li
 
 void put_chains(const Group& root, const std::vector<ChainContact>& chains) {
   if (chains.empty()) return;
-  const auto all = [](const std::vector<ChainContact>& one) -> auto& { return one; };
-  put_structs(root.make_group("chains"), std::span(&chains, 1), all,
+  put_structs(root.make_group("chains"), std::span(&chains, 1), std::identity(),
               layout::chain_columns(root.group("last").has("z") ? 3 : 2), {.chunk = 256, .append = true});
 }
 
@@ -104,8 +100,7 @@ void put_system(const Group& root, const GranularSystem& system) {
   group.put<std::int32_t>("driven_by", driven, {.attributes = {{"unit", "1"}}});
   const bool radii = std::ranges::any_of(system.walls, [](const Wall& wall) { return wall.radius != 0; });
   const bool lengths = std::ranges::any_of(system.walls, [](const Wall& wall) { return wall.half_length > 0; });
-  const auto walls = [](const GranularSystem& one) -> auto& { return one.walls; };
-  put_structs(group.make_group("walls"), std::span(&system, 1), walls,
+  put_structs(group.make_group("walls"), std::span(&system, 1), &GranularSystem::walls,
               layout::wall_columns(system.dimension, radii, lengths), {});
   std::string names;
   for (const Boundary& boundary : system.boundaries) names += boundary.name + "\n";
@@ -136,11 +131,10 @@ TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHead
     root.put_text("case", header.case_text);
     root.put_attribute("ended", "running");
     put_system(root, header.system);
-    for (const char* group : {"steps", "last"})
-      put_steps(root.make_group(group), {&first, 1}, false, lists_of(header.system));
-    const auto impulses = [](const TrajectoryStep& step) -> auto& { return step.state.impulses; };
+    for (const char* group : {"steps", "last"}) put_steps(root.make_group(group), {&first, 1}, false, &header.system);
     if (!first.state.impulses.empty())  // given to the first step
-      put_structs(root.make_group("start"), std::span(&first, 1), impulses, layout::start_columns, {});
+      put_structs(root.make_group("start"), std::span(&first, 1), of_state(&GranularState::impulses),
+                  layout::start_columns, {});
     root.make_group("summary");
     file.flush();
   });
@@ -164,11 +158,8 @@ void TrajectoryWriter::go_on(const std::string& case_text, const std::string& re
     root.remove("case");
     root.put_text("case", case_text);
     const Group origin = root.group("provenance");
-    std::string lines;
-    if (origin.has("restarts")) {
-      lines = origin.text("restarts");
-      origin.remove("restarts");
-    }
+    const std::string lines = origin.has("restarts") ? origin.text("restarts") : "";
+    if (origin.has("restarts")) origin.remove("restarts");
     origin.put_text("restarts", lines + restart);
     root.put_attribute("ended", "running");
   }));

@@ -5,7 +5,6 @@
 #include "formats/trajectory/trajectory_layout.hpp"
 
 #include <bit>
-#include <set>
 
 namespace nscdd {
 namespace {
@@ -63,16 +62,6 @@ std::vector<Value> with_contacts(const Scene& scene, std::vector<Value> values, 
   for (const TrajectoryContact& contact : scene.contacts)
     values.push_back(static_cast<Value>(std::invoke(get, contact)));
   return values;
-}
-
-// The subdomains of each grain: those of its contacts.
-std::vector<std::set<Index>> holders(const Scene& scene) {
-  std::vector<std::set<Index>> held(scene.grains);
-  for (const TrajectoryContact& contact : scene.contacts) {
-    held[at(contact.geometry.a)].insert(contact.subdomain);
-    if (!scene.on_wall(contact)) held[at(contact.geometry.b)].insert(contact.subdomain);
-  }
-  return held;
 }
 
 // The numbers of each grain in these arrays, one after the other; 0 for arrays that exist only in space.
@@ -200,7 +189,7 @@ StepPicture picture_of(const GranularSystem& system, const TrajectoryStep& step)
   const Scene scene{system, step.state, step.contacts};
   check(scene);
   Integers subdomain, multiplicity;
-  for (const std::set<Index>& held : holders(scene)) {
+  for (const std::set<Index>& held : subdomains_of_grains(step.contacts, system.grains())) {
     subdomain.push_back(held.empty() ? -1 : *held.begin());
     multiplicity.push_back(count(held));
   }

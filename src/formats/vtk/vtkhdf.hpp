@@ -21,8 +21,6 @@ class VtkhdfFile {
  public:
   VtkhdfFile(const std::string& path, bool force);
   ~VtkhdfFile();
-  VtkhdfFile(const VtkhdfFile&) = delete;
-  VtkhdfFile& operator=(const VtkhdfFile&) = delete;
 
   void append(const StepPicture& picture);
   void finish();

@@ -59,10 +59,8 @@ struct RowGroups {
     for (Index s = 0; s < nodes.size(); ++s)
       for (int k = nodes.first_column[at(s)]; k < nodes.first_column[at(s + 1)]; ++k) supernode[at(k)] = s;
     // Groups behind the dissection take a row without a group only if it touches no other.
-    const auto behind = [&](Index g) {
-      return std::ranges::any_of(std::array{&flags.last, &flags.kept},
-                                 [&](const auto* marked) { return !marked->empty() && (*marked)[at(g)] != 0; });
-    };
+    const auto marked = [](const std::vector<char>& marks, Index g) { return !marks.empty() && marks[at(g)] != 0; };
+    const auto behind = [&](Index g) { return marked(flags.last, g) || marked(flags.kept, g); };
     const auto earlier = [&](Index a, Index b) {
       return std::pair(!behind(a), position_of[at(a)]) < std::pair(!behind(b), position_of[at(b)]);
     };

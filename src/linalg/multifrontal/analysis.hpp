@@ -1,11 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/multifrontal/group_order.hpp"
+#include "linalg/sparse_cholesky.hpp"
 
 #include <tbb/task_group.h>
 
 namespace nscdd {
+
+/// Marks of groups, one per group, or none at all.
+struct GroupFlags {
+  std::vector<char> last;  ///< to be eliminated after all others
+  std::vector<char> kept;  ///< not to be eliminated
+};
+
+/// Order of the nodes marked in `last` (one flag per node) once all others are eliminated. The others form connected
+/// parts, each of which ties all marked nodes that it touches. Marked nodes that touch the same parts are a segment.
+/// Segments are in minimum-degree order: next is the one with the fewest rows tied to it (George, Liu, SIAM Review 31
+/// (1989) 1-19), among equals the one with the shortest chain of segments below it, so that a chain of subdomains is
+/// eliminated from both ends. `weight`: rows of each node. Ties between marked nodes are ignored.
+std::vector<int> order_of_last(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last);
+
+/// Orders the groups of this graph, of `weight` rows each, by nested dissection (METIS), then those that are last, then
+/// those kept, and finds the supernodes of that order. The kept groups form the last supernode.
+Supernodes ordered_supernodes(const Graph& graph, const std::vector<int>& weight, const GroupFlags& flags,
+                              const MergedColumns& merged);
 
 /// One front of the multifrontal method, a dense symmetric matrix. Its first `pivots` rows are eliminated.
 struct Front {
@@ -54,23 +72,19 @@ struct FrontTree {
   }
 
   /// Calls visit(front) for the fronts of the subtree, children before parents (down: after them).
-  template <class Visit>
-  void up(Index s, Fronts which, const Visit& visit) const {
+  void up(Index s, Fronts which, const auto& visit) const {
     for_children(s, which, [&](Index c) { up(c, which, visit); });
     visit(s);
   }
-  template <class Visit>
-  void down(Index s, Fronts which, const Visit& visit) const {
+  void down(Index s, Fronts which, const auto& visit) const {
     visit(s);
     for_children(s, which, [&](Index c) { down(c, which, visit); });
   }
   /// The same for the whole tree.
-  template <class Visit>
-  void up(Fronts which, const Visit& visit) const {
+  void up(Fronts which, const auto& visit) const {
     for_roots(which, [&](Index root) { up(root, which, visit); });
   }
-  template <class Visit>
-  void down(Fronts which, const Visit& visit) const {
+  void down(Fronts which, const auto& visit) const {
     for_roots(which, [&](Index root) { down(root, which, visit); });
   }
 
@@ -82,13 +96,11 @@ struct FrontTree {
  private:
   static constexpr double parallel_subtree_flops = 2e6;  // below, a task costs more than it saves
 
-  template <class Visit>
-  void for_roots(Fronts which, const Visit& visit) const {
+  void for_roots(Fronts which, const auto& visit) const {
     for (Index s = 0; s < size(); ++s)
       if (front(s).parent < 0 && (which == Fronts::all || front(s).on_border)) visit(s);
   }
-  template <class Visit>
-  void for_children(Index s, Fronts which, const Visit& visit) const {
+  void for_children(Index s, Fronts which, const auto& visit) const {
     const auto one = [&](Index c) {
       if (which == Fronts::all || front(c).on_border) visit(c);
     };
@@ -103,6 +115,17 @@ struct FrontTree {
     tasks.wait();
   }
 };
+
+/// Bytes that factors of one analysis take, from the sizes of its fronts.
+struct FactorMemory {
+  double held = 0;     ///< by a factor, its interior included
+  double border = 0;   ///< by another factor with the same interior
+  double at_once = 0;  ///< at most, during the first factorisation, on any number of threads
+};
+
+enum class FactorShape { symmetric, full };  ///< triangles of a front in a factor: the lower one, or both
+
+FactorMemory factor_memory(const FrontTree& tree, FactorShape shape);
 
 /// Work on the interior and the border of a matrix: additions and multiplications of the elimination, and entries of
 /// the factor, each of which a triangular solve multiplies and adds once.
@@ -126,7 +149,7 @@ class SymmetricAnalysis {
   /// `flags`: groups that are last make `SymmetricFactor::inverse_block` on their rows cheap; only groups of the border
   /// may be kept.
   /// `border`: rows on which solutions are wanted. If the matrices of a family differ only between rows of groups of
-  /// the border, fronts on no path from a border row to the root serve the whole family, see SymmetricInterior.
+  /// the border, fronts on no path from a border row to the root serve the whole family, see eliminated_interior.
   /// `merged`: see supernodes. Throws std::bad_alloc if the libraries run out of memory.
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const GroupFlags& flags = {},
                     const std::vector<Index>& border = {}, const MergedColumns& merged = usually_merged);
@@ -137,7 +160,6 @@ class SymmetricAnalysis {
   const std::shared_ptr<const FrontTree>& tree() const { return tree_; }
 
  private:
-  friend class SymmetricInterior;
   std::shared_ptr<const FrontTree> tree_;
 };
 

@@ -2,7 +2,6 @@
 #include "linalg/multifrontal/factor.hpp"
 
 #include "core/memory.hpp"
-#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/threads.hpp"
 
@@ -33,8 +32,7 @@ Index negative_pivots(const Block& diagonal, const double* e) {
 }
 
 // target -= left right^T on and below the diagonal of the target, by blocks of columns. `fresh`: the target counts as 0
-template <class Right>
-void subtract_product(Block target, const Block& left, const Right& right, bool fresh) {
+void subtract_product(Block target, const Block& left, const auto& right, bool fresh) {
   const Index blocks = (target.cols() + block_columns - 1) / block_columns;
   const auto one = [&](Index b) {
     const Index first = b * block_columns, width = std::min(block_columns, target.cols() - first);
@@ -72,9 +70,7 @@ std::optional<Index> eliminate_panel(FrontFactor& own, Block& columns, Matrix& m
       factorise_panel(diagonal, static_cast<lapack_int>(width), static_cast<lapack_int>(rows), swaps, off);
   if (!negative || rest == 0) return negative;
   Block left(&columns(next, first), rest, width, Eigen::OuterStride<>(rows));
-  interchange(swaps, width, [&](Index i, Index j) {
-    if (i != j) left.col(i).swap(left.col(j));
-  });
+  interchange(swaps, width, [&](Index i, Index j) { left.col(i).swap(left.col(j)); });
   diagonal.triangularView<Eigen::UnitLower>().transpose().template solveInPlace<Eigen::OnTheRight>(left);
   multiples.block(next, first, rest, width) = left;  // L D
   solve_diagonal(diagonal, off, left.transpose());   // L
@@ -105,18 +101,18 @@ void add(const double* from, double* to, Index length) {
 }
 
 // Eliminates fronts of one matrix, children before parents.
-class Elimination {
- public:
-  // `below`: the eliminated fronts of the interior, which keep their updates.
-  Elimination(const FrontTree& tree, const SparseMatrix& lower, EliminatedFronts& result, const EliminatedFronts* below)
-      : tree_(tree), values_(lower.valuePtr()), result_(result), below_(below) {}
+struct Elimination {
+  const FrontTree& tree;
+  const double* values;
+  EliminatedFronts& result;
+  const EliminatedFronts* below;  // the eliminated fronts of the interior, which keep their updates
 
   void eliminate(Index s) const {
-    const Front& front = tree_.front(s);
-    FrontFactor& own = result_.factors[at(s)];
+    const Front& front = tree.front(s);
+    FrontFactor& own = result.factors[at(s)];
     own.swaps.resize(at(front.pivots));
     own.off = Vector::Zero(front.pivots);
-    Matrix& update = result_.updates[at(s)];
+    Matrix& update = result.updates[at(s)];
     const bool fresh = front.children.empty() && front.pivots > 0;
     update.resize(front.update_rows(), front.update_rows());
     if (!fresh) update.setZero();
@@ -124,26 +120,25 @@ class Elimination {
     columns.setZero();
     assemble(s, columns, update);
     if (const auto negative = eliminate_front(front, own, update, fresh))
-      result_.negative += *negative;
+      result.negative += *negative;
     else
-      result_.singular = true;
+      result.singular = true;
   }
 
- private:
   // Entries of the matrix, then the updates of the children in their order.
   void assemble(Index s, Block& columns, Matrix& update) const {
-    const Front& front = tree_.front(s);
+    const Front& front = tree.front(s);
     for (Index k = front.first_entry; k < front.last_entry; ++k) {
-      const FrontEntry& entry = tree_.entries[at(k)];
+      const FrontEntry& entry = tree.entries[at(k)];
       double& to = entry.column < front.pivots ? columns(entry.row, entry.column)
                                                : update(entry.row - front.pivots, entry.column - front.pivots);
-      to += values_[entry.source];
+      to += values[entry.source];
     }
     for (const Index c : front.children) {
-      const Front& child = tree_.front(c);
+      const Front& child = tree.front(c);
       const bool kept = child.on_border != front.on_border;
-      const Matrix& from = (kept ? *below_ : result_).updates[at(c)];
-      const int* place = tree_.places_of_updates(child);
+      const Matrix& from = (kept ? *below : result).updates[at(c)];
+      const int* place = tree.places_of_updates(child);
       const std::vector<Run> runs = runs_of(place, from.rows());
       auto run = runs.begin();  // of the entry on the diagonal
       for (Index j = 0; j < from.cols(); ++j) {
@@ -155,14 +150,9 @@ class Elimination {
         for (auto other = run + 1; other != runs.end(); ++other)
           add(from.data() + j * from.rows() + other->first, to + other->place, other->length);
       }
-      if (!kept) result_.updates[at(c)].resize(0, 0);
+      if (!kept) result.updates[at(c)].resize(0, 0);
     }
   }
-
-  const FrontTree& tree_;
-  const double* values_;
-  EliminatedFronts& result_;
-  const EliminatedFronts* below_;
 };
 
 // Size of the columns of all fronts on the border, or of the interior.
@@ -239,7 +229,7 @@ EliminatedFronts::EliminatedFronts(const FrontTree& tree, bool on_border, LargeA
 
 InteriorFronts::InteriorFronts(std::shared_ptr<const FrontTree> analysis, const SparseMatrix& lower)
     : tree(std::move(analysis)), fronts(*tree, false, large_array(column_entries(*tree, false))) {
-  const Elimination elimination(*tree, lower, fronts, nullptr);
+  const Elimination elimination{*tree, lower.valuePtr(), fronts, nullptr};
   const std::vector<Index>& roots = tree->interior_roots;
   tbb::parallel_for(Index{0}, count(roots),
                     [&](Index k) { tree->up(roots[at(k)], Fronts::all, [&](Index s) { elimination.eliminate(s); }); });
@@ -248,7 +238,7 @@ InteriorFronts::InteriorFronts(std::shared_ptr<const FrontTree> analysis, const 
 FactorFronts::FactorFronts(std::shared_ptr<const InteriorFronts> interior_fronts, const SparseMatrix& lower,
                            Matrix& kept_block)
     : interior(std::move(interior_fronts)), tree(*interior->tree), border(tree, true, memory_of_factor(*interior)) {
-  const Elimination elimination(tree, lower, border, &interior->fronts);
+  const Elimination elimination{tree, lower.valuePtr(), border, &interior->fronts};
   tree.up(Fronts::border, [&](Index s) { elimination.eliminate(s); });
   if (tree.keeps_rows) kept_block = std::move(border.updates.back());
   border.updates.clear();
@@ -259,17 +249,19 @@ FactorFronts::~FactorFronts() {
   interior->left = std::move(border.columns);
 }
 
-SymmetricInterior::SymmetricInterior(const SymmetricAnalysis& analysis, const SparseMatrix& lower) {
+SymmetricInterior eliminated_interior(const SymmetricAnalysis& analysis, const SparseMatrix& lower) {
   require_memory(factor_memory(*analysis.tree(), FactorShape::symmetric).at_once,
                  fmt::format("a factor of {} rows", lower.rows()));
-  with_threads([&] { fronts_ = std::make_shared<const InteriorFronts>(analysis.tree_, lower); });
+  SymmetricInterior interior;
+  with_threads([&] { interior = std::make_shared<const InteriorFronts>(analysis.tree(), lower); });
+  return interior;
 }
 
 SymmetricFactor::SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower)
-    : SymmetricFactor(SymmetricInterior(analysis, lower), lower) {}
+    : SymmetricFactor(eliminated_interior(analysis, lower), lower) {}
 
 SymmetricFactor::SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower) {
-  with_threads([&] { fronts_ = std::make_shared<const FactorFronts>(interior.fronts_, lower, kept_block_); });
+  with_threads([&] { fronts_ = std::make_shared<const FactorFronts>(interior, lower, kept_block_); });
 }
 
 bool SymmetricFactor::regular() const { return !fronts_->interior->fronts.singular && !fronts_->border.singular; }

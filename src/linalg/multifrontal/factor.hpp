@@ -12,15 +12,9 @@ struct InteriorFronts;
 struct FactorFronts;
 
 /// The elimination of the interior, which the factorisations of a family share.
-class SymmetricInterior {
- public:
-  /// Throws Error before any work if it and a factor do not fit into memory (require_memory).
-  SymmetricInterior(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
-
- private:
-  friend class SymmetricFactor;
-  std::shared_ptr<const InteriorFronts> fronts_;
-};
+using SymmetricInterior = std::shared_ptr<const InteriorFronts>;
+/// Throws Error before any work if the interior and a factor do not fit into memory (require_memory).
+SymmetricInterior eliminated_interior(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
 
 /// P A P^T = L D L^T of a sparse symmetric matrix, definite or not, D with 1 x 1 and 2 x 2 blocks (Bunch-Kaufman
 /// pivoting inside panels of whole groups, LAPACK dsytrf). Fronts are factorised in parallel along the elimination
@@ -31,7 +25,7 @@ class SymmetricFactor {
  public:
   /// Throws Error before any work if it does not fit into memory.
   SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
-  /// The same bits, for a matrix with this interior.
+  /// The same bits, for a matrix with this interior, which is not null.
   SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower);
 
   bool regular() const;                  ///< false if a pivot is exactly zero; call nothing else then
@@ -48,7 +42,6 @@ class SymmetricFactor {
   /// If rows k are kept and rows e eliminated: the lower triangle of S = A_kk - A_ke A_ee^-1 A_ek, in the order of
   /// `kept_rows`. The inertia is then that of A_ee. To solve A x = b, `go_forward` gives L^-1 b_e and, on the rows
   /// kept, b_k - A_ke A_ee^-1 b_e; the caller solves S x_k = that; then `go_back` gives x_e.
-  const Matrix& kept_block() const { return kept_block_; }
   Matrix take_kept_block() { return std::move(kept_block_); }
   Vector go_forward(const Vector& b, Fronts which) const;
   Vector go_back(const Vector& x, Fronts which) const;
@@ -78,7 +71,7 @@ class SymmetricFamily {
  private:
   SymmetricAnalysis analysis_;
   std::mutex mutex_;
-  std::optional<SymmetricInterior> interior_;
+  SymmetricInterior interior_;
   std::array<double, 2> parameters_{};
 };
 

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/multifrontal/factor.hpp"
 
-#include <numeric>
-
 namespace nscdd {
 
 SymmetricFactor SymmetricFamily::factorise(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
   std::unique_lock lock(mutex_);
   if (!interior_ || parameters_ != parameters) {
     interior_.reset();  // frees its memory before the next one
-    interior_.emplace(analysis_, lower);
+    interior_ = eliminated_interior(analysis_, lower);
     parameters_ = parameters;
   }
-  const SymmetricInterior interior = *interior_;
+  const SymmetricInterior interior = interior_;
   lock.unlock();
   return {interior, lower};
 }
@@ -35,19 +33,12 @@ std::vector<char> groups_of_border(const InertiaPattern& pattern) {
   return std::ranges::count(of_border, 1) > 0 ? of_border : std::vector<char>{};
 }
 
-namespace {
-
-SymmetricAnalysis analysis_of(const InertiaPattern& pattern) {
-  std::vector<Index> border(at(pattern.border));
-  std::iota(border.begin(), border.end(), pattern.lower.rows() - pattern.border);
-  return {pattern.lower, pattern.group, {.last = groups_of_border(pattern), .kept = {}}, border};
-}
-
-}  // namespace
-
 InertiaMethod multifrontal(std::shared_ptr<WorkCount> work) {
   const auto analyse = [work](const InertiaPattern& pattern) {
-    const auto own = std::make_shared<SymmetricFamily>(analysis_of(pattern));
+    std::vector<Index> border(at(pattern.border));
+    std::iota(border.begin(), border.end(), pattern.lower.rows() - pattern.border);
+    const GroupFlags flags{.last = groups_of_border(pattern), .kept = {}};
+    const auto own = std::make_shared<SymmetricFamily>(SymmetricAnalysis(pattern.lower, pattern.group, flags, border));
     const EliminationWork amount = own->analysis().work();
     const auto count = [work](double flops) {
       for (double* total : {&work->flops, &work->path_flops}) WorkCount::add(*total, flops);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/multifrontal/factor_memory.hpp"
-
 #include "core/memory.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 

@@ -4,7 +4,6 @@
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/threads.hpp"
 
-#include <numeric>
 #include <set>
 
 namespace nscdd {
@@ -135,14 +134,13 @@ Vector SymmetricFactor::pivots() const {
     const FrontFactor& own = fronts.factor(s);
     const int* row = tree.rows_of(tree.front(s));
     for_panels(tree.front(s), own, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock&) {
-      std::vector<Index> place(at(width));
-      std::iota(place.begin(), place.end(), first);
+      std::vector<Index> place = natural_order(width);  // in the panel
       interchange(own.swaps.data() + first, width, [&](Index i, Index j) { std::swap(place[at(i)], place[at(j)]); });
       for (Index k = 0; k < width; ++k) {
         if (k + 1 < width && own.off[first + k] != 0)
           ++k;  // a 2 x 2 block
         else
-          result[row[place[at(k)]]] = diagonal(k, k);
+          result[row[first + place[at(k)]]] = diagonal(k, k);
       }
     });
   }

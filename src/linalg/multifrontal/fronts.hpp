@@ -21,23 +21,20 @@ struct FrontFactor {
   Vector off;                     ///< subdiagonal of D
 };
 
-/// Interchanges of one panel in LAPACK's order: swap(i, j) exchanges two indices of the panel.
-template <bool backwards = false, class Swap>
-void interchange(const lapack_int* ipiv, Index n, Swap&& swap) {
+/// Interchanges of one panel in LAPACK's order: swap(i, j) exchanges two different indices of the panel.
+template <bool backwards = false>
+void interchange(const lapack_int* ipiv, Index n, const auto& swap) {
   for (Index done = 0; done < n; ++done) {
     const Index k = backwards ? n - 1 - done : done;
-    if (ipiv[k] > 0) {
-      swap(k, ipiv[k] - 1);
-    } else {  // 2 x 2 block: its second row was exchanged
-      swap(backwards ? k : k + 1, -ipiv[k] - 1);
-      ++done;
-    }
+    const bool single = ipiv[k] > 0;  // else a 2 x 2 block: its second row was exchanged
+    const Index i = (single || backwards) ? k : k + 1, j = std::abs(ipiv[k]) - 1;
+    if (i != j) swap(i, j);
+    if (!single) ++done;
   }
 }
 
 /// Replaces b by D^-1 b, where D has this diagonal and the subdiagonal e, which is nonzero in 2 x 2 blocks.
-template <class Diagonal, class Rows>
-void solve_diagonal(const Diagonal& diagonal, const double* e, Rows&& b) {
+void solve_diagonal(const auto& diagonal, const double* e, auto&& b) {
   const Index n = diagonal.rows();
   if (b.cols() == 0) return;  // the data of an empty matrix is no place to count rows from
   for (Index k = 0; k < n; ++k) {
@@ -56,8 +53,8 @@ void solve_diagonal(const Diagonal& diagonal, const double* e, Rows&& b) {
 }
 
 /// Calls visit(first pivot, width, L with D on its diagonal, L below) for the panels of a front.
-template <bool backwards = false, class Visit>
-void for_panels(const Front& front, const FrontFactor& factor, const Visit& visit) {
+template <bool backwards = false>
+void for_panels(const Front& front, const FrontFactor& factor, const auto& visit) {
   for (std::size_t n = 0; n < front.panels.size(); ++n) {
     const std::size_t k = backwards ? front.panels.size() - 1 - n : n;
     const Index first = k == 0 ? 0 : front.panels[k - 1], width = front.panels[k] - first;
@@ -68,32 +65,23 @@ void for_panels(const Front& front, const FrontFactor& factor, const Visit& visi
   }
 }
 
-/// Swaps two rows of the values of a panel.
-auto exchange_rows(auto& head) {
-  return [&head](Index i, Index j) {
-    if (i != j) head.row(i).swap(head.row(j));
-  };
-}
-
 /// Multiplies the values of a front's rows, one column per right-hand side, by L^-1.
-template <class Values>
-void go_forward(const Front& front, const FrontFactor& factor, Values& local) {
+void go_forward(const Front& front, const FrontFactor& factor, auto& local) {
   for_panels(front, factor, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
     auto head = local.middleRows(first, width);
-    interchange(factor.swaps.data() + first, width, exchange_rows(head));
+    interchange(factor.swaps.data() + first, width, [&](Index i, Index j) { head.row(i).swap(head.row(j)); });
     diagonal.triangularView<Eigen::UnitLower>().solveInPlace(head);
     local.bottomRows(left.rows()).noalias() -= left * head;
   });
 }
 /// Multiplies them by L^-T D^-1.
-template <class Values>
-void go_back(const Front& front, const FrontFactor& factor, Values& local) {
+void go_back(const Front& front, const FrontFactor& factor, auto& local) {
   for_panels<true>(front, factor, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
     auto head = local.middleRows(first, width);
     solve_diagonal(diagonal, factor.off.data() + first, head);
     head.noalias() -= left.transpose() * local.bottomRows(left.rows());
     diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
-    interchange<true>(factor.swaps.data() + first, width, exchange_rows(head));
+    interchange<true>(factor.swaps.data() + first, width, [&](Index i, Index j) { head.row(i).swap(head.row(j)); });
   });
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/multifrontal/group_order.hpp"
-
 #include "core/disjoint_sets.hpp"
+#include "linalg/multifrontal/analysis.hpp"
 
 #include <map>
 
@@ -10,31 +9,26 @@ namespace {
 
 constexpr int seed = 1;  // of METIS
 
-template <class Visit>
-void for_neighbours(const Graph& graph, std::size_t node, const Visit& visit) {
+void for_neighbours(const Graph& graph, std::size_t node, const auto& visit) {
   for (int k = graph.start[node]; k < graph.start[node + 1]; ++k) visit(at(graph.neighbours[at(k)]));
 }
 
 // The connected part of each unmarked node; parts are numbered by their first nodes.
-std::vector<int> connected_parts(const Graph& graph, const std::vector<char>& last) {
+std::vector<Index> connected_parts(const Graph& graph, const std::vector<char>& last) {
   DisjointSets sets(count(last));
   for (std::size_t node = 0; node < last.size(); ++node)
     for_neighbours(graph, node, [&](std::size_t other) {
       if (!last[node] && !last[other]) sets.join(static_cast<Index>(node), static_cast<Index>(other));
     });
-  std::vector<int> of_root(last.size(), -1), part(last.size(), -1);
-  int parts = 0;
-  for (std::size_t node = 0; node < last.size(); ++node) {
-    if (last[node]) continue;
-    int& own = of_root[at(sets.root(static_cast<Index>(node)))];
-    part[node] = own < 0 ? own = parts++ : own;
-  }
-  return part;
+  std::vector<Index> part(last.size(), -1);
+  for (std::size_t node = 0; node < last.size(); ++node)
+    if (!last[node]) part[node] = sets.root(static_cast<Index>(node));
+  return renumbered(part);
 }
 
 struct Segment {
   std::vector<int> nodes;
-  std::vector<int> cliques;  // of segments tied to each other: parts, and fill of eliminated segments
+  std::vector<Index> cliques;  // of segments tied to each other: parts, and fill of eliminated segments
   Index weight = 0, tied = 0;
   int height = 0;  // of the chain of segments below
   bool eliminated = false;
@@ -42,24 +36,22 @@ struct Segment {
 
 std::vector<Segment> segments_of(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last,
                                  const std::vector<char>& hubs) {
-  const std::vector<int> part = connected_parts(graph, last);
-  std::map<std::vector<int>, Segment> by_parts;
+  const std::vector<Index> part = connected_parts(graph, last);
+  std::map<std::vector<Index>, Segment> by_parts;
   for (std::size_t node = 0; node < last.size(); ++node) {
     if (!last[node] || hubs[node]) continue;
-    std::vector<int> touched;
+    std::vector<Index> touched;
     for_neighbours(graph, node, [&](std::size_t other) {
       if (!last[other]) touched.push_back(part[other]);
     });
     sort_unique(touched);
     Segment& segment = by_parts[touched];
+    segment.cliques = touched;
     segment.nodes.push_back(static_cast<int>(node));
     segment.weight += weight[node];
   }
   std::vector<Segment> segments;
-  for (auto& [parts, segment] : by_parts) {
-    segments.push_back(std::move(segment));
-    segments.back().cliques = parts;
-  }
+  for (auto& [parts, segment] : by_parts) segments.push_back(std::move(segment));
   return segments;
 }
 
@@ -68,7 +60,7 @@ class MinimumDegree {
  public:
   explicit MinimumDegree(std::vector<Segment> segments) : segments_(std::move(segments)) {
     for (std::size_t s = 0; s < segments_.size(); ++s)
-      for (const int clique : segments_[s].cliques) {
+      for (const Index clique : segments_[s].cliques) {
         if (clique >= count(cliques_)) cliques_.resize(at(clique + 1));
         cliques_[at(clique)].push_back(static_cast<int>(s));
       }
@@ -91,7 +83,7 @@ class MinimumDegree {
   // The segments left that share a clique with this one, itself included.
   std::vector<int> tied_to(const Segment& segment) const {
     std::vector<int> tied;
-    for (const int clique : segment.cliques)
+    for (const Index clique : segment.cliques)
       for (const int other : cliques_[at(clique)])
         if (!segments_[at(other)].eliminated) tied.push_back(other);
     sort_unique(tied);
@@ -105,11 +97,11 @@ class MinimumDegree {
 
   void eliminate(Segment& segment) {
     segment.eliminated = true;
-    const int joined = static_cast<int>(cliques_.size());
+    const Index joined = count(cliques_);
     cliques_.push_back(tied_to(segment));
     for (const int s : cliques_.back()) {
       Segment& other = segments_[at(s)];
-      std::erase_if(other.cliques, [&](int clique) { return std::ranges::count(segment.cliques, clique) > 0; });
+      std::erase_if(other.cliques, [&](Index clique) { return std::ranges::count(segment.cliques, clique) > 0; });
       other.cliques.push_back(joined);
       other.height = std::max(other.height, segment.height + 1);
     }
@@ -133,6 +125,13 @@ std::vector<char> hubs_of(const Graph& graph, const std::vector<char>& last) {
   return hubs;
 }
 
+std::vector<int> marked_nodes(const std::vector<char>& marks) {
+  std::vector<int> nodes;
+  for (std::size_t node = 0; node < marks.size(); ++node)
+    if (marks[node]) nodes.push_back(static_cast<int>(node));
+  return nodes;
+}
+
 struct Subgraph {
   Graph graph;
   std::vector<int> node;  // of the whole graph, for each of its own
@@ -148,8 +147,9 @@ Subgraph without(const Graph& graph, const std::vector<char>& marked) {
       rest.node.push_back(static_cast<int>(g));
     }
   for (const int g : rest.node) {
-    for (int k = graph.start[at(g)]; k < graph.start[at(g + 1)]; ++k)
-      if (const int other = number[at(graph.neighbours[at(k)])]; other >= 0) rest.graph.neighbours.push_back(other);
+    for_neighbours(graph, at(g), [&](std::size_t other) {
+      if (number[other] >= 0) rest.graph.neighbours.push_back(number[other]);
+    });
     rest.graph.start.push_back(static_cast<int>(rest.graph.neighbours.size()));
   }
   return rest;
@@ -163,26 +163,17 @@ std::vector<T> picked(const std::vector<T>& values, const std::vector<int>& plac
   return result;
 }
 
-// Moves the groups marked `last` behind the dissection of the others.
-std::vector<int> dissection_with_last(const Graph& graph, const std::vector<int>& weight,
-                                      const std::vector<char>& last) {
-  if (last.empty()) return nested_dissection(graph, weight, seed);
-  const Subgraph inner = without(graph, last);
-  std::vector<int> order = picked(inner.node, nested_dissection(inner.graph, picked(weight, inner.node), seed));
-  const std::vector<int> tail = order_of_last(graph, weight, last);
-  order.insert(order.end(), tail.begin(), tail.end());
-  return order;
-}
-
-// Moves the groups marked `kept` behind all others, by their numbers.
+// The dissection of the unmarked groups, then those marked `last`, then those marked `kept` by their numbers.
 std::vector<int> order_of_elimination(const Graph& graph, const std::vector<int>& weight, const GroupFlags& flags) {
-  const auto& [last, kept] = flags;
-  if (kept.empty()) return dissection_with_last(graph, weight, last);
-  const Subgraph inner = without(graph, kept);
-  std::vector<int> order = picked(inner.node, dissection_with_last(inner.graph, picked(weight, inner.node),
-                                                                   last.empty() ? last : picked(last, inner.node)));
-  for (std::size_t g = 0; g < kept.size(); ++g)
-    if (kept[g]) order.push_back(static_cast<int>(g));
+  const auto& [last, kept] = flags;  // with some kept: the order of all others, then those
+  const std::vector<char>& moved = kept.empty() ? last : kept;
+  if (moved.empty()) return nested_dissection(graph, weight, seed);
+  const auto [inner, node] = without(graph, moved);
+  GroupFlags of_inner;
+  if (!kept.empty() && !last.empty()) of_inner.last = picked(last, node);
+  std::vector<int> order = picked(node, order_of_elimination(inner, picked(weight, node), of_inner));
+  const std::vector<int> tail = kept.empty() ? order_of_last(graph, weight, last) : marked_nodes(kept);
+  order.insert(order.end(), tail.begin(), tail.end());
   return order;
 }
 
@@ -191,13 +182,10 @@ std::vector<int> order_of_elimination(const Graph& graph, const std::vector<int>
 Supernodes with_kept_apart(const Supernodes& nodes, const std::vector<char>& kept) {
   const auto keeps = [&](int position) { return kept[at(nodes.node[at(position)])] != 0; };
   const int all = static_cast<int>(nodes.node.size());
-  std::vector<int> order;  // of the old positions
-  for (int k = 0; k < all; ++k)
-    if (!keeps(k)) order.push_back(k);
-  const auto first_kept = static_cast<std::ptrdiff_t>(order.size());
-  for (int k = 0; k < all; ++k)
-    if (keeps(k)) order.push_back(k);
-  std::ranges::sort(order.begin() + first_kept, order.end(), {}, [&](int k) { return nodes.node[at(k)]; });
+  std::vector<int> order(nodes.node.size());  // of the old positions
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](int k) { return std::pair(keeps(k), keeps(k) ? nodes.node[at(k)] : k); });
+  const auto first_kept = static_cast<int>(std::ranges::find_if(order, keeps) - order.begin());
   std::vector<int> position(order.size());  // new ones
   for (int k = 0; k < all; ++k) position[at(order[at(k)])] = k;
   Supernodes apart{.node = picked(nodes.node, order), .first_column = {}, .first_row = {}, .rows = {}};
@@ -212,8 +200,8 @@ Supernodes with_kept_apart(const Supernodes& nodes, const std::vector<char>& kep
       apart.rows.push_back(position[at(nodes.rows[at(k)])]);
     std::sort(apart.rows.begin() + apart.first_row.back(), apart.rows.end());
   }
-  begin(static_cast<int>(first_kept));
-  for (int k = static_cast<int>(first_kept); k < all; ++k) apart.rows.push_back(k);
+  begin(first_kept);
+  for (int k = first_kept; k < all; ++k) apart.rows.push_back(k);
   begin(all);
   return apart;
 }
@@ -223,8 +211,8 @@ Supernodes with_kept_apart(const Supernodes& nodes, const std::vector<char>& kep
 std::vector<int> order_of_last(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last) {
   const std::vector<char> hubs = hubs_of(graph, last);
   std::vector<int> order = MinimumDegree(segments_of(graph, weight, last, hubs)).order();
-  for (std::size_t node = 0; node < hubs.size(); ++node)
-    if (hubs[node]) order.push_back(static_cast<int>(node));
+  const std::vector<int> tail = marked_nodes(hubs);
+  order.insert(order.end(), tail.begin(), tail.end());
   return order;
 }
 

@@ -4,8 +4,6 @@
 
 #include "core/fail.hpp"
 #include "core/memory.hpp"
-#include "linalg/multifrontal/factor.hpp"
-#include "linalg/multifrontal/factor_memory.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
@@ -97,7 +95,33 @@ bool eliminate_many(Block& columns, Block& rows, lapack_int* swaps) {
 }  // namespace
 
 struct LuFactors {
-  explicit LuFactors(const SparseMatrix& pattern);
+  explicit LuFactors(const SparseMatrix& pattern) {
+    const SparseMatrix lower = symmetric_lower(pattern);
+    tree = SymmetricAnalysis(lower, groups_of_equal_rows(lower), {}, {}, merged).tree();
+    Index values = 0;
+    for (const Front& front : tree->fronts) {
+      values += values_of(front);
+      largest_front = std::max(largest_front, front.rows);
+      const auto rows = static_cast<double>(front.rows), rest = static_cast<double>(front.update_rows());
+      operations_of_factorisation += 2.0 / 3 * (rows * rows * rows - rest * rest * rest);
+    }
+    operations_of_solve = 2.0 * static_cast<double>(values);
+    bytes_at_once = factor_memory(*tree, FactorShape::full).at_once +
+                    sizeof(LuEntry) * static_cast<double>(pattern.nonZeros()) +
+                    sizeof(LuFront) * static_cast<double>(tree->size());
+    require_memory(bytes_at_once, fmt::format("L U of {} rows", tree->rows));
+    memory = large_array(values);
+    swaps.resize(at(tree->rows));
+    double* next = memory.get();
+    lapack_int* next_swap = swaps.data();
+    for (const Front& front : tree->fronts) {
+      fronts.push_back(
+          {.left = next, .upper = next + front.rows * front.pivots, .swaps = next_swap, .last_entry = 0, .update = {}});
+      next += values_of(front);
+      next_swap += front.pivots;
+    }
+    place_entries(pattern);
+  }
 
   Block left(Index s) const {
     const Front& front = tree->front(s);
@@ -108,11 +132,106 @@ struct LuFactors {
     const Index rows = front.update_rows();  // none at a root, where BLAS asks for a stride nevertheless
     return {fronts[at(s)].upper, rows, front.pivots, Eigen::OuterStride<>(std::max(rows, Index{1}))};
   }
-  void place_entries(const SparseMatrix& pattern);
-  void eliminate(Index s, const double* values);
-  void assemble(Index s, const double* values);
-  void go_forward(Index s, Vector& x, Vector& local) const;
-  void go_back(Index s, Vector& x, Vector& local) const;
+
+  // An entry belongs to the front that eliminates the earlier of its two rows.
+  void place_entries(const SparseMatrix& pattern) {
+    struct Placed {
+      int source;
+      Index row, column;
+    };
+    std::vector<std::vector<Placed>> of_front(fronts.size());
+    int source = 0;
+    for_entries(pattern, [&](Index i, Index j, double) {
+      of_front[at(std::min(tree->front_of_row[at(i)], tree->front_of_row[at(j)]))].push_back({source++, i, j});
+    });
+    std::vector<Index> place(at(tree->rows));
+    for (Index s = 0; s < tree->size(); ++s) {
+      const Front& front = tree->front(s);
+      for (Index k = 0; k < front.rows; ++k) place[at(tree->rows_of(front)[k])] = k;
+      for (const Placed& entry : of_front[at(s)]) {
+        const Index row = place[at(entry.row)], column = place[at(entry.column)];
+        const double* to = column < front.pivots ? &left(s)(row, column) : &upper(s)(column - front.pivots, row);
+        entries.push_back({entry.source, to - memory.get()});
+      }
+      fronts[at(s)].last_entry = count(entries);
+    }
+  }
+
+  // Entries of the matrix, then the updates of the children in their order.
+  void assemble(Index s, const double* values) {
+    const Front& front = tree->front(s);
+    LuFront& own = fronts[at(s)];
+    std::fill_n(own.left, values_of(front), 0.0);
+    for (Index k = s == 0 ? 0 : fronts[at(s - 1)].last_entry; k < own.last_entry; ++k)
+      memory.get()[entries[at(k)].target] += values[entries[at(k)].source];
+    own.update.setZero(front.update_rows(), front.update_rows());
+    for (const Index c : front.children) {
+      const Matrix& from = fronts[at(c)].update;
+      const int* place = tree->places_of_updates(tree->front(c));  // ascending
+      for (Index j = 0; j < from.cols(); ++j) {
+        const double* column = from.data() + j * from.rows();
+        Index i = 0;
+        if (place[j] < front.pivots) {
+          double* to = own.left + place[j] * front.rows;
+          for (; i < from.rows(); ++i) to[place[i]] += column[i];
+          continue;
+        }
+        double* above = own.upper + (place[j] - front.pivots);
+        for (; i < from.rows() && place[i] < front.pivots; ++i) above[place[i] * front.update_rows()] += column[i];
+        double* to = own.update.data() + (place[j] - front.pivots) * front.update_rows() - front.pivots;
+        for (; i < from.rows(); ++i) to[place[i]] += column[i];
+      }
+      fronts[at(c)].update.resize(0, 0);
+    }
+  }
+
+  void eliminate(Index s, const double* values) {
+    assemble(s, values);
+    Block columns = left(s), rows = upper(s);
+    if (!(columns.cols() <= few_pivots ? eliminate_few : eliminate_many)(columns, rows, fronts[at(s)].swaps))
+      singular = true;
+    else if (rows.rows() > 0)
+      fronts[at(s)].update.noalias() -= columns.bottomRows(rows.rows()) * rows.transpose();
+  }
+
+  // `local`: room for the rows of a front.
+  void go_forward(Index s, Vector& x, Vector& local) const {
+    const Front& front = tree->front(s);
+    const int* row = tree->rows_of(front);
+    const Block columns = left(s);
+    auto values = local.head(front.rows);
+    auto head = values.head(front.pivots), tail = values.tail(front.update_rows());
+    for (Index i = 0; i < front.pivots; ++i) head[i] = x[row[i]];
+    for (Index k = 0; k < front.pivots; ++k) std::swap(head[k], head[fronts[at(s)].swaps[k] - 1]);
+    if (front.pivots <= few_pivots) {
+      tail.setZero();
+      for (Index k = 0; k < front.pivots; ++k)
+        values.tail(front.rows - k - 1) -= values[k] * columns.col(k).tail(front.rows - k - 1);
+    } else {
+      columns.topRows(front.pivots).triangularView<Eigen::UnitLower>().solveInPlace(head);
+      tail.noalias() = -columns.bottomRows(front.update_rows()) * head;
+    }
+    for (Index i = 0; i < front.pivots; ++i) x[row[i]] = head[i];
+    for (Index i = 0; i < front.update_rows(); ++i) x[row[front.pivots + i]] += tail[i];
+  }
+
+  void go_back(Index s, Vector& x, Vector& local) const {
+    const Front& front = tree->front(s);
+    const int* row = tree->rows_of(front);
+    const Block columns = left(s), rows = upper(s);
+    auto head = local.head(front.pivots), tail = local.segment(front.pivots, front.update_rows());
+    for (Index i = 0; i < front.rows; ++i) local[i] = x[row[i]];
+    if (front.pivots <= few_pivots) {
+      for (Index k = front.pivots - 1; k >= 0; --k) {
+        head[k] = (head[k] - rows.col(k).dot(tail)) / columns(k, k);
+        head.head(k) -= head[k] * columns.col(k).head(k);
+      }
+    } else {
+      head.noalias() -= rows.transpose() * tail;
+      columns.topRows(front.pivots).triangularView<Eigen::Upper>().solveInPlace(head);
+    }
+    for (Index i = 0; i < front.pivots; ++i) x[row[i]] = head[i];
+  }
 
   std::shared_ptr<const FrontTree> tree;
   std::vector<LuFront> fronts;
@@ -123,134 +242,6 @@ struct LuFactors {
   std::atomic<bool> singular = false;
   double operations_of_factorisation = 0, operations_of_solve = 0, operations = 0, bytes_at_once = 0;
 };
-
-LuFactors::LuFactors(const SparseMatrix& pattern) {
-  const SparseMatrix lower = symmetric_lower(pattern);
-  tree = SymmetricAnalysis(lower, groups_of_equal_rows(lower), {}, {}, merged).tree();
-  Index values = 0;
-  for (const Front& front : tree->fronts) {
-    values += values_of(front);
-    largest_front = std::max(largest_front, front.rows);
-    const auto rows = static_cast<double>(front.rows), rest = static_cast<double>(front.update_rows());
-    operations_of_factorisation += 2.0 / 3 * (rows * rows * rows - rest * rest * rest);
-  }
-  operations_of_solve = 2.0 * static_cast<double>(values);
-  bytes_at_once = factor_memory(*tree, FactorShape::full).at_once +
-                  sizeof(LuEntry) * static_cast<double>(pattern.nonZeros()) +
-                  sizeof(LuFront) * static_cast<double>(tree->size());
-  require_memory(bytes_at_once, fmt::format("L U of {} rows", tree->rows));
-  memory = large_array(values);
-  swaps.resize(at(tree->rows));
-  double* next = memory.get();
-  lapack_int* next_swap = swaps.data();
-  for (const Front& front : tree->fronts) {
-    fronts.push_back(
-        {.left = next, .upper = next + front.rows * front.pivots, .swaps = next_swap, .last_entry = 0, .update = {}});
-    next += values_of(front);
-    next_swap += front.pivots;
-  }
-  place_entries(pattern);
-}
-
-// An entry belongs to the front that eliminates the earlier of its two rows.
-void LuFactors::place_entries(const SparseMatrix& pattern) {
-  struct Placed {
-    int source;
-    Index row, column;
-  };
-  std::vector<std::vector<Placed>> of_front(fronts.size());
-  int source = 0;
-  for_entries(pattern, [&](Index i, Index j, double) {
-    of_front[at(std::min(tree->front_of_row[at(i)], tree->front_of_row[at(j)]))].push_back({source++, i, j});
-  });
-  std::vector<Index> place(at(tree->rows));
-  for (Index s = 0; s < tree->size(); ++s) {
-    const Front& front = tree->front(s);
-    for (Index k = 0; k < front.rows; ++k) place[at(tree->rows_of(front)[k])] = k;
-    for (const Placed& entry : of_front[at(s)]) {
-      const Index row = place[at(entry.row)], column = place[at(entry.column)];
-      const double* to = column < front.pivots ? &left(s)(row, column) : &upper(s)(column - front.pivots, row);
-      entries.push_back({entry.source, to - memory.get()});
-    }
-    fronts[at(s)].last_entry = count(entries);
-  }
-}
-
-// Entries of the matrix, then the updates of the children in their order.
-void LuFactors::assemble(Index s, const double* values) {
-  const Front& front = tree->front(s);
-  LuFront& own = fronts[at(s)];
-  std::fill_n(own.left, values_of(front), 0.0);
-  for (Index k = s == 0 ? 0 : fronts[at(s - 1)].last_entry; k < own.last_entry; ++k)
-    memory.get()[entries[at(k)].target] += values[entries[at(k)].source];
-  own.update.setZero(front.update_rows(), front.update_rows());
-  for (const Index c : front.children) {
-    const Matrix& from = fronts[at(c)].update;
-    const int* place = tree->places_of_updates(tree->front(c));  // ascending
-    for (Index j = 0; j < from.cols(); ++j) {
-      const double* column = from.data() + j * from.rows();
-      Index i = 0;
-      if (place[j] < front.pivots) {
-        double* to = own.left + place[j] * front.rows;
-        for (; i < from.rows(); ++i) to[place[i]] += column[i];
-        continue;
-      }
-      double* above = own.upper + (place[j] - front.pivots);
-      for (; i < from.rows() && place[i] < front.pivots; ++i) above[place[i] * front.update_rows()] += column[i];
-      double* to = own.update.data() + (place[j] - front.pivots) * front.update_rows() - front.pivots;
-      for (; i < from.rows(); ++i) to[place[i]] += column[i];
-    }
-    fronts[at(c)].update.resize(0, 0);
-  }
-}
-
-void LuFactors::eliminate(Index s, const double* values) {
-  assemble(s, values);
-  Block columns = left(s), rows = upper(s);
-  if (!(columns.cols() <= few_pivots ? eliminate_few : eliminate_many)(columns, rows, fronts[at(s)].swaps))
-    singular = true;
-  else if (rows.rows() > 0)
-    fronts[at(s)].update.noalias() -= columns.bottomRows(rows.rows()) * rows.transpose();
-}
-
-// `local`: room for the rows of a front.
-void LuFactors::go_forward(Index s, Vector& x, Vector& local) const {
-  const Front& front = tree->front(s);
-  const int* row = tree->rows_of(front);
-  const Block columns = left(s);
-  auto values = local.head(front.rows);
-  auto head = values.head(front.pivots), tail = values.tail(front.update_rows());
-  for (Index i = 0; i < front.pivots; ++i) head[i] = x[row[i]];
-  for (Index k = 0; k < front.pivots; ++k) std::swap(head[k], head[fronts[at(s)].swaps[k] - 1]);
-  if (front.pivots <= few_pivots) {
-    tail.setZero();
-    for (Index k = 0; k < front.pivots; ++k)
-      values.tail(front.rows - k - 1) -= values[k] * columns.col(k).tail(front.rows - k - 1);
-  } else {
-    columns.topRows(front.pivots).triangularView<Eigen::UnitLower>().solveInPlace(head);
-    tail.noalias() = -columns.bottomRows(front.update_rows()) * head;
-  }
-  for (Index i = 0; i < front.pivots; ++i) x[row[i]] = head[i];
-  for (Index i = 0; i < front.update_rows(); ++i) x[row[front.pivots + i]] += tail[i];
-}
-
-void LuFactors::go_back(Index s, Vector& x, Vector& local) const {
-  const Front& front = tree->front(s);
-  const int* row = tree->rows_of(front);
-  const Block columns = left(s), rows = upper(s);
-  auto head = local.head(front.pivots), tail = local.segment(front.pivots, front.update_rows());
-  for (Index i = 0; i < front.rows; ++i) local[i] = x[row[i]];
-  if (front.pivots <= few_pivots) {
-    for (Index k = front.pivots - 1; k >= 0; --k) {
-      head[k] = (head[k] - rows.col(k).dot(tail)) / columns(k, k);
-      head.head(k) -= head[k] * columns.col(k).head(k);
-    }
-  } else {
-    head.noalias() -= rows.transpose() * tail;
-    columns.topRows(front.pivots).triangularView<Eigen::Upper>().solveInPlace(head);
-  }
-  for (Index i = 0; i < front.pivots; ++i) x[row[i]] = head[i];
-}
 
 SparseLu::SparseLu(const SparseMatrix& pattern) : factors_(std::make_shared<LuFactors>(pattern)) {}
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "linalg/random.hpp"
-#include "packing/bounds.hpp"
 #include "packing/drop_and_roll.hpp"
 #include "packing/sphere_heap.hpp"
 #include <nscdd/packing/generators/deposit.hpp>
@@ -19,18 +18,15 @@ std::function<double(double)> lognormal_quantile(const SizeDistribution& sizes) 
   const double zeta = sizes.median > 0 ? std::log(sizes.median) : 0.5 * (std::log(a) + std::log(b));
   // In the upper tail F is 1 to rounding: there 1 - F keeps the digits.
   const bool upper = std::log(a) > zeta;
-  const double low = upper ? gsl_cdf_lognormal_Q(a, zeta, sigma) : gsl_cdf_lognormal_P(a, zeta, sigma);
-  const double high = upper ? gsl_cdf_lognormal_Q(b, zeta, sigma) : gsl_cdf_lognormal_P(b, zeta, sigma);
+  const auto share = upper ? gsl_cdf_lognormal_Q : gsl_cdf_lognormal_P;
+  const auto radius_at = upper ? gsl_cdf_lognormal_Qinv : gsl_cdf_lognormal_Pinv;
+  const double low = share(a, zeta, sigma), high = share(b, zeta, sigma);
   if (a < b && !(std::abs(high - low) > 1e-300))
     fail(
         "packing.median: expected a lognormal law with radii between radius_min = {} and radius_max = {}, met almost "
         "none: median {}, sigma {}",
         a, b, std::exp(zeta), sigma);
-  return [=](double u) {
-    const double p = low + u * (high - low);
-    const double radius = upper ? gsl_cdf_lognormal_Qinv(p, zeta, sigma) : gsl_cdf_lognormal_Pinv(p, zeta, sigma);
-    return std::clamp(radius, a, b);
-  };
+  return [=](double u) { return std::clamp(radius_at(low + u * (high - low), zeta, sigma), a, b); };
 }
 
 // Keys and lengths of the sides of a box; a length of 0 is chosen by the grains.
@@ -59,8 +55,7 @@ double random_place(RandomStream& random, double size, double radius) {
   return std::min(radius + random.uniform() * (size - 2 * radius), size - radius);
 }
 
-template <class Drop>
-void drop_all(const std::vector<double>& radii, const Monitor& monitor, const Drop& drop) {
+void drop_all(const std::vector<double>& radii, const Monitor& monitor, const auto& drop) {
   for (Index i = 0; i < count(radii); ++i) {
     if (i % 1024 == 0 && !report(monitor, i, count(radii))) return;
     drop(i, radii[at(i)]);

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "linalg/random.hpp"
-#include "packing/bounds.hpp"
 #include <nscdd/packing/generators/lattice.hpp>
 
 #include <numbers>
-#include <numeric>
 
 namespace nscdd {
 namespace {
@@ -18,18 +16,16 @@ constexpr Index most_sites = 10'000'000;
 std::vector<char> vacant_sites(const std::vector<double>& numbers, double fraction) {
   const auto sites = static_cast<double>(numbers.size());
   const auto vacant = static_cast<std::ptrdiff_t>(std::min(std::round(fraction * sites), sites - 1));
-  std::vector<std::size_t> order(numbers.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::nth_element(order.begin(), order.begin() + vacant, order.end(),
-                   [&](std::size_t i, std::size_t j) { return std::pair(numbers[i], i) < std::pair(numbers[j], j); });
+  std::vector<Index> order = natural_order(count(numbers));
+  std::ranges::nth_element(order, order.begin() + vacant, {}, [&](Index i) { return std::pair(numbers[at(i)], i); });
   std::vector<char> flags(numbers.size(), 0);
-  std::for_each(order.begin(), order.begin() + vacant, [&](std::size_t site) { flags[site] = 1; });
+  std::for_each(order.begin(), order.begin() + vacant, [&](Index site) { flags[at(site)] = 1; });
   return flags;
 }
 
-// The grains of `rows` rows of sites, over all layers. add_centre(packing, column, row) appends the centre of a site.
-template <class Sites, class AddCentre>
-Packing occupied_sites(const Sites& lattice, Index rows, const AddCentre& add_centre, const Monitor& monitor) {
+// The grains of `rows` rows of sites, over all layers. centre_of(column, row): the centre of a site, in radii.
+template <class Sites, class Centre>
+Packing occupied_sites(const Sites& lattice, Index rows, const Centre& centre_of, const Monitor& monitor) {
   const Index sites = lattice.columns * rows;
   std::vector<double> shrinking;
   std::vector<char> vacant;
@@ -44,7 +40,10 @@ Packing occupied_sites(const Sites& lattice, Index rows, const AddCentre& add_ce
     for (Index column = 0; column < lattice.columns; ++column) {
       const std::size_t site = at(row * lattice.columns + column);
       if (!vacant.empty() && vacant[site] != 0) continue;
-      add_centre(packing, column, row);
+      const std::array<double, 3> centre = centre_of(column, row);
+      packing.x.push_back(centre[0] * lattice.radius);
+      packing.y.push_back(centre[1] * lattice.radius);
+      if constexpr (requires { lattice.layers; }) packing.z.push_back(centre[2] * lattice.radius);
       packing.radius.push_back(shrinking.empty() ? lattice.radius
                                                  : lattice.radius * (1 - lattice.disorder * shrinking[site]));
     }
@@ -54,8 +53,7 @@ Packing occupied_sites(const Sites& lattice, Index rows, const AddCentre& add_ce
 
 double real(Index whole) { return static_cast<double>(whole); }
 
-// The centre of a site, in radii.
-std::array<double, 3> centre_of(Stacking stacking, Index column, Index row, Index layer) {
+std::array<double, 3> stacked_centre(Stacking stacking, Index column, Index row, Index layer) {
   const Index shift = layer % 2;
   if (stacking == Stacking::cubic) return {real(2 * column), real(2 * row), real(2 * layer)};
   if (stacking == Stacking::fcc)
@@ -81,11 +79,10 @@ Packing generate(const HexagonalLattice& lattice, const Monitor& monitor) {
   require_bounds(lattice, "packing");
   if (lattice.columns * lattice.rows > most_sites)
     fail("packing: expected at most {} disks, met {} columns x {} rows", most_sites, lattice.columns, lattice.rows);
-  const auto add_centre = [&](Packing& packing, Index column, Index row) {
-    packing.x.push_back(real(2 * column + row % 2) * lattice.radius);
-    packing.y.push_back(real(row) * sqrt3 * lattice.radius);
+  const auto centre = [](Index column, Index row) {
+    return std::array{real(2 * column + row % 2), real(row) * sqrt3, 0.0};
   };
-  return occupied_sites(lattice, lattice.rows, add_centre, monitor);
+  return occupied_sites(lattice, lattice.rows, centre, monitor);
 }
 
 Packing generate(Stacking stacking, const SphereSites& sites, const Monitor& monitor) {
@@ -93,13 +90,10 @@ Packing generate(Stacking stacking, const SphereSites& sites, const Monitor& mon
   if (sites.columns * sites.rows > most_sites || sites.columns * sites.rows * sites.layers > most_sites)
     fail("packing: expected at most {} spheres, met {} columns x {} rows x {} layers", most_sites, sites.columns,
          sites.rows, sites.layers);
-  const auto add_centre = [&](Packing& packing, Index column, Index row) {
-    const std::array<double, 3> centre = centre_of(stacking, column, row % sites.rows, row / sites.rows);
-    packing.x.push_back(centre[0] * sites.radius);
-    packing.y.push_back(centre[1] * sites.radius);
-    packing.z.push_back(centre[2] * sites.radius);
+  const auto centre = [&](Index column, Index row) {
+    return stacked_centre(stacking, column, row % sites.rows, row / sites.rows);
   };
-  return occupied_sites(sites, sites.rows * sites.layers, add_centre, monitor);
+  return occupied_sites(sites, sites.rows * sites.layers, centre, monitor);
 }
 
 }  // namespace nscdd

@@ -139,8 +139,7 @@ Model without_parts(const Case& one, const Monitor& monitor) try {
     const auto* file = std::get_if<PackingFile>(&one.spec.packing);
     fail("{}: {}", file != nullptr ? file->path : "case " + one.spec.name, error.what());
   }
-  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing);
-  model.problem = assemble(model.packing, model.network, prescribed, one.spec.loads);
+  model.problem = assemble(model.packing, model.network, numbered(one.spec.prescribed, model.packing), one.spec.loads);
   model.partition = distribute(
       one.spec.partition, [&] { return std::tie(model.packing, model.network); },
       [&]() -> const ReferenceProblem& { return model.problem; });

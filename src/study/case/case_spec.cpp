@@ -20,15 +20,6 @@ void override_section(std::string_view section, Parameters& parameters, std::str
        suggestion(key, known, before));
 }
 
-// The optional field of Masses as a struct with `fields`.
-struct MassFields {
-  double density;
-  template <class Self, class Visitor>
-  static void fields(Self& self, Visitor&& visit) {
-    visit("density", self.density, Field{.description = "surface density", .unit = "kg/m^2", .above = 0});
-  }
-};
-
 // "file:line: ", as far as known.
 std::string place(const CaseSpec& spec, std::string_view key) {
   if (spec.source.empty()) return {};
@@ -62,9 +53,8 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
     std::visit(set, *generator);
   };
   const auto masses = [&] {
-    MassFields fields{spec.masses.density};
-    set(fields);
-    spec.masses = {MassModel::density, fields.density};
+    set(spec.masses);
+    spec.masses.model = MassModel::density;
   };
   const std::vector<std::pair<std::string, std::function<void()>>> sections{
       {"packing", packing},

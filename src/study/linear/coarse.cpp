@@ -3,12 +3,10 @@
 
 #include "core/disjoint_sets.hpp"
 #include "core/fail.hpp"
-#include "ddm/factor_work.hpp"
 #include "ddm/local_preconditioner.hpp"
-#include "linalg/pencil.hpp"
+#include "linalg/multifrontal/analysis.hpp"
 #include "linalg/threads.hpp"
 #include "spectra/balanced_spectrum.hpp"
-#include "study/linear/coarse_rows.hpp"
 #include "study/linear/sweep_points.hpp"
 #include "study/tables/study.hpp"
 
@@ -19,6 +17,28 @@ using Preconditioner = InterfacePreconditioner;
 
 constexpr double ends_apart = 1e-6;  // relative, of the shifts that certify an end
 constexpr Index most_lumped = 4000;
+
+// The work of factorising a symmetric matrix stored in full. `group`: see SymmetricAnalysis.
+FactorWork factor_work(const SparseMatrix& symmetric, const std::vector<Index>& group) {
+  if (symmetric.rows() == 0) return {0, 0};
+  const SymmetricAnalysis analysis(SparseMatrix(symmetric.triangularView<Eigen::Lower>()), group);
+  return {analysis.entries(), analysis.work().flops(true)};
+}
+
+// The same, with the rows of each grain as a group.
+FactorWork factor_work(const SparseMatrix& symmetric, Index dofs_per_grain) {
+  std::vector<Index> grain(at(symmetric.rows()));
+  for (Index i = 0; i < symmetric.rows(); ++i) grain[at(i)] = i / dofs_per_grain;
+  return factor_work(symmetric, grain);
+}
+
+// The work of factorising M_E + K_E / eps.
+FactorWork network_work(const Subdomain& subdomain, Index dofs_per_grain) {
+  SparseMatrix k = subdomain.h * subdomain.h.transpose();
+  SparseMatrix diagonal(k.rows(), k.cols());
+  diagonal.setIdentity();
+  return factor_work(k + diagonal, dofs_per_grain);
+}
 
 class CoarseStudy {
  public:
@@ -87,9 +107,7 @@ class CoarseStudy {
     epsilon_ = epsilon;
     scaling_ = {};
     if (!std::isnan(interface_work_.entries) || !interface_->definite()) return;
-    std::vector<Index> grain(at(interface_->size()));
-    for (Index i = 0; i < interface_->size(); ++i) grain[at(i)] = i / interface_->dofs_per_grain;
-    interface_work_ = factor_work(interface_->sparse(), grain);
+    interface_work_ = factor_work(interface_->sparse(), interface_->dofs_per_grain);
   }
 
   void iterate(CoarseResult& result, const LinearMap& inverse, const Vector& eigenvalues) const {
@@ -99,13 +117,13 @@ class CoarseStudy {
   }
 
   void lumped(CoarseResult& result) const {
-    const LocalPreconditioner p(parts_, interface_, LocalStiffness::lumped);
+    const LinearMap p = local_preconditioner(parts_, interface_, LocalStiffness::lumped);
     const Index n = parts_.interface_size();
     Vector eigenvalues;
     if (n <= most_lumped) {
       const Matrix product = symmetric_product(InterfaceFamily(parts_).at(epsilon_).dense(), [&](const Matrix& lower) {
         Matrix columns(n, n);
-        for (Index k = 0; k < n; ++k) columns.col(k) = p.solve(lower.col(k));
+        for (Index k = 0; k < n; ++k) columns.col(k) = p(lower.col(k));
         return columns;
       });
       eigenvalues = symmetric_values(product);
@@ -123,8 +141,7 @@ class CoarseStudy {
       }
     }
     result.converged = result.lambda_min > 0;
-    iterate(
-        result, [&](const Vector& g) { return p.solve(g); }, eigenvalues);
+    iterate(result, p, eigenvalues);
   }
 
   void dirichlet(CoarseResult& result) {
@@ -164,9 +181,8 @@ class CoarseStudy {
       result.coarse =
           factor_work(u.transpose() * SparseMatrix(interface_->sparse() * u), renumbered(coarse->subdomains()));
     }
-    const LocalPreconditioner p(parts_, interface_, LocalStiffness::dirichlet, coarse);
-    iterate(
-        result, [&](const Vector& g) { return p.solve(g); }, known ? eigenvalues : Vector());
+    iterate(result, local_preconditioner(parts_, interface_, LocalStiffness::dirichlet, coarse),
+            known ? eigenvalues : Vector());
   }
 
   // A bound that is proved, violated by a certified number, is an error of nscdd; otherwise rounding may be the cause.
@@ -204,7 +220,8 @@ Index coarse_spaces(const Model& model, const SweepParameters& sweep, const Coar
     fail("{}: expected subdomains that share grains, met an empty interface", model.name);
   if (std::ranges::any_of(sweep.epsilon, [](double epsilon) { return epsilon == 0; }))
     fail("{}: expected epsilon > 0 for preconditioners of X_epsilon, met 0, where X_0 is singular", model.name);
-  for (const auto& [one, scaling, space] : methods_of(parameters)) {
+  const std::vector<CoarseMethod> methods = methods_of(parameters);
+  for (const auto& [one, scaling, space] : methods) {
     if (!model.parts.interface.processes().alone() &&
         (one == Preconditioner::lumped || one == Preconditioner::dirichlet))
       fail("preconditioner: expected X, X_eta or bddc on several ranks, met {}", to_string(*one));
@@ -213,7 +230,6 @@ Index coarse_spaces(const Model& model, const SweepParameters& sweep, const Coar
   }
   const Selection selection = select(model, sweep.contacts);
   CoarseStudy study(model, selection, sweep, parameters);
-  const std::vector<CoarseMethod> methods = methods_of(parameters);
   const Index total = count(sweep.epsilon) * count(methods);
   Index failed = 0;
   for (Index number = first; number < total; ++number) {
@@ -242,13 +258,13 @@ constinit const Observable observables::coarse_space{
     .rows = [](const StudyTable& table) { return count(table.sweep.epsilon) * count(methods_of(table.coarse)); },
     .known =
         [](const StudyTable& table, Index row) {
-          const Index methods = count(methods_of(table.coarse));
-          const CoarseMethod method = methods_of(table.coarse)[at(row % methods)];
-          const double epsilon = table.sweep.epsilon[at(row / methods)];
+          const std::vector<CoarseMethod> methods = methods_of(table.coarse);
+          const CoarseMethod& method = methods[at(row % count(methods))];
           KnownCells cells{{"preconditioner", to_cell(name_of(method.preconditioner))},
                            {"scaling", to_cell(name_of(method.scaling))},
                            {"coarse_space", to_cell(to_string(method.space))}};
-          if (!table.sweep.relative_epsilon) cells.emplace_back("epsilon", epsilon);
+          if (!table.sweep.relative_epsilon)
+            cells.emplace_back("epsilon", table.sweep.epsilon[at(row / count(methods))]);
           return cells;
         }};
 

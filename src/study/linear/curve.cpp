@@ -12,8 +12,8 @@ namespace {
 
 struct Known {
   SweepResult result;
-  CurvePoint point;
-  std::optional<PencilMemory::Visited> ends;  // from which those of neighbours are interpolated
+  CurvePoint point = {};
+  std::optional<PencilMemory::Visited> ends = {};  // from which those of neighbours are interpolated
 };
 
 // Data of all curves of a table.
@@ -35,8 +35,7 @@ struct Work {
         stage_one(selection.restricted ? InterfaceFamily(*selection.restricted) : stage_two),
         options(asked.sweep.spectral) {
     // The certificate of a dense spectrum costs nothing and bounds the rounding of its ends.
-    const SolverChoice choice = choose_solver(model.parts.interface_size(), options);
-    options.certify |= choice.solver == SpectralSolver::dense;
+    options.certify |= choose_solver(model.parts.interface_size(), options).solver == SpectralSolver::dense;
   }
 
   bool along_epsilon() const { return parameters.axis == CurveAxis::epsilon; }
@@ -96,9 +95,7 @@ class Curve {
     SweepPoint point = start_;
     (work_.along_epsilon() ? point.epsilon : point.eta) = x;
     Known known{
-        {work_.selection.of_case, at_scale(point, work_.parameters.sweep, work_.scale), {}, {}, point, work_.scale},
-        {},
-        {}};
+        {work_.selection.of_case, at_scale(point, work_.parameters.sweep, work_.scale), {}, {}, point, work_.scale}};
     compute(known, position);
     converged_ &= known.result.radius.converged;
     if (failure_.empty()) failure_ = known.result.radius.failure;
@@ -133,11 +130,11 @@ class Curve {
   // Updates the deviations on both sides of a new point.
   void update(Index position) {
     if (count(points_) < 2 || !converged_) return;
-    const auto between = [&](Index k) { return deviation(law_, points_[at(k)].point, points_[at(k + 1)].point); };
     if (deviations_.size() + 1 < points_.size())
       deviations_.emplace(deviations_.begin() + std::max<Index>(position - 1, 0));
     for (const Index k : {position - 1, position})
-      if (k >= 0 && k + 1 < count(points_)) deviations_[at(k)] = between(k);
+      if (k >= 0 && k + 1 < count(points_))
+        deviations_[at(k)] = deviation(law_, points_[at(k)].point, points_[at(k + 1)].point);
   }
 
   // The larger deviation of the intervals on both sides of a row.
@@ -158,9 +155,7 @@ class Curve {
   bool uncertain(Index row) const { return uncertainty(law_, points_[at(row)].point) > 0.5 * allowed(row); }
 
   bool proved() const {
-    for (Index row = 0; row < count(points_); ++row)
-      if (excess(row) > 1) return false;
-    return true;
+    return std::ranges::none_of(natural_order(count(points_)), [&](Index row) { return excess(row) > 1; });
   }
 
   // The row whose band is too wide by the largest factor, among those that more points improve.

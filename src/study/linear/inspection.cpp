@@ -12,9 +12,7 @@ namespace nscdd {
 namespace {
 
 NetworkDegrees degrees(const Subdomain& subdomain, bool ranks) {
-  NetworkDegrees result;
-  result.grains = count(subdomain.grains);
-  result.contacts = subdomain.h.cols();
+  NetworkDegrees result{.grains = count(subdomain.grains), .contacts = subdomain.h.cols()};
   if (!ranks) return result;
   const Index dofs_per_grain = subdomain.h.rows() / std::max<Index>(result.grains, 1);
   result.rank = rigid_rank(dofs_per_grain, subdomain.centres, subdomain.inertia, subdomain.h).value;
@@ -106,10 +104,8 @@ Inspection inspect(const Model& model, Index ranks_up_to) {
     if (multiplicity >= 2) ++result.interface_grains[multiplicity];
   }
   result.ranks = model.contacts() <= ranks_up_to;
-  if (result.ranks)
-    result.whole = degrees(reassemble(model.parts), true);
-  else
-    result.whole = {.grains = model.grains() - result.isolated_grains, .contacts = model.problem.contacts()};
+  result.whole = {.grains = model.grains() - result.isolated_grains, .contacts = model.problem.contacts()};
+  if (result.ranks) result.whole = degrees(reassemble(model.parts), true);
   result.unit_multiplicity = result.whole.hyperstaticity;
   for (const Subdomain& subdomain : model.parts.subdomains) {
     result.subdomains.push_back(degrees(subdomain, result.ranks));
@@ -168,16 +164,14 @@ ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet conta
   return choice;
 }
 
-const ResultColumns<ProblemContact>& problem_contact_columns() {
-  static const ResultColumns<ProblemContact> columns{
-      {"case", "", "name of the case", [](const ProblemContact& c) { return c.model.name; }},
-      {"contact", "1", "number of the contact in the file", &ProblemContact::number},
-      {"body_a", "1", "first body", &ProblemContact::body_a},
-      {"body_b", "1", "second body, the larger number; -1 for a support", &ProblemContact::body_b},
-      {"subdomain", "1", "subdomain that owns the contact", [](const ProblemContact& c) {
-         return c.model.partition.subdomain_of_contact[at(c.model.problem.columns_per_contact * c.number)];
-       }}};
-  return columns;
+ResultColumns<ProblemContact> problem_contact_columns() {
+  return {{"case", "", "name of the case", [](const ProblemContact& c) { return c.model.name; }},
+          {"contact", "1", "number of the contact in the file", &ProblemContact::number},
+          {"body_a", "1", "first body", &ProblemContact::body_a},
+          {"body_b", "1", "second body, the larger number; -1 for a support", &ProblemContact::body_b},
+          {"subdomain", "1", "subdomain that owns the contact", [](const ProblemContact& c) {
+             return c.model.partition.subdomain_of_contact[at(c.model.problem.columns_per_contact * c.number)];
+           }}};
 }
 
 void problem_contacts(const Model& model, const Sink<ProblemContact>& sink) {
@@ -250,8 +244,7 @@ constinit const Observable observables::links{
     .run =
         [](const ObservedCase& work) {
           const ContactSet contacts = work.table.sweep.contacts;
-          const ResultColumns<Link> columns = link_columns(contacts, dimension_of(work.table));
-          nscdd::links(build(work.one), as_rows(columns, work.sink), contacts);
+          nscdd::links(build(work.one), as_rows(link_columns(contacts, dimension_of(work.table)), work.sink), contacts);
           return Index{0};
         }};
 

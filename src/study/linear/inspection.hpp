@@ -74,7 +74,7 @@ struct ProblemContact {
   Index number;
   Index body_a, body_b;  ///< body_b is -1 for a support
 };
-const ResultColumns<ProblemContact>& problem_contact_columns();
+ResultColumns<ProblemContact> problem_contact_columns();
 void problem_contacts(const Model& model, const Sink<ProblemContact>& sink);
 
 /// A grain with its multiplicity and prescribed velocity.

@@ -20,10 +20,10 @@ constexpr auto names_of(SpectrumSide) { return std::to_array<std::string_view>({
 struct ModeParameters {
   double epsilon = 1.0;   ///< 1/kg; 0 is the rigid limit
   double eta = infinity;  ///< 1/kg
-  ContactSet contacts = ContactSet::all;
-  SpectrumSide side = SpectrumSide::slowest;
+  Choice<ContactSet> contacts = ContactSet::all;
+  Choice<SpectrumSide> side = SpectrumSide::slowest;
   SpectralOptions spectral = {};
-  DecompositionScheme scheme = DecompositionScheme::nscdd;
+  Choice<DecompositionScheme> scheme = DecompositionScheme::nscdd;
 };
 
 /// An eigenvector of the contraction operator, B F = mu F, with its velocities. Without loads the algorithm started

@@ -80,7 +80,7 @@ LinearFit fitted(const std::vector<double>& y, std::size_t first, std::size_t la
 
 ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& parameters) {
   using Result = ObservedResult;
-  static const auto columns = joined<Result>(
+  return joined<Result>(
       {columns_of(&Result::predicted, place_columns()),
        {{"predicted_rate", "1", "subdominant spectral radius of the contraction operator",
          [](const Result& r) { return r.predicted.radius.subdominant; }},
@@ -92,8 +92,8 @@ ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& param
         {"iterations", "1", "iterations run", [](const Result& r) { return r.observed.iterations; }},
         {"seed", "1", "seed of the random first F_Gamma", &Result::seed},
         {"residual", "1", "residual of the prediction", [](const Result& r) { return r.predicted.radius.residual; }},
-        {"converged", "1", "both the fit and the prediction converged", &Result::converged}}});
-  return joined<Result>({columns, columns_of(&Result::predicted, asked_columns(parameters))});
+        {"converged", "1", "both the fit and the prediction converged", &Result::converged}},
+       columns_of(&Result::predicted, asked_columns(parameters))});
 }
 
 }  // namespace
@@ -107,8 +107,7 @@ ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOp
     while (count(run.logarithms) < target)
       if (!run.advance()) {
         observed.iterations = count(run.logarithms);
-        if (run.lost()) observed.converged = false;
-        if (run.lost()) observed.value = observed.error = not_a_number;
+        if (run.lost()) observed = {not_a_number, not_a_number, observed.iterations, false};
         return observed;  // else rate 0: nothing left to correct
       }
     // The slopes of the last three sixths approach log(rate) geometrically. Their ratio bounds the remaining drift.
@@ -137,9 +136,9 @@ bool ObservedResult::agree() const {
 Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed,
               const Sink<ObservedResult>& sink, const Monitor& monitor, Index first) {
   const Selection selection = select(model, parameters.contacts);
-  const bool schwarz = parameters.schwarz();
-  const Decomposition stage_one = schwarz ? whole_masses(selection.stage_one(model)) : selection.stage_one(model);
-  const InterfaceFamily family(schwarz ? stage_one : model.parts);
+  const Decomposition stage_one =
+      parameters.schwarz() ? whole_masses(selection.stage_one(model)) : selection.stage_one(model);
+  const InterfaceFamily family(parameters.schwarz() ? stage_one : model.parts);
   Index failed = 0;
   const auto observe_one = [&](const SweepResult& predicted) {
     const SweepPoint& point = predicted.point;

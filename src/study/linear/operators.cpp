@@ -9,12 +9,6 @@
 namespace nscdd {
 namespace {
 
-SparseMatrix diagonal_matrix(const Vector& diagonal) {
-  SparseEntries entries;
-  for (Index i = 0; i < diagonal.size(); ++i) entries.add(i, i, diagonal[i]);
-  return entries.matrix(diagonal.size(), diagonal.size());
-}
-
 bool with_spins(const ReferenceProblem& problem) { return problem.dofs_per_grain > problem.dimension; }
 
 std::string_view unknowns(const ReferenceProblem& problem) {
@@ -22,22 +16,21 @@ std::string_view unknowns(const ReferenceProblem& problem) {
   return with_spins(problem) ? "(v_x, v_y, v_z, spins about three axes) of each" : "(v_x, v_y, v_z) of each";
 }
 
-std::string_view mass_unit(const ReferenceProblem& problem) {
-  return with_spins(problem) ? "kg, of spins kg m^2" : "kg";
-}
+std::string mass_unit(const ReferenceProblem& problem) { return with_spins(problem) ? "kg, of spins kg m^2" : "kg"; }
+
+std::string h_unit(const ReferenceProblem& problem) { return problem.columns_per_contact > 1 ? "1, of spins m" : "1"; }
 
 void hand_undivided(const Model& model, const Sink<CaseOperator>& sink) {
   const ReferenceProblem& problem = model.problem;
-  const bool friction = problem.columns_per_contact > 1;
-  sink({"M", "M = diag(m)", fmt::format("inertia of the grains, {} in turn", unknowns(problem)),
-        std::string(mass_unit(problem)), diagonal_matrix(problem.inertia), true});
+  sink({"M", "M = diag(m)", fmt::format("inertia of the grains, {} in turn", unknowns(problem)), mass_unit(problem),
+        SparseMatrix(problem.inertia.asDiagonal()), true});
   sink({"H", "H",
         fmt::format("H r: momenta that the contact impulses r give the grains; H^T V: the relative velocities of the "
                     "contacts; columns are {}, -n on one grain and +n on the other",
-                    !friction                ? "the contacts"
-                    : problem.dimension == 2 ? "the normal and the tangent of each contact"
-                                             : "the normal and the two tangents of each contact"),
-        friction ? "1, of spins m" : "1", problem.h, false});
+                    problem.columns_per_contact == 1 ? "the contacts"
+                    : problem.dimension == 2         ? "the normal and the tangent of each contact"
+                                                     : "the normal and the two tangents of each contact"),
+        h_unit(problem), problem.h, false});
   const SparseMatrix root = scaled_connectivity(problem.inertia, problem.h);
   // W is symmetric to the last bit: the sums of W_ij and W_ji have the same terms in the same order.
   sink({"W", "W = H^T M^-1 H", "Delassus operator of the undivided packing: velocities that impulses cause", "1/kg",
@@ -45,7 +38,6 @@ void hand_undivided(const Model& model, const Sink<CaseOperator>& sink) {
 }
 
 void hand_subdomains(const Model& model, const Selection& selection, const Sink<CaseOperator>& sink) {
-  const bool restricted = selection.of_case.contact_set != ContactSet::all;
   for (Index e = 0; e < count(model.parts.subdomains); ++e) {
     const Subdomain& own = model.parts.subdomains[at(e)];
     if (own.grains.empty()) continue;
@@ -54,16 +46,15 @@ void hand_subdomains(const Model& model, const Selection& selection, const Sink<
       sink({fmt::format("{}_{}", symbol, e), std::move(formula), fmt::format("{}; E = {}", meaning, e), std::move(unit),
             std::move(values), symmetric});
     };
-    const std::string_view h_unit = model.problem.columns_per_contact > 1 ? "1, of spins m" : "1";
     hand("M", "M_E = diag(m / q)",
          "inertia of the copies in subdomain E: a q-th of that of a grain which q subdomains share",
-         std::string(mass_unit(model.problem)), diagonal_matrix(own.inertia), true);
-    hand("H", "H_E", "the rows and columns of H that subdomain E has", std::string(h_unit), own.h, false);
+         mass_unit(model.problem), SparseMatrix(own.inertia.asDiagonal()), true);
+    hand("H", "H_E", "the rows and columns of H that subdomain E has", h_unit(model.problem), own.h, false);
     hand("grains", "", "numbers in the packing, from 0, of the grains of subdomain E", "", own.grains, false);
     hand("contacts", "", "numbers of the columns of H, from 0, that are the columns of H_E", "", own.contacts, false);
-    if (restricted) {
+    if (selection.restricted) {
       const Subdomain& kept = selection.restricted->subdomains[at(e)];
-      hand("G", "G_E = H_E C_E", "columns of H_E of the contacts of Stage 1", std::string(h_unit), kept.h, false);
+      hand("G", "G_E = H_E C_E", "columns of H_E of the contacts of Stage 1", h_unit(model.problem), kept.h, false);
       hand("active_contacts", "", "numbers of the columns of H, from 0, that are the columns of G_E", "", kept.contacts,
            false);
     }
@@ -134,11 +125,10 @@ bool case_operators(const Model& model, const Selection& selection, const Operat
   sink({"X", formula_of("X", "", infinity, 'H'), "interface operator of the generic algorithm: inertia only", "1/kg",
         p.generic(), true});
   if (!parameters.dense) return true;
-  const bool restricted = selection.of_case.contact_set != ContactSet::all;
-  const InterfaceFamily stage_one = restricted ? InterfaceFamily(*selection.restricted) : all;
+  const InterfaceFamily stage_one = selection.restricted ? InterfaceFamily(*selection.restricted) : all;
   const InterfaceOperator s = stage_one.at(parameters.epsilon);
   require_finite(model, "S", s.dense());
-  sink({"S", formula_of("S", "epsilon", parameters.epsilon, restricted ? 'G' : 'H'),
+  sink({"S", formula_of("S", "epsilon", parameters.epsilon, selection.restricted ? 'G' : 'H'),
         "X_epsilon, the interface operator of Stage 1: jumps that interface impulses cause", "1/kg", s.dense(), true});
   decltype(CaseOperator::values) values = p.generic();
   if (std::isfinite(parameters.eta)) {

@@ -49,7 +49,7 @@ Optimum best_relaxation(const Decomposition& stage_one, double epsilon, const Sp
 
 }  // namespace
 
-ResultColumns<OptimumResult> optimum_columns(bool relative, DecompositionScheme scheme) {
+ResultColumns<OptimumResult> optimum_columns(const SweepParameters& sweep) {
   static const ResultColumns<Optimum> best{
       {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1, left out of every radius of this table",
        &Optimum::unit_multiplicity},
@@ -79,9 +79,9 @@ ResultColumns<OptimumResult> optimum_columns(bool relative, DecompositionScheme 
        [](const OptimumResult& r) { return r.best.eta / r.scale; }},
       {"relaxed_best_eta_relative", "1", "relaxed_best_eta in multiples of mean_w_nn",
        [](const OptimumResult& r) { return r.best.relaxed_eta / r.scale; }}};
-  const bool schwarz = scheme == DecompositionScheme::schwarz;
-  ResultColumns<OptimumResult> all = schwarz ? relaxation_columns() : columns;
-  if (relative) all.insert(all.end(), in_multiples.begin(), in_multiples.begin() + (schwarz ? 2 : 4));
+  ResultColumns<OptimumResult> all = sweep.schwarz() ? relaxation_columns() : columns;
+  if (sweep.relative_epsilon)
+    all.insert(all.end(), in_multiples.begin(), in_multiples.begin() + (sweep.schwarz() ? 2 : 4));
   return all;
 }
 
@@ -118,16 +118,11 @@ constinit const Observable observables::optimum{
     .name = "optimum",
     .summary = "best flexibility eta of the enriched algorithm, with and without relaxation",
     .keys = {"epsilon", "contacts", "solver", "certify", "scheme"},
-    .columns =
-        [](const StudyTable& table) {
-          return headings(optimum_columns(table.sweep.relative_epsilon, table.sweep.scheme));
-        },
+    .columns = [](const StudyTable& table) { return headings(optimum_columns(table.sweep)); },
     .run =
         [](const ObservedCase& work) {
           const SweepParameters& sweep = work.table.sweep;
-          return optima(build(work.one), sweep,
-                        as_rows(optimum_columns(sweep.relative_epsilon, sweep.scheme), work.sink), work.monitor,
-                        work.first);
+          return optima(build(work.one), sweep, as_rows(optimum_columns(sweep), work.sink), work.monitor, work.first);
         },
     .rows = [](const StudyTable& table) { return count(table.sweep.epsilon); },
     .known =

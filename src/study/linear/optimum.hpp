@@ -16,10 +16,10 @@ struct OptimumResult {
   double scale = 1;             ///< flexibility_scale of the case, 1/kg
 };
 
-/// `relative`: with columns of flexibilities in multiples of the scale of the case. The scheme schwarz has columns of
-/// the best relaxation: `best` has its radius, relaxation and relaxed radius as those of the generic algorithm, and the
-/// relaxation below which it converges as `convergent_from`.
-ResultColumns<OptimumResult> optimum_columns(bool relative, DecompositionScheme scheme = DecompositionScheme::nscdd);
+/// With sweep.relative_epsilon, there are columns of multiples of the scale of the case, too. The scheme schwarz has
+/// columns of the best relaxation: `best` has its radius, relaxation and relaxed radius as those of the generic
+/// algorithm, and the relaxation below which it converges as `convergent_from`.
+ResultColumns<OptimumResult> optimum_columns(const SweepParameters& sweep);
 
 /// Computes the optima for every epsilon of `sweep` (its other lists are unused) from number `first` on. Returns how
 /// many did not converge. The monitor may stop it. Throws Error as choose_contacts.

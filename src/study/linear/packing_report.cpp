@@ -81,10 +81,8 @@ void fill(RadiusGrid& grid, const Model& model, const PackingReportParameters& p
       model, selection, asked, [&](const OptimumResult& found) { grid.best.push_back(found); }, on);
 }
 
-std::vector<double> in_units(const std::vector<double>& values, bool relative, double scale) {
-  std::vector<double> all;
-  for (const double value : values) all.push_back(relative ? value * scale : value);
-  return all;
+bool has_active_contacts(const Model& model) {
+  return model.problem.columns_per_contact == 1 && !model.problem.arriving_velocity.isZero(0);
 }
 
 }  // namespace
@@ -102,14 +100,6 @@ ModePlaces mode_places(Index rows, Index columns, Index most) {
   return {spread_places(rows, first, false), spread_places(columns, second, true)};
 }
 
-namespace {
-
-bool has_active_contacts(const Model& model) {
-  return model.problem.columns_per_contact == 1 && !model.problem.arriving_velocity.isZero(0);
-}
-
-}  // namespace
-
 std::vector<ContactSet> contact_sets_of(const Model& model) {
   std::vector<ContactSet> sets{ContactSet::all};
   if (has_active_contacts(model)) sets.push_back(ContactSet::active);
@@ -123,8 +113,9 @@ std::optional<PackingReport> report_packing(const Model& model, const PackingRep
   report.scale = flexibility_scale(model);
   report.scheme = sweep.scheme;
   report.inspection = inspect(model, model.has_geometry() ? 0 : ranks_up_to_by_default);
-  report.epsilon = in_units(sweep.epsilon, sweep.relative_epsilon, report.scale);
-  report.eta = in_units(sweep.eta, sweep.relative_eta, report.scale);
+  for (const double epsilon : sweep.epsilon)
+    report.epsilon.push_back(at_scale({.epsilon = epsilon}, sweep, report.scale).epsilon);
+  for (const double eta : sweep.eta) report.eta.push_back(at_scale({.eta = eta}, sweep, report.scale).eta);
   for (const ContactSet contacts : parameters.contact_sets) {
     RadiusGrid& grid = report.grids.emplace_back();
     grid.contacts = contacts;

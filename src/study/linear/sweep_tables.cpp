@@ -50,35 +50,30 @@ ResultColumns<SpectralRadius> end_columns(const SpectralOptions& options) {
 
 }  // namespace
 
-const ResultColumns<SweepPoint>& point_columns() {
-  static const ResultColumns<SweepPoint> columns{
-      {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit", &SweepPoint::epsilon},
-      {"eta", "1/kg", "flexibility of the network of Stage 2, inf for the generic algorithm", &SweepPoint::eta},
-      {"relaxation", "1", "omega of F <- F + omega (F' - F)",
-       [](const SweepPoint& p) { return p.relaxation.value_or(not_a_number); }},
-      {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact", [](const SweepPoint& p) {
-         return p.gauss_seidel_sweeps ? static_cast<double>(*p.gauss_seidel_sweeps) : infinity;
-       }}};
-  return columns;
+ResultColumns<SweepPoint> point_columns() {
+  return {{"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit", &SweepPoint::epsilon},
+          {"eta", "1/kg", "flexibility of the network of Stage 2, inf for the generic algorithm", &SweepPoint::eta},
+          {"relaxation", "1", "omega of F <- F + omega (F' - F)",
+           [](const SweepPoint& p) { return p.relaxation.value_or(not_a_number); }},
+          {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact", [](const SweepPoint& p) {
+             return p.gauss_seidel_sweeps ? static_cast<double>(*p.gauss_seidel_sweeps) : infinity;
+           }}};
 }
 
-const ResultColumns<CaseSummary>& case_columns() {
-  static const ResultColumns<CaseSummary> columns{
-      {"case", "", "name of the case", &CaseSummary::name},
-      {"grains", "1", "grains of the packing", &CaseSummary::grains},
-      {"contacts", "1", "contacts of the packing", &CaseSummary::contacts},
-      {"active_contacts", "1", "contacts of Stage 1", &CaseSummary::active_contacts},
-      {"subdomains", "1", "subdomains of the partition, empty ones included", &CaseSummary::subdomains},
-      {"interface_dofs", "1", "interface unknowns n_Gamma", &CaseSummary::interface_size},
-      {"contact_set", "", "all (H_E), or active, unilateral or frozen (G_E) in Stage 1", &CaseSummary::contact_set},
-      {"contact_rule", "", "how the contacts of Stage 1 were chosen", &CaseSummary::rule}};
-  return columns;
+ResultColumns<CaseSummary> case_columns() {
+  return {{"case", "", "name of the case", &CaseSummary::name},
+          {"grains", "1", "grains of the packing", &CaseSummary::grains},
+          {"contacts", "1", "contacts of the packing", &CaseSummary::contacts},
+          {"active_contacts", "1", "contacts of Stage 1", &CaseSummary::active_contacts},
+          {"subdomains", "1", "subdomains of the partition, empty ones included", &CaseSummary::subdomains},
+          {"interface_dofs", "1", "interface unknowns n_Gamma", &CaseSummary::interface_size},
+          {"contact_set", "", "all (H_E), or active, unilateral or frozen (G_E) in Stage 1", &CaseSummary::contact_set},
+          {"contact_rule", "", "how the contacts of Stage 1 were chosen", &CaseSummary::rule}};
 }
 
-const ResultColumns<SweepResult>& place_columns() {
-  static const auto columns = joined<SweepResult>(
+ResultColumns<SweepResult> place_columns() {
+  return joined<SweepResult>(
       {columns_of(&SweepResult::of_case, case_columns()), columns_of(&SweepResult::point, point_columns())});
-  return columns;
 }
 
 ResultColumns<SweepResult> asked_columns(const SweepParameters& parameters) {

@@ -6,14 +6,9 @@
 
 namespace nscdd {
 
-/// |observed - predicted| / |1 - predicted|, the relative error of the number of iterations to come. NaN for NaN.
-double relative_gap(double observed, double predicted);
-/// Whether that gap is at most 1 %, or the rates differ by at most three times `error`.
-bool rates_agree(double observed, double predicted, double error);
-
 /// Observed convergence of Algorithm 1 in a step, compared with the local theory.
 struct ComparedRate {
-  StepReport report;
+  StepReport report = {};
   Index active = 0, stick = 0, slide = 0;  ///< contacts by the statuses compared
   double predicted = not_a_number;         ///< radius of the frozen iteration with n_GS sweeps
   double predicted_exact = not_a_number;   ///< the same with an exact Stage 1; NaN above dense_rate_grains
@@ -23,8 +18,12 @@ struct ComparedRate {
   double observed_error = not_a_number;
 
   bool known() const { return converged && !std::isnan(observed); }  ///< prediction and observation both
-  double relative_gap() const { return nscdd::relative_gap(observed, predicted); }
-  bool agree() const { return rates_agree(observed, predicted, observed_error); }
+  /// |observed - predicted| / |1 - predicted|, the relative error of the number of iterations to come. NaN for NaN.
+  double relative_gap() const {
+    return observed == predicted ? 0.0 : std::abs((observed - predicted) / (1 - predicted));
+  }
+  /// Whether that gap is at most 1 %, or the rates differ by at most three times the error.
+  bool agree() const { return relative_gap() <= 0.01 || std::abs(observed - predicted) <= 3 * observed_error; }
 };
 
 /// Largest number of grains for which the rate with an exact Stage 1, by dense matrices, is computed.
@@ -40,7 +39,7 @@ void predict(ComparedRate& rate, const Simulation& simulation, const GranularDec
   rate.stick = std::ranges::count(statuses, ContactStatus::stick);
   rate.slide = rate.active - rate.stick;
   const FrozenIteration<D> iteration(parts, frozen, solver.gauss_seidel_sweeps, enriched, solver.interface_relaxation);
-  const MapRadius radius = frozen_radius(iteration, {}, power);
+  const MapRadius radius = frozen_radius(iteration, power);
   rate.predicted = radius.value;
   rate.complex_pair = radius.dominant.imag() > 0;
   rate.converged = radius.converged;

@@ -172,34 +172,31 @@ ResultColumns<InterfaceIterations::Rival> rival_columns(const std::string& name,
           {name + "_converged", "", "whether it converged within maximum_iterations", &Rival::converged}};
 }
 
-const ResultColumns<InterfaceIterations>& cut_columns() {
+ResultColumns<InterfaceIterations> cut_columns() {
   using Found = InterfaceIterations;
-  static const ResultColumns<Found> outer{
-      {"subdomains", "1", "number of subdomains", &Found::subdomains},
-      {"stick", "1", "contacts that stick at the end", &Found::stick},
-      {"slide", "1", "contacts that slide at the end", &Found::slide},
-      {"natural_map", "1", "|natural map| / max(|r|, |r^1|) at the end",
-       [](const Found& f) { return f.report.residual.relative_natural_map(); }},
-      {"outer_steps", "1", "matrices factorised in the step", [](const Found& f) { return f.report.factorisations; }},
-      {"outer_steps_undivided", "1", "the same on one subdomain", &Found::undivided_factorisations},
-      {"systems", "1", "systems solved at the interface, two for each linear system",
-       [](const Found& f) { return f.report.interface_systems; }},
-      {"iterations_per_system", "1", "iterations at the interface, mean over these systems",
-       &Found::iterations_per_system}};
-  static const auto columns =
-      joined<Found>({outer,
-                     columns_of(&Found::none, frozen_columns("none", "no contacts")),
-                     columns_of(&Found::all, frozen_columns("all", "all contacts")),
-                     columns_of(&Found::active, frozen_columns("active", "the active contacts")),
-                     columns_of(&Found::lumped, frozen_columns("lumped", "the lumped preconditioner")),
-                     columns_of(&Found::dirichlet, frozen_columns("dirichlet", "the Dirichlet preconditioner")),
-                     columns_of(&Found::deluxe, frozen_columns("deluxe", "the same with deluxe weights")),
-                     columns_of(&Found::geneo, frozen_columns("geneo", "that and a coarse space of GenEO")),
-                     columns_of(&Found::generic, rival_columns("generic", "the generic Algorithm 1, to zeta 1e-4")),
-                     columns_of(&Found::enriched, rival_columns("enriched", "the enriched one with eta = 30 W")),
-                     columns_of(&Found::admm, rival_columns("admm", "two-stage ADMM, to the tolerance")),
-                     {{"converged", "", "whether the step did", &Found::known}}});
-  return columns;
+  return joined<Found>(
+      {{{"subdomains", "1", "number of subdomains", &Found::subdomains},
+        {"stick", "1", "contacts that stick at the end", &Found::stick},
+        {"slide", "1", "contacts that slide at the end", &Found::slide},
+        {"natural_map", "1", "|natural map| / max(|r|, |r^1|) at the end",
+         [](const Found& f) { return f.report.residual.relative_natural_map(); }},
+        {"outer_steps", "1", "matrices factorised in the step", [](const Found& f) { return f.report.factorisations; }},
+        {"outer_steps_undivided", "1", "the same on one subdomain", &Found::undivided_factorisations},
+        {"systems", "1", "systems solved at the interface, two for each linear system",
+         [](const Found& f) { return f.report.interface_systems; }},
+        {"iterations_per_system", "1", "iterations at the interface, mean over these systems",
+         &Found::iterations_per_system}},
+       columns_of(&Found::none, frozen_columns("none", "no contacts")),
+       columns_of(&Found::all, frozen_columns("all", "all contacts")),
+       columns_of(&Found::active, frozen_columns("active", "the active contacts")),
+       columns_of(&Found::lumped, frozen_columns("lumped", "the lumped preconditioner")),
+       columns_of(&Found::dirichlet, frozen_columns("dirichlet", "the Dirichlet preconditioner")),
+       columns_of(&Found::deluxe, frozen_columns("deluxe", "the same with deluxe weights")),
+       columns_of(&Found::geneo, frozen_columns("geneo", "that and a coarse space of GenEO")),
+       columns_of(&Found::generic, rival_columns("generic", "the generic Algorithm 1, to zeta 1e-4")),
+       columns_of(&Found::enriched, rival_columns("enriched", "the enriched one with eta = 30 W")),
+       columns_of(&Found::admm, rival_columns("admm", "two-stage ADMM, to the tolerance")),
+       {{"converged", "", "whether the step did", &Found::known}}});
 }
 
 }  // namespace

@@ -2,14 +2,13 @@
 #include "study/moving/moving_tables.hpp"
 
 #include "core/fail.hpp"
-
-#include <set>
+#include "simulation/trajectory_step.hpp"
 
 namespace nscdd {
 
-const ResultColumns<SolvedCase>& solver_columns() {
+ResultColumns<SolvedCase> solver_columns() {
   using One = SolvedCase;
-  static const ResultColumns<One> columns{
+  return {
       {"case", "", "name of the case", [](const One& one) { return one.name; }},
       {"grains", "1", "free grains", [](const One& one) { return one.simulation.system.free_grains(); }},
       {"algorithm", "", "solver of the steps", [](const One& one) { return to_string(one.solver().algorithm); }},
@@ -19,7 +18,6 @@ const ResultColumns<SolvedCase>& solver_columns() {
       {"eta_relative", "1", "the same in multiples of the mean of W_nn over the contacts considered",
        [](const One& one) { return one.flexibility() / one.report.scale; }},
       {"interface_dofs", "1", "interface unknowns n_Gamma", [](const One& one) { return one.report.interface_size; }}};
-  return columns;
 }
 
 Index row_per_step(const StudyTable& table) { return count(table.steps); }
@@ -30,14 +28,11 @@ KnownCells known_step(const StudyTable& table, Index row) {
 
 namespace {
 
-// Subdomains of each grain in a step.
-template <int D>
-std::vector<std::set<Index>> memberships(const GranularStep<D>& step, Index grains) {
-  std::vector<std::set<Index>> of_grain(at(grains));
-  for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
-    for (const Index i : {step.problem.geometry[k].a, step.problem.geometry[k].b})
-      if (i < grains) of_grain[at(i)].insert(step.partition.subdomain_of_contact[k]);
-  return of_grain;
+// The contacts of the next step, with their subdomains.
+std::vector<TrajectoryContact> next_contacts(const ObservedCase& work, const Simulation& simulation) {
+  return in_dimension(simulation.system, [&](auto dimension) {
+    return trajectory_contacts(next_step<dimension()>(simulation, work.table.lead_in));
+  });
 }
 
 struct PlacedGrain {
@@ -74,9 +69,7 @@ ResultColumns<PlacedGrain> grain_columns(Index dimension) {
 
 Index placed_grains(const ObservedCase& work, Index steps, const Sink<PlacedGrain>& sink) {
   const Simulation simulation = simulation_at(work, steps);
-  const auto held = in_dimension(simulation.system, [&](auto dimension) {
-    return memberships(next_step<dimension()>(simulation, work.table.lead_in), simulation.system.grains());
-  });
+  const auto held = subdomains_of_grains(next_contacts(work, simulation), simulation.system.grains());
   for (Index i = 0; i < count(held); ++i) sink({work.one.spec.name, simulation, i, held[at(i)]});
   return 0;
 }
@@ -107,29 +100,18 @@ ResultColumns<ChainContact> chain_columns(Index dimension) {
         {"subdomain", "1", "subdomain of the contact", &Link::subdomain}}});
 }
 
-double tangential(const LocalVector<2>& impulse) { return impulse.t; }
-double tangential(const LocalVector<3>& impulse) { return norm(impulse.t); }
-
-template <int D>
-void chains_in(const ObservedCase& work, const Simulation& simulation, const Sink<ChainContact>& sink) {
-  const GranularState& state = simulation.state;
-  const GranularStep<D> step = next_step<D>(simulation, work.table.lead_in);
-  for (std::size_t k = 0; k < step.contacts.size(); ++k) {
-    const GrainContact<D>& c = step.contacts[k];
-    const auto& place = step.problem.geometry[k];
-    if (c.impulse.n == 0 && norm(c.impulse.t) == 0) continue;
-    const bool wall = place.b >= simulation.system.grains();
-    const Place from = centre_of(state, at(place.a));
-    Place to = wall ? place.point : centre_of(state, at(place.b));
-    if (simulation.system.period.any()) to = moved_along(from, 1, simulation.system.apart(from, to));
-    sink({work.one.spec.name, state.step, from, to, c.impulse.n, tangential(c.impulse), status_of(step.problem.law, c),
-          step.partition.subdomain_of_contact[k]});
-  }
-}
-
 Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& sink) {
   const Simulation simulation = simulation_at(work, steps);
-  in_dimension(simulation.system, [&](auto dimension) { chains_in<dimension()>(work, simulation, sink); });
+  const GranularState& state = simulation.state;
+  for (const TrajectoryContact& c : next_contacts(work, simulation)) {
+    if (!c.carries()) continue;
+    const bool wall = c.geometry.b >= simulation.system.grains();
+    const Place from = centre_of(state, at(c.geometry.a));
+    Place to = wall ? c.geometry.point : centre_of(state, at(c.geometry.b));
+    if (simulation.system.period.any()) to = moved_along(from, 1, simulation.system.apart(from, to));
+    const double tangential = simulation.system.dimension == 2 ? c.impulse.t : c.tangential();
+    sink({work.one.spec.name, state.step, from, to, c.impulse.n, tangential, c.status, c.subdomain});
+  }
   return 0;
 }
 
@@ -139,28 +121,25 @@ struct Iteration {
   IterationRow row;
 };
 
-const ResultColumns<Iteration>& indicator_columns() {
-  static const auto columns = [] {
-    ResultColumns<IterationRow> timeless = iteration_columns();  // the time differs from run to run
-    std::erase_if(timeless, [](const auto& column) { return column.heading.name == "seconds"; });
-    return joined<Iteration>({columns_of(&Iteration::solver, solver_columns()), columns_of(&Iteration::row, timeless)});
-  }();
-  return columns;
+ResultColumns<Iteration> with_solver(const ResultColumns<IterationRow>& rows) {
+  return joined<Iteration>({columns_of(&Iteration::solver, solver_columns()), columns_of(&Iteration::row, rows)});
+}
+
+ResultColumns<Iteration> indicator_columns() {
+  ResultColumns<IterationRow> rows = iteration_columns();
+  std::erase_if(rows, [](const auto& column) { return column.heading.name == "seconds"; });  // differ from run to run
+  return with_solver(rows);
 }
 
 // For contact solvers, which have no zeta and no Z.
-const ResultColumns<Iteration>& solver_indicator_columns() {
-  static const auto columns = [] {
-    constexpr std::array kept{"step",   "iteration", "sweeps", "natural_map",
-                              "active", "stick",     "slide",  "status_changes"};
-    ResultColumns<IterationRow> rows = iteration_columns();
-    std::erase_if(rows, [&](const auto& column) { return std::ranges::find(kept, column.heading.name) == kept.end(); });
-    rows.push_back({"factorisations", "1", "matrices factorised so far", &IterationRow::factorisations});
-    rows.push_back({"interface_iterations", "1", "solves of Stage 2 so far, in all linear systems that are cut",
-                    &IterationRow::interface_iterations});
-    return joined<Iteration>({columns_of(&Iteration::solver, solver_columns()), columns_of(&Iteration::row, rows)});
-  }();
-  return columns;
+ResultColumns<Iteration> solver_indicator_columns() {
+  constexpr std::array kept{"step", "iteration", "sweeps", "natural_map", "active", "stick", "slide", "status_changes"};
+  ResultColumns<IterationRow> rows = iteration_columns();
+  std::erase_if(rows, [&](const auto& column) { return std::ranges::find(kept, column.heading.name) == kept.end(); });
+  rows.push_back({"factorisations", "1", "matrices factorised so far", &IterationRow::factorisations});
+  rows.push_back({"interface_iterations", "1", "solves of Stage 2 so far, in all linear systems that are cut",
+                  &IterationRow::interface_iterations});
+  return with_solver(rows);
 }
 
 Index iterations(const ObservedCase& work, Index step, const Sink<Iteration>& sink) {
@@ -183,23 +162,21 @@ struct WholeRun {
   double distance_mean = 0, distance_maximum = 0;  // of the free grains from those of plain Gauss-Seidel, m
 };
 
-const ResultColumns<WholeRun>& run_columns() {
+ResultColumns<WholeRun> run_columns() {
   using Totals = RunTotals;
-  static const ResultColumns<Totals> totals{
+  const ResultColumns<Totals> totals{
       {"converged_steps", "1", "of them those that converged", &Totals::converged},
       {"iterations", "1", "of all steps", &Totals::iterations},
       {"natural_map", "1", "|natural map| / max(|r|, |r^1|) of the velocities kept, the worst of all steps",
        &Totals::natural_map},
       {"gluing", "1", "jump at the interface at the last iteration, the largest of all steps", &Totals::gluing},
       {"kinetic", "J", "energy of the free grains at the end", [](const Totals& t) { return t.last.energy.kinetic; }}};
-  static const auto columns =
-      joined<WholeRun>({columns_of(&WholeRun::solver, solver_columns()),
-                        {{"steps", "1", "steps of the run", &WholeRun::steps}},
-                        columns_of(&WholeRun::totals, totals),
-                        {{"distance_mean", "m", "of the free grains at the end from those of plain Gauss-Seidel",
-                          &WholeRun::distance_mean},
-                         {"distance_maximum", "m", "the largest of these distances", &WholeRun::distance_maximum}}});
-  return columns;
+  return joined<WholeRun>({columns_of(&WholeRun::solver, solver_columns()),
+                           {{"steps", "1", "steps of the run", &WholeRun::steps}},
+                           columns_of(&WholeRun::totals, totals),
+                           {{"distance_mean", "m", "of the free grains at the end from those of plain Gauss-Seidel",
+                             &WholeRun::distance_mean},
+                            {"distance_maximum", "m", "the largest of these distances", &WholeRun::distance_maximum}}});
 }
 
 Index whole_run(const ObservedCase& work, Index steps, const Sink<WholeRun>& sink) {

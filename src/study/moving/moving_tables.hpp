@@ -40,7 +40,7 @@ constexpr Observable at_steps(Observable record) {
 /// The case of a table after some steps.
 inline Simulation simulation_at(const ObservedCase& work, Index steps) {
   const bool own = work.table.observable->own_solver;
-  return work.lead_in.at(work.one, steps, own ? LeadInSolver::own : work.table.lead_in).simulation;
+  return work.lead_in.at(work.one, steps, own ? LeadInSolver::own : LeadInSolver(work.table.lead_in)).simulation;
 }
 
 /// A case with its solver.
@@ -54,7 +54,7 @@ struct SolvedCase {
     return has_part(solver().algorithm, StepPart::enriched_stage_two) ? report.eta : infinity;
   }
 };
-const ResultColumns<SolvedCase>& solver_columns();
+ResultColumns<SolvedCase> solver_columns();
 
 /// For tables with a row for each step: Observable::rows and Observable::known.
 Index row_per_step(const StudyTable& table);

@@ -111,9 +111,9 @@ PredictedObserved compare_rates(const Simulation& simulation) {
   return result;
 }
 
-const ResultColumns<PredictedObserved>& rate_columns() {
+ResultColumns<PredictedObserved> rate_columns() {
   using Rates = PredictedObserved;
-  static const ResultColumns<Rates> columns{
+  return {
       {"active", "1", "contacts with an impulse at the statuses compared", &Rates::active},
       {"stick", "1", "of them sticking", &Rates::stick},
       {"slide", "1", "of them sliding", &Rates::slide},
@@ -133,18 +133,9 @@ const ResultColumns<PredictedObserved>& rate_columns() {
       {"iterations", "1", "iterations run", [](const Rates& r) { return r.report.last.iteration; }},
       {"status", "", "how the run ended", [](const Rates& r) { return r.report.status; }},
       {"converged", "", "whether prediction and observation are both known", &Rates::known}};
-  return columns;
 }
 
 }  // namespace
-
-double relative_gap(double observed, double predicted) {
-  return observed == predicted ? 0.0 : std::abs((observed - predicted) / (1 - predicted));
-}
-
-bool rates_agree(double observed, double predicted, double error) {
-  return relative_gap(observed, predicted) <= 0.01 || std::abs(observed - predicted) <= 3 * error;
-}
 
 void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner) {
   const StepSolver& solver = dynamics.solver;

@@ -178,9 +178,9 @@ RateAtSolution rate_in(const Simulation& simulation) {
   return result;
 }
 
-const ResultColumns<RateAtSolution>& solved_rate_columns() {
+ResultColumns<RateAtSolution> solved_rate_columns() {
   using At = RateAtSolution;
-  static const ResultColumns<At> columns{
+  return {
       {"natural_map", "1", "|natural map| / max(|r|, |r^1|) of the solution",
        [](const At& r) { return r.report.residual.relative_natural_map(); }},
       {"drift", "1", "|V_1 - V| / |V| of one iteration from the solution", &At::drift},
@@ -200,7 +200,6 @@ const ResultColumns<RateAtSolution>& solved_rate_columns() {
       {"iterations", "1", "iterations run", &At::iterations},
       {"changed", "1", "of them those in which a contact had another status than in the solution", &At::changed},
       {"converged", "", "whether solution, prediction and observation are known", &At::known}};
-  return columns;
 }
 
 }  // namespace

@@ -42,13 +42,11 @@ struct StepTrial {
   SolverTrial trial;
 };
 
-const ResultColumns<StepTrial>& step_trial_columns() {
-  static const auto all =
-      joined<StepTrial>({{{"case", "", "name of the case", [](const StepTrial& t) { return t.name; }},
-                          {"grains", "1", "free grains", &StepTrial::grains},
-                          {"step", "1", "step whose contact problem it is, from 1", &StepTrial::step}},
-                         columns_of(&StepTrial::trial, trial_columns())});
-  return all;
+ResultColumns<StepTrial> step_trial_columns() {
+  return joined<StepTrial>({{{"case", "", "name of the case", [](const StepTrial& t) { return t.name; }},
+                             {"grains", "1", "free grains", &StepTrial::grains},
+                             {"step", "1", "step whose contact problem it is, from 1", &StepTrial::step}},
+                            columns_of(&StepTrial::trial, trial_columns())});
 }
 
 std::vector<FrictionAlgorithm> solvers_of(const StudyTable& table) {
@@ -92,35 +90,30 @@ void require_open_contacts(const CaseSpec& spec) {
     fail("interaction.law: expected a law with open contacts, met {}", to_string(interaction.law));
 }
 
-const ResultColumns<SolverTrial>& trial_columns() {
-  static const auto columns = [] {
-    using Trial = SolverTrial;
-    ResultColumns<Trial> all{
-        {"contacts", "1", "contacts of the problem", &Trial::contacts},
-        {"solver", "", "contact solver", &Trial::solver},
-        {"status", "",
-         "how the run ended: status of the solver, time_limit, impossible (proved to have no solution), or refused "
-         "(a problem that cannot be read)",
-         &Trial::status},
-        {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to max(|r|, |r^1|)",
-         &Trial::residual},
-        {"seconds", "s", "of the solver by the clock, without its checks",
-         [](const Trial& t) { return t.all.seconds; }},
-        {"check_seconds", "s", "of its checks by the clock", &Trial::check_seconds},
-        {"work", "1", "floating-point operations over those of a sweep, 2 per entry of W",
-         [](const Trial& t) { return t.all.work; }},
-        {"sweeps", "1", "Gauss-Seidel sweeps done", &Trial::sweeps},
-        {"factorisations", "1", "sparse matrices factorised", &Trial::factorisations}};
-    for (std::size_t k = 0; k < compared_residuals.size(); ++k) {
-      const auto name = [&](const char* what) { return fmt::format("{}_{:.0e}", what, compared_residuals[k]); };
-      all.push_back({name("seconds"), "s", "the same until a check first met this residual; nan if none did",
-                     [k](const Trial& t) { return t.first[k].seconds; }});
-      all.push_back({name("work"), "1", "the same until a check first met this residual; nan if none did",
-                     [k](const Trial& t) { return t.first[k].work; }});
-    }
-    return all;
-  }();
-  return columns;
+ResultColumns<SolverTrial> trial_columns() {
+  using Trial = SolverTrial;
+  ResultColumns<Trial> all{
+      {"contacts", "1", "contacts of the problem", &Trial::contacts},
+      {"solver", "", "contact solver", &Trial::solver},
+      {"status", "",
+       "how the run ended: status of the solver, time_limit, impossible (proved to have no solution), or refused "
+       "(a problem that cannot be read)",
+       &Trial::status},
+      {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to max(|r|, |r^1|)", &Trial::residual},
+      {"seconds", "s", "of the solver by the clock, without its checks", [](const Trial& t) { return t.all.seconds; }},
+      {"check_seconds", "s", "of its checks by the clock", &Trial::check_seconds},
+      {"work", "1", "floating-point operations over those of a sweep, 2 per entry of W",
+       [](const Trial& t) { return t.all.work; }},
+      {"sweeps", "1", "Gauss-Seidel sweeps done", &Trial::sweeps},
+      {"factorisations", "1", "sparse matrices factorised", &Trial::factorisations}};
+  for (std::size_t k = 0; k < compared_residuals.size(); ++k) {
+    const auto name = [&](const char* what) { return fmt::format("{}_{:.0e}", what, compared_residuals[k]); };
+    all.push_back({name("seconds"), "s", "the same until a check first met this residual; nan if none did",
+                   [k](const Trial& t) { return t.first[k].seconds; }});
+    all.push_back({name("work"), "1", "the same until a check first met this residual; nan if none did",
+                   [k](const Trial& t) { return t.first[k].work; }});
+  }
+  return all;
 }
 
 SolverTrial try_solver(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, double time_limit,
@@ -136,9 +129,8 @@ SolverTrial try_solver(const LocalFrictionProblem& problem, const FrictionSolver
 
 std::vector<FrictionAlgorithm> contact_solvers_named(const std::vector<std::string>& names, const std::string& what) {
   std::vector<FrictionAlgorithm> solvers;
-  std::vector<std::string> wanted = names;
-  if (names == std::vector<std::string>{"all"}) wanted = all_names<FrictionAlgorithm>();
-  for (const std::string& name : wanted) {
+  const bool all = names == std::vector<std::string>{"all"};
+  for (const std::string& name : all ? all_names<FrictionAlgorithm>() : names) {
     solvers.push_back(Choice<FrictionAlgorithm>::parse(name, what));
     if (std::ranges::count(solvers, solvers.back()) > 1)
       fail("{}: expected each solver once, met '{}' again", what, name);
@@ -157,8 +149,7 @@ constinit const Observable observables::contact_solvers = {
         [](const StudyTable& table, Index row) {
           const std::vector<FrictionAlgorithm> solvers = solvers_of(table);
           const Index each = count(solvers);
-          return KnownCells{{"step", table.steps[at(row / each)]},
-                            {"solver", std::string(to_string(solvers[at(row % each)]))}};
+          return KnownCells{{"step", table.steps[at(row / each)]}, {"solver", to_cell(solvers[at(row % each)])}};
         },
     .moving = true,
     .check = require_open_contacts};

@@ -29,7 +29,7 @@ struct SolverTrial {
   Index sweeps = 0, factorisations = 0;
   std::array<Effort, compared_residuals.size()> first = {};  ///< to a credible residual <= compared_residuals[k]
 };
-const ResultColumns<SolverTrial>& trial_columns();
+ResultColumns<SolverTrial> trial_columns();
 
 /// Solves a problem by `options.algorithm`. The run ends at its first check after `time_limit` seconds of wall time,
 /// those of checks included, or "stopped" if `go_on` returns false. It is repeated until a tenth of a second is over,

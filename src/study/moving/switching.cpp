@@ -63,31 +63,29 @@ double impulse_error(const GranularStep<D>& switched, const GranularStep<D>& pla
   return error == 0 ? 0.0 : error / std::max(plain.interface_impulses.norm(), floor);
 }
 
-const ResultColumns<SwitchedStep>& switching_columns() {
+ResultColumns<SwitchedStep> switching_columns() {
   using Step = SwitchedStep;
-  static const ResultColumns<Step> columns{
-      {"switch", "", "model of switched subdomains", &Step::kind},
-      {"subdomains", "1", "of the partition", [](const Step& s) { return s.models.size(); }},
-      {"share", "1", "part of the contacts in switched subdomains, in the mean over the iterations", &Step::share},
-      {"share_at_end", "1", "the same in the last iteration", &Step::share_at_end},
-      {"switch_backs", "1", "of all subdomains in the step", &Step::switch_backs},
-      {"velocity_distance", "m/s", "largest distance of a switched subdomain from the law, on its interface",
-       [](const Step& s) { return s.largest(&RememberedModel::velocity_distance); }},
-      {"impulse_distance", "1", "the same in impulses, relative to those of the interface",
-       [](const Step& s) { return s.largest(&RememberedModel::impulse_distance); }},
-      {"iterations", "1", "of the step", [](const Step& s) { return s.report.last.iteration; }},
-      {"iterations_plain", "1", "of the same step without switching",
-       [](const Step& s) { return s.plain.last.iteration; }},
-      {"natural_map", "1", "|natural map| / max(|r|, |r^1|)",
-       [](const Step& s) { return s.report.residual.relative_natural_map(); }},
-      {"natural_map_plain", "1", "the same without switching",
-       [](const Step& s) { return s.plain.residual.relative_natural_map(); }},
-      {"velocity_error", "1", "|V - V'| / max(|V'|, |V_free|), V' without switching", &Step::velocity_error},
-      {"impulse_error", "1", "|F - F'| / |F'| of the interface, F' without switching", &Step::impulse_error},
-      {"seconds", "s", "of the iterations", [](const Step& s) { return s.report.solve_seconds; }},
-      {"seconds_plain", "s", "of the iterations without switching",
-       [](const Step& s) { return s.plain.solve_seconds; }}};
-  return columns;
+  return {{"switch", "", "model of switched subdomains", &Step::kind},
+          {"subdomains", "1", "of the partition", [](const Step& s) { return s.models.size(); }},
+          {"share", "1", "part of the contacts in switched subdomains, in the mean over the iterations", &Step::share},
+          {"share_at_end", "1", "the same in the last iteration", &Step::share_at_end},
+          {"switch_backs", "1", "of all subdomains in the step", &Step::switch_backs},
+          {"velocity_distance", "m/s", "largest distance of a switched subdomain from the law, on its interface",
+           [](const Step& s) { return s.largest(&RememberedModel::velocity_distance); }},
+          {"impulse_distance", "1", "the same in impulses, relative to those of the interface",
+           [](const Step& s) { return s.largest(&RememberedModel::impulse_distance); }},
+          {"iterations", "1", "of the step", [](const Step& s) { return s.report.last.iteration; }},
+          {"iterations_plain", "1", "of the same step without switching",
+           [](const Step& s) { return s.plain.last.iteration; }},
+          {"natural_map", "1", "|natural map| / max(|r|, |r^1|)",
+           [](const Step& s) { return s.report.residual.relative_natural_map(); }},
+          {"natural_map_plain", "1", "the same without switching",
+           [](const Step& s) { return s.plain.residual.relative_natural_map(); }},
+          {"velocity_error", "1", "|V - V'| / max(|V'|, |V_free|), V' without switching", &Step::velocity_error},
+          {"impulse_error", "1", "|F - F'| / |F'| of the interface, F' without switching", &Step::impulse_error},
+          {"seconds", "s", "of the iterations", [](const Step& s) { return s.report.solve_seconds; }},
+          {"seconds_plain", "s", "of the iterations without switching",
+           [](const Step& s) { return s.plain.solve_seconds; }}};
 }
 
 template <int D>

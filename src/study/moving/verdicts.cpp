@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/moving/moving_tables.hpp"
 #include "study/moving/solver_trial.hpp"
-#include "study/tables/study.hpp"
 #include <nscdd/contact_solvers/verdict.hpp>
 
 namespace nscdd {
@@ -17,25 +17,19 @@ struct JudgedStep {
   SolverTrial accelerated = {}, automatic = {};
 };
 
-// The margin found over the speed that it takes.
-double margin_over_speed(const JudgedStep& one) {
-  return one.verdict.speed > 0 ? one.verdict.margin / one.verdict.speed : not_a_number;
-}
-
-const ResultColumns<JudgedStep>& judged_step_columns() {
+ResultColumns<JudgedStep> judged_step_columns() {
   using Step = JudgedStep;
-  const auto automatic = [](auto get) { return [get](const Step& s) { return get(s.automatic); }; };
-  static const ResultColumns<Step> all{
+  return {
       {"case", "", "name of the case", [](const Step& s) { return s.name; }},
       {"step", "1", "step that is judged, from 1", &Step::step},
       {"contacts", "1", "contacts of its problem", &Step::contacts},
-      {"verdict", "", "exists, impossible or undecided",
-       [](const Step& s) { return std::string(to_string(s.verdict.kind)); }},
+      {"verdict", "", "exists, impossible or undecided", [](const Step& s) { return s.verdict.kind; }},
       {"scale", "m/s", "max |q_c|, the largest relative velocity without contact impulses", &Step::scale},
       {"margin", "m/s",
        "the largest s found with u_n - mu |u_t| >= s at every contact; the search ends once it exceeds `scale`",
        [](const Step& s) { return s.verdict.margin; }},
-      {"margin_over_speed", "1", "the margin over |v'|, the speed of the bodies that gives it", margin_over_speed},
+      {"margin_over_speed", "1", "the margin over |v'|, the speed of the bodies that gives it",
+       [](const Step& s) { return s.verdict.speed > 0 ? s.verdict.margin / s.verdict.speed : not_a_number; }},
       {"normal_margin", "m/s", "the largest s found with u_n >= s at every contact; nan if a solution exists",
        [](const Step& s) { return s.verdict.normal_margin; }},
       {"chain", "1", "contacts of the self-stress that proves that no solution exists; 0 if there is none",
@@ -45,11 +39,9 @@ const ResultColumns<JudgedStep>& judged_step_columns() {
       {"accelerated_sweeps", "1", "sweeps of `accelerated` to 1e-6, at most 20 000",
        [](const Step& s) { return s.accelerated.sweeps; }},
       {"accelerated_residual", "1", "natural map at their end", [](const Step& s) { return s.accelerated.residual; }},
-      {"status", "", "how `auto` ended, from zero impulses to 1e-8",
-       automatic([](const SolverTrial& t) { return t.status; })},
-      {"residual", "1", "natural map at its end", automatic([](const SolverTrial& t) { return t.residual; })},
-      {"factorisations", "1", "of `auto`", automatic([](const SolverTrial& t) { return t.factorisations; })}};
-  return all;
+      {"status", "", "how `auto` ended, from zero impulses to 1e-8", [](const Step& s) { return s.automatic.status; }},
+      {"residual", "1", "natural map at its end", [](const Step& s) { return s.automatic.residual; }},
+      {"factorisations", "1", "of `auto`", [](const Step& s) { return s.automatic.factorisations; }}};
 }
 
 Index judge_steps(const ObservedCase& work) {
@@ -57,8 +49,7 @@ Index judge_steps(const ObservedCase& work) {
   const auto sink = as_rows(judged_step_columns(), work.sink);
   for (Index k = work.first; k < total && report(work.monitor, k, total); ++k) {
     const Index step = work.table.steps[at(k)];
-    const Simulation simulation = work.lead_in.at(work.one, step - 1, work.table.lead_in).simulation;
-    const LocalFrictionProblem problem = whole_contact_problem(simulation);
+    const LocalFrictionProblem problem = whole_contact_problem(simulation_at(work, step - 1));
     bool stopped = false;
     const auto go_on = [&] { return !(stopped = stopped || !report(work.monitor, k, total)); };
     JudgedStep one{.name = work.one.spec.name, .step = step, .contacts = problem.contacts()};
@@ -84,11 +75,8 @@ constinit const Observable observables::verdicts = {
     .keys = {"steps", "lead_in"},
     .columns = [](const StudyTable&) { return headings(judged_step_columns()); },
     .run = judge_steps,
-    .rows = [](const StudyTable& table) { return count(table.steps); },
-    .known =
-        [](const StudyTable& table, Index row) {
-          return KnownCells{{"step", table.steps[at(row)]}};
-        },
+    .rows = row_per_step,
+    .known = known_step,
     .moving = true,
     .check = require_open_contacts};
 

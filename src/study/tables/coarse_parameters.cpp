@@ -9,11 +9,9 @@ namespace {
 using Preconditioner = InterfacePreconditioner;
 
 template <class Value>
-std::vector<Value> or_default(const std::vector<Value>& values, std::initializer_list<Value> by_default) {
-  return values.empty() ? std::vector<Value>(by_default) : values;
+std::vector<Value> or_default(const std::vector<Value>& values, std::vector<Value> by_default) {
+  return values.empty() ? by_default : values;
 }
-
-bool is_local(Preconditioner one) { return one >= Preconditioner::lumped; }
 
 }  // namespace
 
@@ -27,19 +25,18 @@ void check_coarse(const CoarseParameters& parameters, bool option) {
   if (parameters.threshold && !(*parameters.threshold > 0))
     refuse("threshold", "a number > 0", fmt::format("{}", *parameters.threshold));
   if (parameters.kappa && parameters.threshold) refuse("threshold", "either it or kappa", "both");
-  const auto any = [](const auto& list, const auto& right) { return std::ranges::any_of(list, right); };
   const std::vector<CoarseMethod> methods = methods_of(parameters);
-  const bool bddc = any(methods, [](const CoarseMethod& m) { return m.preconditioner == Preconditioner::bddc; });
-  const bool dirichlet =
-      bddc || any(methods, [](const CoarseMethod& m) { return m.preconditioner == Preconditioner::dirichlet; });
+  const auto any = [&](auto member, auto value) { return std::ranges::count(methods, value, member) > 0; };
+  const bool bddc = any(&CoarseMethod::preconditioner, Preconditioner::bddc);
+  const bool dirichlet = bddc || any(&CoarseMethod::preconditioner, Preconditioner::dirichlet);
   if (bddc && !parameters.bddc)
     refuse("preconditioner",
            names_where<Preconditioner>([](Preconditioner one) { return one != Preconditioner::bddc; }) + " with nscdd",
            "bddc, which nscdd-mpi has");
-  if (bddc && any(methods, [](const CoarseMethod& m) { return m.space == CoarseSpace::rigid; }))
+  if (bddc && any(&CoarseMethod::space, CoarseSpace::rigid))
     refuse("preconditioner", "one other than bddc with the coarse space rigid", "bddc");
-  const bool scaled = any(methods, [](const CoarseMethod& m) { return m.scaling.has_value(); });
-  const bool geneo = any(methods, [](const CoarseMethod& m) { return m.space == CoarseSpace::geneo; });
+  const bool scaled = std::ranges::any_of(methods, [](const CoarseMethod& m) { return m.scaling.has_value(); });
+  const bool geneo = any(&CoarseMethod::space, CoarseSpace::geneo);
   const std::string_view others = parameters.counts ? "counts, without spectra" : "others only";
   if (parameters.counts && !parameters.preconditioners.empty()) refuse("preconditioner", "spectra with it", others);
   if (!parameters.scalings.empty() && !scaled)
@@ -53,17 +50,14 @@ std::vector<CoarseMethod> methods_of(const CoarseParameters& parameters) {
   if (parameters.counts) return {CoarseMethod{}};  // nothing depends on the method
   std::vector<CoarseMethod> methods;
   for (const Preconditioner one : or_default(parameters.preconditioners, {Preconditioner::dirichlet})) {
-    if (!is_local(one)) {
-      methods.push_back({one, {}, CoarseSpace::none});
+    if (one < Preconditioner::lumped) {  // not local
+      methods.push_back({one});
       continue;
     }
-    for (const Scaling scaling : or_default(parameters.scalings, {Scaling::multiplicity, Scaling::deluxe})) {
-      if (one == Preconditioner::lumped)
-        methods.push_back({one, scaling, CoarseSpace::none});
-      else
-        for (const CoarseSpace space : or_default(parameters.spaces, {CoarseSpace::none, CoarseSpace::geneo}))
-          methods.push_back({one, scaling, space});
-    }
+    std::vector<CoarseSpace> spaces{CoarseSpace::none};
+    if (one != Preconditioner::lumped) spaces = or_default(parameters.spaces, {CoarseSpace::none, CoarseSpace::geneo});
+    for (const Scaling scaling : or_default(parameters.scalings, {Scaling::multiplicity, Scaling::deluxe}))
+      for (const CoarseSpace space : spaces) methods.push_back({one, scaling, space});
   }
   return methods;
 }

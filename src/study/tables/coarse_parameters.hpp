@@ -11,7 +11,7 @@ enum class InterfacePreconditioner {
   inertia,    ///< X, Stage 2 of the generic algorithm
   network,    ///< X_eta of all contacts with eta = 10 eps, Stage 2 of the enriched algorithm
   active,     ///< the same of the contacts of X_eps
-  lumped,     ///< see LocalPreconditioner
+  lumped,     ///< see local_preconditioner
   dirichlet,  ///< the same; it alone takes each coarse space
   bddc,       ///< of PETSc, in velocities, see BddcParameters; geneo means its adaptive constraints
 };

@@ -133,8 +133,7 @@ KnownCells known_cells(const StudyTable& table, Index row) {
   KnownCells cells{{"case", base.spec.name}};
   for (const auto& [variation, place] : places)
     cells.emplace_back(variation.parameter, cell_of(variation.values, place));
-  const KnownCells more = table.observable->known(table, row % *rows);
-  cells.insert(cells.end(), more.begin(), more.end());
+  std::ranges::copy(table.observable->known(table, row % *rows), std::back_inserter(cells));
   return cells;
 }
 
@@ -185,10 +184,14 @@ Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& mon
   return failed;
 }
 
+std::string libraries() {
+  std::string text;
+  for (const auto& [name, number] : dependency_versions()) text += fmt::format("{} {}\n", name, number);
+  return text;
+}
+
 std::string code_identity() {
-  std::string versions = fmt::format("nscdd {}\nbuild {}\n", version(), build_fingerprint());
-  for (const auto& [name, number] : dependency_versions()) versions += fmt::format("{} {}\n", name, number);
-  return versions;
+  return fmt::format("nscdd {}\nbuild {}\n{}", version(), build_fingerprint(), libraries());
 }
 
 WorkIdentity work_identity(const StudyTable& table) {

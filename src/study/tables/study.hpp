@@ -57,20 +57,20 @@ struct Variation {
 struct StudyTable {
   std::string name;
   const Observable* observable = &observables::spectral_radius;
-  std::vector<Case> cases;
-  std::vector<Variation> vary_together;  ///< parameters that change together; their lists have equal lengths
-  std::vector<Variation> vary;  ///< every combination for each place of `vary_together`, the last one running fastest
-  SweepParameters sweep;
-  CoarseParameters coarse;
+  std::vector<Case> cases = {};
+  std::vector<Variation> vary_together = {};  ///< parameters that change together; their lists have equal lengths
+  std::vector<Variation> vary = {};  ///< every combination for each place of `vary_together`, the last running fastest
+  SweepParameters sweep = {};
+  CoarseParameters coarse = {};
   std::uint64_t seed = 1;
   std::vector<Index> steps{1};  ///< of a case that moves: the step examined (from 1), or steps done (from 0)
-  LeadInSolver lead_in = LeadInSolver::plain;          ///< of a case that moves: of the steps before
+  Choice<LeadInSolver> lead_in = LeadInSolver::plain;  ///< of a case that moves: of the steps before
   std::vector<std::string> contact_solvers = {"all"};  ///< by their names
   bool large = false;                                  ///< run only if large tables are asked for
   bool baseline = true;           ///< whether the study keeps one (a picture of thousands of disks does not)
   double check_tolerance = 1e-8;  ///< of a comparison with the baseline, times max(1, |number|)
-  std::map<std::string, double> column_tolerance;  ///< for single columns instead
-  bool check_relative = false;                     ///< times |number|, for columns that fall over decades
+  std::map<std::string, double> column_tolerance = {};  ///< for single columns instead
+  bool check_relative = false;                          ///< times |number|, for columns that fall over decades
 };
 
 /// The work of an observable on one case of a table. The monitor counts rows, if their number is known.
@@ -119,6 +119,9 @@ VariedCase varied_case(const StudyTable& table, Index number);
 /// number is not known. Tables of the same cases may share the `lead_in`.
 Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {}, Index first = 0,
                 LeadIn* lead_in = nullptr);
+
+/// Names and versions of the libraries, one a line.
+std::string libraries();
 
 /// The program, its build and the libraries, on which numbers depend besides their input.
 std::string code_identity();

@@ -5,9 +5,6 @@
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/packing/packing.hpp>
 
-#include <algorithm>
-#include <functional>
-
 namespace nscdd {
 
 /// Regular grid of grid[0] x grid[1] cells, in space x grid[2], over the box of the grain centres. The midpoint of a
