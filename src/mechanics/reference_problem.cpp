@@ -5,8 +5,6 @@
 
 #include <fmt/ranges.h>
 
-#include <numeric>
-
 namespace nscdd {
 namespace {
 
@@ -40,6 +38,7 @@ SparseMatrix connectivity(const ContactNetwork& network) {
 }  // namespace
 
 void require_fit(const Loads& loads, Index dimension) {
+  require_bounds(loads, "loads");
   if (loads.compress()) require_components(loads.compression, dimension, "loads.compression");
 }
 
@@ -49,6 +48,8 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
     fail("assemble: expected a mass for each of {} grains, met {}", packing.size(), packing.mass.size());
   ReferenceProblem problem;
   const Index n = packing.size(), d = packing.dimension();
+  if (network.grains != n || network.dimension != d)
+    fail("assemble: network: expected {} grains in {}D, met {} in {}D", n, d, network.grains, network.dimension);
   problem.dimension = problem.dofs_per_grain = d;
   problem.inertia.resize(d * n);
   problem.centres.resize(d, n);

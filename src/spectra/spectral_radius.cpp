@@ -205,6 +205,7 @@ SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options) {
 }
 
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options, SpectrumMemory* memory) {
+  if (options.eigenvalues < 1) fail("eigenvalues: expected at least 1, met {}", options.eigenvalues);
   const OneBlasThread serial_blas;
   const Index n = b.rows();
   if (n == 0) {

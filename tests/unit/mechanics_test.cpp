@@ -113,6 +113,8 @@ TEST_CASE("assembly refuses missing masses and grains that do not exist") {
   const Packing weighed{{0.0, 1.0}, {0.0, 0.0}, {0.5, 0.5}, {1, 1}};
   CHECK_THROWS_AS(assemble(weighed, detect_contacts(weighed), {{2, {1, 0}}}), Error);
   CHECK_THROWS_AS(assemble(weighed, detect_contacts(weighed), {{0, {not_a_number, 0}}}), Error);
+  CHECK_THROWS_AS(assemble(weighed, detect_contacts(weighed), {}, {.compression = {}, .shear = not_a_number}), Error);
+  CHECK_THROWS_AS(assemble(weighed, detect_contacts({{0}, {0}, {1}, {1}})), Error);
 }
 
 TEST_CASE("rigid impulses: two disks share their momentum") {

@@ -267,6 +267,12 @@ TEST_CASE("shift-invert: what rounding takes counts as residual, and there is no
   CHECK(lost > 0);
 }
 
+TEST_CASE("a list of no eigenvalues is refused") {
+  const InterfaceFamily family(build(random_lattice(2, 4, 4, {2, 1})).parts);
+  CHECK_THROWS_WITH_AS(spectral_radius({family.at(infinity), family.at(1)}, {.eigenvalues = 0}),
+                       "eigenvalues: expected at least 1, met 0", Error);
+}
+
 TEST_CASE("matrix-free: the residual is that of the worse end") {
   const InterfaceFamily family(build(random_lattice(2, 8, 6, {3, 2})).parts);
   const Contraction b{family.at(0.3), family.at(0.05)};

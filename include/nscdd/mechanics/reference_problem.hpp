@@ -26,7 +26,7 @@ struct Loads {
   }
 };
 
-/// Throws Error naming loads.compression unless it is 0 or has a rate for each direction.
+/// Throws Error naming a rate that is not finite, or loads.compression unless it is 0 or has a rate for each direction.
 void require_fit(const Loads& loads, Index dimension);
 
 /// Velocity with which a grain arrives, imposed on it as an impact (V^-, m/s); its mass stays free.
@@ -53,8 +53,8 @@ struct ReferenceProblem {
 };
 
 /// M and H of a packing with masses and its contacts. r > 0 is compression, v > 0 separation. Grains arrive with the
-/// velocities of `loads`, those in `prescribed` with their own. Throws Error if masses are missing, a prescribed grain
-/// does not exist or has no finite velocity, or velocities or loads have not the dimension of the packing.
+/// velocities of `loads`, those in `prescribed` with their own. Throws Error if masses are missing, the network is of
+/// another packing, a prescribed grain does not exist, or velocities or loads are not finite or of another dimension.
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
                           const std::vector<PrescribedVelocity>& prescribed = {}, const Loads& loads = {});
 

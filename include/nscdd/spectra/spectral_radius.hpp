@@ -112,6 +112,7 @@ struct SpectrumMemory;  // warm start of the next point of a sweep: spectra/spec
 
 /// Computes the spectral radius; see SpectralRadius::converged. In the rigid limit shift-invert counts unit eigenvalues
 /// by ranks of H_E, above 10^6 contacts by shifts near 0; the matrix-free solver finds the unit eigenspace densely.
+/// Throws Error for a list of no eigenvalues.
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
                                SpectrumMemory* memory = nullptr);
 

@@ -82,6 +82,7 @@ void fill_empty_parts(const Graph& graph, idx_t parts, std::vector<idx_t>& part)
 }  // namespace
 
 Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem& problem) {
+  require_bounds(partitioner, "partition");
   Partition result{.subdomains = partitioner.metis,
                    .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
   // METIS refuses an empty graph and more parts than vertices; one contact per part is then as good.
