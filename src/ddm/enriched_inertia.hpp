@@ -11,8 +11,7 @@ namespace nscdd {
 template <class T>
 class Lazy {
  public:
-  template <class Make>
-  const T& get(Make&& make) const {
+  const T& get(auto&& make) const {
     std::call_once(once_, [&] { value_.emplace(make()); });
     return *value_;
   }

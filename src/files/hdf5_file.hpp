@@ -139,8 +139,7 @@ class File {
 };
 
 /// The bytes of a new file that `fill(root)` fills.
-template <class Fill>
-std::string new_file_bytes(Fill&& fill) {
+std::string new_file_bytes(auto&& fill) {
   const File file;
   fill(file.root());
   return file.bytes();

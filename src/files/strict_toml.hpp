@@ -92,8 +92,7 @@ class StrictTable {
   }
 
   /// Runs `action` and prefixes its errors with the line of `key` and `what`.
-  template <class Action>
-  auto located(std::string_view key, Action&& action, std::string_view what = "") const {
+  auto located(std::string_view key, auto&& action, std::string_view what = "") const {
     try {
       return action();
     } catch (const Error& error) {

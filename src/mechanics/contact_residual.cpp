@@ -9,13 +9,19 @@ constexpr double largest_growth = 1e5;        // of impulses over those that dri
 constexpr double squared_rounding = 1e-28;    // of velocities of a step, relative to those that it begins with
 constexpr double maxima_over_means = 16.666;  // allowed by LMGC90's criterion QM/16
 
-template <int D>
-void add(ContactResidual& sum, const ContactLaw& law, const GrainContact<D>& c, GrainVelocities<D> v) {
+template <class Law, int D>
+ContactStatus status_under(const Law&, const GrainContact<D>& c) {
+  if constexpr (!Law::opens) return ContactStatus::stick;
+  return contact_status(LocalVector<D>{c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
+}
+
+template <class Law, int D>
+void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVelocities<D> v) {
   const LocalVector<D> r = c.impulse, shifted{r.n + c.pull, r.t}, velocity = relative_velocity(c, v) + c.bias;
   LocalVector<D> next, change, here, there;
   double inverse_n = 0;
   with_delassus(c, [&](const auto& w) {
-    next = law_impulse(law, c, r - w.solve(velocity), w);
+    next = law_at(law, c.pull).impulse(r - w.solve(velocity), w, c.friction);
     change = w.apply(next - r);
     here = w.apply(r);
     there = w.apply(next);
@@ -32,11 +38,22 @@ void add(ContactResidual& sum, const ContactLaw& law, const GrainContact<D>& c, 
   sum.loaded += carries(mean);
   sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
   sum.scale_velocity += (squared(here) + squared(there)) / 2;
-  sum.natural_map += squared(opens(law) ? natural_map(shifted, velocity, c.friction, inverse_n) : next - r);
+  sum.natural_map += squared(Law::opens ? natural_map(shifted, velocity, c.friction, inverse_n) : next - r);
   sum.active += carries(r);
-  const ContactStatus status = status_of(law, c);
+  const ContactStatus status = status_under(law, c);
   sum.stick += status == ContactStatus::stick;
   sum.slide += slides(status);
+}
+
+// The law is chosen once for all contacts.
+template <int D>
+ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, GrainVelocities<D> v, const auto& contact) {
+  ContactResidual sum;
+  const auto under = [&](const auto& one) {
+    for (std::size_t k = 0; k < contacts; ++k) add(sum, one, contact(k), v);
+  };
+  std::visit(under, law);
+  return sum;
 }
 
 // A part of `scale`. One that is rounding is a part of `origin`, if that is larger: of what it is the rounding of.
@@ -57,8 +74,9 @@ double natural_map_scale(double maps, double impulses, double alone, double mome
 }
 
 template <int D>
-ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& c, GrainVelocities<D> free) {
-  const double speed = speed_of(free[at(c.a)]) + speed_of(free[at(c.b)]);
+ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& c, GrainVelocities<D> free,
+                           const std::vector<double>& speeds) {
+  const double speed = speeds[at(c.a)] + speeds[at(c.b)];
   return with_delassus(c, [&](const auto& w) {
     const LocalVector<D> stop = -1.0 * w.solve(relative_velocity(c, free) + c.bias);
     const LocalVector<D> alone = law_impulse(law, c, stop, w);
@@ -96,27 +114,25 @@ double ContactResidual::qm_16() const {
 
 template <int D>
 ContactResidual contact_residual(const ContactLaw& law, const ContactRows<D>& contacts, GrainVelocities<D> v) {
-  ContactResidual sum;
-  for (std::size_t k = 0; k < contacts.size(); ++k) add(sum, law, contacts.contact(k, v), v);
-  return sum;
+  return sum_over<D>(law, contacts.size(), v, [&](std::size_t k) { return contacts.contact(k, v); });
 }
 
 template <int D>
 ContactResidual contact_residual(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
                                  GrainVelocities<D> v) {
-  ContactResidual sum;
-  for (const GrainContact<D>& c : contacts) add(sum, law, c, v);
-  return sum;
+  return sum_over<D>(
+      law, contacts.size(), v, [&](std::size_t k) -> auto& { return contacts[k]; });
 }
 
 template <int D>
 ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& c) {
-  if (!opens(law)) return ContactStatus::stick;
-  return contact_status(LocalVector<D>{c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
+  return std::visit([&](const auto& one) { return status_under(one, c); }, law);
 }
 
-template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>);
-template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>);
+template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>,
+                                    const std::vector<double>&);
+template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>,
+                                    const std::vector<double>&);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<2>&, GrainVelocities<2>);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<3>&, GrainVelocities<3>);
 template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<2>>&, GrainVelocities<2>);

@@ -29,9 +29,10 @@ inline constexpr double rounding_of_sums = 1e-14;
 double natural_map_scale(double maps, double impulses, double alone, double momenta, bool squared = false,
                          double believed = infinity);
 
-/// The terms of a contact in the scale of a step, at the velocities V_free.
+/// The terms of a contact in the scale of a step, at the velocities V_free; `speeds`: speeds_of these.
 template <int D>
-ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& c, GrainVelocities<D> free);
+ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& c, GrainVelocities<D> free,
+                           const std::vector<double>& speeds);
 
 /// How well impulses and velocities obey the contact law: sums over contacts, which add up over subdomains.
 struct ContactResidual {

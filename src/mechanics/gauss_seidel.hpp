@@ -29,8 +29,7 @@ struct ContactSystem {
 /// One nonlinear Gauss-Seidel sweep in the order of the contacts: each takes the impulse of its law at the present
 /// velocities, and its grains are updated at once. W is never formed: velocities carry its off-diagonal part.
 /// `impulses`: r, c entries; `velocities`: V, d n entries, on entry and exit V = V_free + M^-1 H r.
-template <class Law>
-void gauss_seidel_sweep(const ContactSystem& contacts, const Law& law, Vector& impulses, Vector& velocities) {
+void gauss_seidel_sweep(const ContactSystem& contacts, const auto& law, Vector& impulses, Vector& velocities) {
   for (Index c = 0; c < contacts.h.cols(); ++c) {
     double velocity = 0;  // v = H_c^T V
     for (SparseMatrix::InnerIterator e(contacts.h, c); e; ++e) velocity += e.value() * velocities[e.row()];

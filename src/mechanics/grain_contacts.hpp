@@ -60,10 +60,12 @@ inline double squared_rim(const GrainVelocity<3>& v) {
   return v.rim_x * v.rim_x + v.rim_y * v.rim_y + v.rim_z * v.rim_z;
 }
 
-/// Speed of a body and that of its rim, added, m/s.
+/// Speed of each body and that of its rim, added, m/s.
 template <int D>
-double speed_of(const GrainVelocity<D>& v) {
-  return std::sqrt(squared_velocity(v)) + std::sqrt(squared_rim(v));
+std::vector<double> speeds_of(std::span<const GrainVelocity<D>> v) {
+  std::vector<double> speeds;
+  for (const auto& one : v) speeds.push_back(std::sqrt(squared_velocity(one)) + std::sqrt(squared_rim(one)));
+  return speeds;
 }
 
 /// Kinetic energy of a free grain, J.

@@ -151,17 +151,18 @@ StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact>
   }
   const auto bodies = add_wall_bodies<D>(problem, system, where, first);
   const auto known = remembered(last, problem.geometry);
-  const double speed = system.pairs.bonds() ? largest_speed(start, where.poses, where.motions, boundary_speed) : 0;
-  const double alert = alert_distance(system, scheme);
+  const bool bonds = system.pairs.bonds(), levers = !system.free_bodies.empty();
+  const double speed = bonds ? largest_speed(start, where.poses, where.motions, boundary_speed) : 0;
+  const double alert = bonds ? alert_distance(system, scheme) : 0;
   double scale = 0;
   problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
     const StepContact& c = problem.geometry[k];
     GrainContact<D>& contact = problem.contacts.emplace_back(solver_contact<D>(
         start, c, bodies[k], problem, push_speed(scheme, system.smaller_radius(c.a, c.b), boundary_speed),
-        levers_of<D>(start, where, c), known[k] != nullptr && known[k]->slid));
+        levers ? levers_of<D>(start, where, c) : nullptr, known[k] != nullptr && known[k]->slid));
     if (problem.pulls && hold(system, interaction, c)) contact.pull = pull;
-    if (const auto bond = bond_of(start, c, alert)) {
+    if (const auto bond = bonds ? bond_of(start, c, alert) : std::nullopt) {
       const auto& [x, y, z] = known[k] != nullptr ? known[k]->impulse : std::array<double, 3>{};
       make_bond(contact, interaction.bond_strength, speed, std::hypot(x, y, z), c.gap - bond->gap, problem.h);
     }

@@ -66,8 +66,7 @@ Index dofs(const Decomposition& parts) {
 }
 
 // Calls add(i, j, value) for the entries of all M_E + K_E / flexibility, and tie(row, j, value) for those of all A_E.
-template <class Add, class Tie>
-void for_networks(const Decomposition& parts, double flexibility, const Add& add, const Tie& tie) {
+void for_networks(const Decomposition& parts, double flexibility, const auto& add, const auto& tie) {
   Index first = 0;
   for (const Subdomain& subdomain : parts.subdomains) {
     const Index size = subdomain.inertia.size();

@@ -31,8 +31,7 @@ class BedCells {
     std::size_t layer_of(double height) const { return static_cast<std::size_t>(std::max(0.0, height) / side); }
 
     /// Calls visit(column) for the columns of cells between two places, row by row.
-    template <class Visit>
-    void for_columns(const Eigen::Vector3d& low, const Eigen::Vector3d& high, Visit&& visit) const {
+    void for_columns(const Eigen::Vector3d& low, const Eigen::Vector3d& high, auto&& visit) const {
       const std::size_t left = column_of(low.x()), right = column_of(high.x()), back = row_of(high.y());
       for (std::size_t row = row_of(low.y()); row <= back; ++row)
         for (std::size_t column = row * columns + left; column <= row * columns + right; ++column) visit(column);
@@ -49,9 +48,8 @@ class BedCells {
   void add(const Eigen::Vector3d& place, double radius);  ///< the next grain, counted from 0
 
   /// Calls visit(grain) for the grains of a level in the columns between two places and in layers bottom ... top - 1.
-  template <class Visit>
   void visit(const Level& level, std::size_t bottom, std::size_t top, const Eigen::Vector3d& low,
-             const Eigen::Vector3d& high, Visit&& visit) const {
+             const Eigen::Vector3d& high, auto&& visit) const {
     level.for_columns(low, high, [&](std::size_t column) {
       for (std::size_t layer = std::min(top, level.filled[column]); layer-- > bottom;)
         for (std::int32_t i = level.first[layer * level.filled.size() + column]; i >= 0; i = next_[at(i)])

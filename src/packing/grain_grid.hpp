@@ -30,16 +30,14 @@ class CellGrid {
   CellGrid(const Places& places, double side);
 
   /// Calls visit(i, j), i < j, for every pair no farther apart than `side` in all coordinates, and some that are.
-  template <class Visit>
-  void for_each_pair(Visit&& visit) const {
+  void for_each_pair(auto&& visit) const {
     for (Index layer = 0; layer < layers_; ++layer)
       for (Index row = 0; row < rows_; ++row)
         for (Index column = 0; column < columns_; ++column) visit_cell(column, row, layer, visit);
   }
 
   /// Calls visit(i) for every point no farther than `distance` from a place in all coordinates, and some that are.
-  template <class Visit>
-  void for_each_near(const std::array<double, 3>& place, double distance, Visit&& visit) const {
+  void for_each_near(const std::array<double, 3>& place, double distance, auto&& visit) const {
     distance += rounding * side_;
     const auto [x, y, z] = place;
     const Index first = along(x - low_[0] - distance, columns_), last = along(x - low_[0] + distance, columns_);
@@ -67,8 +65,7 @@ class CellGrid {
   static constexpr double rounding = 1e-9;  ///< of a side, more than that of coordinates
 
   // The pairs of a cell, and those with half of its neighbours; the other half visit this cell.
-  template <class Visit>
-  void visit_cell(Index column, Index row, Index layer, Visit& visit) const {
+  void visit_cell(Index column, Index row, Index layer, auto& visit) const {
     const auto here = cell(column, row, layer);
     for (std::size_t a = 0; a < here.size(); ++a)
       for (std::size_t b = a + 1; b < here.size(); ++b) ordered(here[a], here[b], visit);
@@ -85,10 +82,7 @@ class CellGrid {
   Index along(double offset, Index cells) const {
     return static_cast<Index>(std::clamp(offset / side_, 0.0, static_cast<double>(cells - 1)));
   }
-  template <class Visit>
-  static void ordered(Index i, Index j, Visit& visit) {
-    i < j ? visit(i, j) : visit(j, i);
-  }
+  static void ordered(Index i, Index j, auto& visit) { i < j ? visit(i, j) : visit(j, i); }
   std::span<const Index> cell(Index column, Index row, Index layer) const {
     const Index c = (layer * rows_ + row) * columns_ + column;
     return std::span(points_).subspan(at(start_[at(c)]), at(start_[at(c + 1)] - start_[at(c)]));
@@ -111,8 +105,7 @@ class GrainGrid {
   GrainGrid(Places places, std::span<const double> radius, double stretch = 1, double range = 0);
 
   /// Calls visit(i, j), i < j, once for pairs of distance <= stretch (radius_i + radius_j) + range, and some others.
-  template <class Visit>
-  void for_each_pair(Visit&& visit) const {
+  void for_each_pair(auto&& visit) const {
     if (levels_.size() == 1) return levels_.front().grid.for_each_pair(visit);
     for (std::size_t fine = 0; fine < levels_.size(); ++fine) {
       const NumberedGrains& grains = levels_[fine].grains;
@@ -148,9 +141,8 @@ NumberedGrains periodic_grains(const Places& places, std::span<const double> rad
 
 /// Calls visit(i, j), i < j, as GrainGrid::for_each_pair, in a periodic cell also for grains that are near across its
 /// ends.
-template <class Visit>
 void for_each_near_pair(const Places& places, std::span<const double> radius, const Period& period, double stretch,
-                        double range, Visit&& visit) {
+                        double range, auto&& visit) {
   if (!period.any() || radius.empty()) return GrainGrid(places, radius, stretch, range).for_each_pair(visit);
   const double reach = 2 * stretch * *std::max_element(radius.begin(), radius.end()) + range;
   const NumberedGrains all = periodic_grains(places, radius, period, reach);

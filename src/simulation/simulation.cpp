@@ -111,8 +111,7 @@ bool bonds_part(const GranularStep<D>& step, const Simulation& simulation) {
 }
 
 // Adds the work of an earlier try at a step to that of a row or report with this record.
-template <class Counted>
-void count_also(const StepReport& earlier, Counted& counted, IterationRecord& record) {
+void count_also(const StepReport& earlier, auto& counted, IterationRecord& record) {
   record.iteration += earlier.last.iteration;
   record.sweeps += earlier.last.sweeps;
   counted.factorisations += earlier.factorisations;

@@ -29,8 +29,7 @@ Index known_subdomain(const std::vector<RememberedSubdomain>& known, const StepC
 }
 
 // The subdomain of a midpoint, by the centres of the grains that move freely, where contacts are found.
-template <class Geometric>
-auto subdomain_of_point(const Geometric& partitioner, const Simulation& simulation) {
+auto subdomain_of_point(const auto& partitioner, const Simulation& simulation) {
   const TimeStepping& time = simulation.dynamics.time;
   return subdomain_of_midpoint(partitioner, free_grains(simulation.system, simulation.state, simulation.system.grains(),
                                                         (1 - time.theta) * time.step, true));

@@ -59,8 +59,7 @@ struct Range {
       : low(x.scale().mean() * std::pow(10.0, -decades)), high(x.scale().mean() * std::pow(10.0, decades)) {}
 
   // Where a decreasing function of log eta vanishes; 0 if it is negative throughout.
-  template <class Function>
-  double decreasing_root(Function&& f, double tolerance) const {
+  double decreasing_root(auto&& f, double tolerance) const {
     const auto of_log = [&](double x) { return f(std::exp(x)); };
     double upper = std::log(high);
     if (of_log(upper) >= 0) return high;  // no root below

@@ -22,8 +22,7 @@ struct Step {
   double epsilon, eta;
 };
 
-template <class From, class To>
-Step step_between(const From& from, const To& to) {
+Step step_between(const auto& from, const auto& to) {
   const auto step = [](double a, double b) { return a == b ? 0.0 : std::log(b / a); };
   return {step(from.epsilon, to.epsilon), step(from.eta, to.eta)};
 }

@@ -86,8 +86,7 @@ inline bool accurate(const SpectralRadius& radius, double tolerance) {
 
 /// Result of the first solver of a choice that `answers`, tried in order. If none does: the most informative result,
 /// with all reasons in `failure` and, unless it converged, all names in `solver`.
-template <class Solve, class Answers>
-auto first_answer(const SolverChoice& choice, double tolerance, Solve&& solve, Answers&& answers) {
+auto first_answer(const SolverChoice& choice, double tolerance, auto&& solve, auto&& answers) {
   const auto reason = [&](const auto& one) -> std::string {
     if (!one.failure.empty()) return one.failure;
     if (one.converged) return "its answer is not proved";

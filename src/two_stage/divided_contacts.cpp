@@ -90,13 +90,14 @@ void DividedContacts<D>::set_data(const Partition& partition) {
   data.q = relative_velocities(moved(-pull_));
   data.friction.resize(number);
   data.normal.resize(D * number);
+  const std::vector<double> of_bodies = speeds_of<D>(problem_.free);
   Vector speeds(number);
   for (Index c = 0; c < number; ++c) {
     const GrainContact<D>& contact = contacts[at(c)];
     set_component(data.q, c, component<D>(data.q, c) + contact.bias);
     data.friction[c] = contact.friction;
     data.normal.template segment<D>(D * c).setConstant(1 / inverse_normal_delassus(contact));
-    speeds[c] = speed_of(problem_.free[at(contact.a)]) + speed_of(problem_.free[at(contact.b)]);
+    speeds[c] = of_bodies[at(contact.a)] + of_bodies[at(contact.b)];
   }
   // Per contact H has 2 x 5 entries in the plane, 2 x 15 in space; H^T and H each take two operations per entry.
   data.product_operations = 2.0 * 2 * (D == 2 ? 10 : 30) * processes_.sum(static_cast<double>(number));

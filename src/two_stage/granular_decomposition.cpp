@@ -114,8 +114,9 @@ auto unknowns_of_copies(const GranularDecomposition<D>& parts) {
 template <int D>
 ImpulseScale GranularDecomposition<D>::scale_of(const StepProblem<D>& problem, const Partition& partition,
                                                 const Processes& processes) {
+  const std::vector<double> speeds = speeds_of<D>(problem.free);
   const Vector sum = sums_over_contacts(partition, 4, processes, [&](Index k, auto&& sums) {
-    const ImpulseScale own = impulse_scale(problem.law, problem.contacts[at(k)], problem.free);
+    const ImpulseScale own = impulse_scale<D>(problem.law, problem.contacts[at(k)], problem.free, speeds);
     sums += Eigen::Vector4d(own.alone, own.momenta, own.speeds, own.energies);
   });
   return {.alone = sum[0], .momenta = sum[1], .speeds = sum[2], .energies = sum[3]};

@@ -47,8 +47,7 @@ GrainUnknowns<D> load_of_others(const Vector& f, Index first, Index last, Index 
 
 /// Sums of `quantities` numbers over all contacts of a step, added up subdomain by subdomain, see ContactSums.
 /// add(k, sums) adds those of contact k of this rank.
-template <class Add>
-Vector sums_over_contacts(const Partition& partition, Index quantities, const Processes& processes, Add&& add) {
+Vector sums_over_contacts(const Partition& partition, Index quantities, const Processes& processes, auto&& add) {
   return ContactSums{partition.subdomain_of_contact, partition.subdomains, processes}.add_up(
       quantities, count(partition.subdomain_of_contact), add);
 }

@@ -133,7 +133,7 @@ TEST_CASE("scale of a contact: its impulse alone, and the speeds of both bodies,
   for (const bool exchanged : {false, true}) {
     if (exchanged) std::swap(contact.a, contact.b);
     if (exchanged) contact.normal = {-1, 0};
-    const ImpulseScale scale = impulse_scale(ContactLaw(Coulomb{}), contact, v);
+    const ImpulseScale scale = impulse_scale<2>(ContactLaw(Coulomb{}), contact, v, speeds_of<2>(v));
     CHECK(scale.speeds == doctest::Approx(speed * speed));
     CHECK(scale.momenta == doctest::Approx(speed * speed * mass * mass));
     CHECK(scale.energies == doctest::Approx(speed * speed * mass));

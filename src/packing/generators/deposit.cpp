@@ -32,8 +32,7 @@ std::function<double(double)> lognormal_quantile(const SizeDistribution& sizes) 
 // Keys and lengths of the sides of a box; a length of 0 is chosen by the grains.
 using Sides = std::vector<std::pair<const char*, double>>;
 
-template <class AnyDeposit>
-std::vector<double> draw_radii(const AnyDeposit& deposit, const Sides& sides, RandomStream& random) {
+std::vector<double> draw_radii(const auto& deposit, const Sides& sides, RandomStream& random) {
   require_bounds(deposit, "packing");
   const auto radius_of = radius_quantile(deposit.sizes);
   const double least = 2 * deposit.sizes.radius_max;

@@ -24,8 +24,7 @@ std::vector<char> vacant_sites(const std::vector<double>& numbers, double fracti
 }
 
 // The grains of `rows` rows of sites, over all layers. centre_of(column, row): the centre of a site, in radii.
-template <class Sites, class Centre>
-Packing occupied_sites(const Sites& lattice, Index rows, const Centre& centre_of, const Monitor& monitor) {
+Packing occupied_sites(const auto& lattice, Index rows, const auto& centre_of, const Monitor& monitor) {
   const Index sites = lattice.columns * rows;
   std::vector<double> shrinking;
   std::vector<char> vacant;

@@ -49,8 +49,7 @@ std::string where(const CaseSpec& spec, std::string_view key);
 Error located(const CaseSpec& spec, const Error& error);
 
 /// Calls `read` for the value of a key. An Error becomes "file:line: key: ...".
-template <class Read>
-auto at_key(const CaseSpec& spec, std::string_view key, Read&& read) {
+auto at_key(const CaseSpec& spec, std::string_view key, auto&& read) {
   try {
     return read();
   } catch (const Error& error) {
