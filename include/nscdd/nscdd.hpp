@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-/// The public face of the library, every header of it: packings, the contact problem, subdomains, contraction operators
-/// and their spectral radii, sweeps, and the files these are read from. docs/architecture.md says what each layer is
-/// for.
+/// The public face of the library, every header but those of nscdd/mpi: packings, the contact problem, subdomains,
+/// contraction operators and their spectral radii, sweeps, and the files these are read from. docs/architecture.md says
+/// what each layer is for.
 #include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/contact_solvers/verdict.hpp>
 #include <nscdd/core/choice.hpp>

@@ -86,7 +86,7 @@ struct Solver {
   std::shared_ptr<void> session;
   std::shared_ptr<const Communicator> all;
   std::shared_ptr<WorkCount> counts;
-  SparseMatrix own;  // K_E
+  SparseMatrix own;  // M_{E,eps}
   OwnedMap map;
   OwnedMatrix local, matrix;
   OwnedVector b, x, share;  // right-hand side and solution, and this rank's copies of either

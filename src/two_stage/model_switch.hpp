@@ -30,8 +30,8 @@ struct SwitchRules {
 
 /// Stage 1 of one subdomain that may be switched. Sweeps solve the contact law until the statuses have stood still for
 /// k iterations. From then on it is a LinearSubdomain, whose answer is checked in every iteration: it stands if the
-/// law, at its impulses and velocities, gives every contact its frozen status. The iteration of the first answer that
-/// fails is done by sweeps instead, and the statuses must stand still anew.
+/// law, at its impulses and velocities, gives every contact its frozen status. If the check fails, sweeps do that
+/// iteration, and the statuses must stand still anew.
 ///
 /// The error of the linear model is measured against sweeps from the same state, when it is given up and at the end of
 /// a step: the root mean square of dV over the copies of shared grains, m/s, and |M dV| / |A_E^T F|.

@@ -41,8 +41,8 @@ struct FrictionSolverOptions {
   Choice<SweepOrder> order = SweepOrder::natural;
   Index seed = 1;          ///< of order `random`, >= 0
   Index check_every = 10;  ///< sweeps between evaluations of the residual
-  /// Checks without progress after which sweeps have stalled, if as many led there: the smallest residual has not
-  /// fallen by 1 %, and the impulses have moved less than a quarter of the length of their path.
+  /// Number of checks: sweeps stall if for so many checks, and for as many as preceded the last progress, the smallest
+  /// residual has not fallen by 1 % and the impulses have moved less than a quarter of the length of their path.
   Index patience = 1000;
 
   template <class Self, class Visitor>
@@ -108,7 +108,7 @@ struct FrictionStep {
 
 struct FrictionSolution {
   /// r, D c entries: those with the smallest || m ||; of `nlgs` those of the last sweep, of `accelerated` those of the
-  /// two with the smaller residual.
+  /// last check if their residual is smaller.
   Vector impulses;
   FrictionState state;       ///< of these impulses
   FrictionStep step;         ///< the step that led to them
@@ -119,9 +119,9 @@ struct FrictionSolution {
   /// factorisations and solves as their library counts them. Not counted: checks, orderings, work per contact.
   double operations = 0;
   double seconds = 0;  ///< wall time of the solver without its checks; the one number that differs between equal runs
-  /// False if the residual may be small only because impulses are large: they exceed max(|| r^1 ||, p), which drives
-  /// the problem, and || m || exceeds 10^-3 of that (or the tolerance, if larger), or they are 10^8 times as large.
-  /// Problems without a solution, whose impulses grow without bound, are such. It ends no run.
+  /// False if the residual may be small only because impulses are large, as if there is no solution: || r || > E' and
+  /// || m || > max(10^-3, tolerance) E, or || r || > 10^8 E'. E = max(|| r^1 ||, p) drives the problem; E' is the
+  /// larger of E and || q || over the mean W_ii. True if || m || is rounding of the impulses of a guess. Ends no run.
   bool credible = false;
   FrictionStatus status = FrictionStatus::converged;
   std::vector<Index> unsettled;  ///< contacts whose status changed in the last 10 checks; only at the end of a run

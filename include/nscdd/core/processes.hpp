@@ -14,7 +14,7 @@ struct FailedElsewhere : Error {
   using Error::Error;
 };
 
-/// Array entries shared with another rank, ascending: the same in the same order, by positions in each rank's array.
+/// Positions of the entries shared with another rank, ascending. Both ranks list the same entries in the same order.
 struct SharedEntries {
   Index process = 0;
   std::vector<Index> entries;

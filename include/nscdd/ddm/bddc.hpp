@@ -9,7 +9,7 @@ namespace nscdd {
 /// Weights D_E of the copies of shared grains, with sum_E R_E^T D_E R_E = I.
 enum class Scaling {
   multiplicity,  ///< 1/q, q copies of the grain
-  stiffness,     ///< the diagonal of K_E over its sum
+  stiffness,     ///< the diagonal of M_{E,eps} over its sum
   deluxe,        ///< (sum_E' S_E')^-1 S_E on each class of grains that the same subdomains share
 };
 constexpr auto names_of(Scaling) { return std::to_array<std::string_view>({"multiplicity", "stiffness", "deluxe"}); }
@@ -32,9 +32,9 @@ struct BddcSolution {
   bool converged = false;
 };
 
-/// The system (sum_E R_E^T K_E R_E) V = sum_E R_E^T b_E of all ranks, with its preconditioner.
+/// The system (sum_E R_E^T M_{E,eps} R_E) V = sum_E R_E^T b_E of all ranks, with its preconditioner.
 struct BddcSystem {
-  std::vector<Index> unknowns;  ///< of V, for each row of K_E
+  std::vector<Index> unknowns;  ///< of V, for each row of M_{E,eps}
   Index size = 0;               ///< of V: unknowns of the grains that have contacts, in their order
   Index coarse_size = 0;        ///< primal velocities and adaptive constraints
   double setup_flops = 0;       ///< of this rank
@@ -42,7 +42,7 @@ struct BddcSystem {
   std::function<BddcSolution(const Vector& right)> solve;  ///< of b_E; collective
 };
 
-/// Prepares the system of symmetric positive definite matrices K_E, one subdomain for each rank. Collective;
+/// Prepares the system of symmetric positive definite matrices M_{E,eps}, one subdomain for each rank. Collective;
 /// nscdd/mpi/bddc.hpp makes one.
 using Bddc = std::function<BddcSystem(const Decomposition& own, SparseMatrix matrix, const BddcParameters& parameters)>;
 

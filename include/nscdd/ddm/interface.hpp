@@ -68,7 +68,7 @@ class Interface {
   std::span<const GrainCopy> copies(Index grain) const {
     return {copies_.data() + start_[at(grain)], at(multiplicity(grain))};
   }
-  /// Their number, by which its mass is divided.
+  /// Number of copies of a grain; split evenly, each has 1/number of its mass.
   Index multiplicity(Index grain) const { return start_[at(grain + 1)] - start_[at(grain)]; }
 
   const std::vector<Tie>& ties(Index subdomain) const { return ties_[at(subdomain)]; }  ///< rows ascending

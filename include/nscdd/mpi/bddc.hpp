@@ -7,7 +7,7 @@
 
 namespace nscdd::mpi {
 
-/// PCBDDC of PETSc on the unassembled matrix of the K_E, one subdomain for each rank. It shares no code with the
+/// PCBDDC of PETSc on the unassembled M_{E,eps}, one subdomain for each rank. It shares no code with the
 /// preconditioners of X_epsilon. All grains that the same two subdomains share form one edge. CHOLMOD factorises local
 /// problems, MUMPS computes Schur complements. With a threshold, eigenvectors of PETSc's own problem
 /// on each edge with an eigenvalue above it become constraints; they bound the condition number with deluxe weights

@@ -24,7 +24,7 @@ struct Model {
   bool has_geometry() const { return packing.size() > 0; }
 };
 
-/// The share of a rank: its own subdomains (see deal_out), and all that is not decomposed but the geometry of contacts.
+/// The share of a rank: its own subdomains (see deal_out) and all undecomposed data, without the geometry of contacts.
 Model of_process(Model model, const Processes& processes);
 
 /// Throws Error, naming `what` needs the geometry, if the model is a contact problem, which has none.

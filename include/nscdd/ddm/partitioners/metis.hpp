@@ -9,7 +9,7 @@ namespace nscdd {
 
 /// METIS k-way partition of the contact graph. Its vertices are the contacts, its edges join contacts of one grain, so
 /// a cut edge splits a grain. Columns of a contact stay together. Parts are of equal size with few cuts, without
-/// geometry. Each part that METIS leaves empty, as it may leave small ones, takes half of the largest part.
+/// geometry. METIS may leave parts empty if they are small; each of these takes half of the largest part.
 struct MetisPartitioner {
   static constexpr std::string_view name = "metis";
   static constexpr std::string_view summary = "METIS k-way partition of the contact graph";
