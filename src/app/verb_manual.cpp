@@ -155,25 +155,25 @@ int run_manual(const ManualOptions& options, const std::vector<Verb>& verbs) {
 }  // namespace
 
 std::string short_guide(const std::vector<Verb>& verbs, const Machine& machine) {
-  std::string text = fmt::format(R"({} {}: how fast does domain decomposition converge on granular media?
-
-Examples:
-  nscdd sweep disks4 --epsilon 0,1 --csv -          spectral radii of the 4 disks of the paper
-  nscdd inspect mine.csv --subdomains 3x2           your own packing: columns x,y,radius[,mass]
-  nscdd run figure-5                                a figure of the paper, as a table
-  nscdd simulate shear-1k --steps 20 -o twenty.h5   grains that move, with friction
-
-Verbs:
-)",
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 4> examples{
+      {{"sweep disks4 --epsilon 0,1 --csv -", "spectral radii of the 4 disks of the paper"},
+       {"inspect mine.csv --subdomains 3x2", "your own packing: columns x,y,radius[,mass]"},
+       {"run figure-5", "a figure of the paper, as a table"},
+       {"simulate shear-1k --steps 20 -o twenty.h5", "grains that move, with friction"}}};
+  std::string text = fmt::format("{} {}: how fast does domain decomposition converge on granular media?\n\nExamples:\n",
                                  machine.program, version());
+  for (const auto& [line, what] : examples)
+    if (machine.serves(line.substr(0, line.find(' '))))
+      text += fmt::format("  {} {:<42}{}\n", machine.program, line, what);
+  text += "\nVerbs:\n";
   for (const Verb& verb : verbs)
     if (machine.serves(verb.name)) text += fmt::format("  {:<10}{}\n", verb.name, verb.summary);
   return text + fmt::format(R"(
-'nscdd VERB --help' has the options and examples of a verb, 'nscdd list' the known cases, studies and
+'{} VERB --help' has the options and examples of a verb, 'nscdd list' the known cases, studies and
 parameters, 'man nscdd' the manual.
 Exit codes: {}
 )",
-                            exit_codes);
+                            machine.program, exit_codes);
 }
 
 std::string help_screen(const Verb& verb) {

@@ -233,6 +233,9 @@ def nothing_to_share(folder):
 
 
 def refusals(folder):
+    code, guide, err = run(1)
+    check(code == 0 and "nscdd-mpi sweep disks4" in guide and "nscdd run" not in guide.replace("-mpi", ""),
+          f"a guide to the verbs of nscdd-mpi: {code}, {guide}, {err}")
     taken = write(os.path.join(folder, "taken.csv"), "mine\n")
     new = os.path.join(folder, "new.csv")
     cases = {
