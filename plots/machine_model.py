@@ -10,11 +10,10 @@ Prints the constants of the laws, how far they are off on rows that they were no
 A law is a sum of known functions with constants that are not negative. They minimise the sum of squares of relative
 errors, on rows of at most 20 000 grains for the check and on all rows for the prediction.
 
-The functions of a radius come from the nested bisection of a square of N grains into P parts. Seen from the part in
-its middle, the set of 2^-l of all parts is a rectangle of sides w and h, in units of the square. The bisection cuts
-it along its shorter side, s = min(w, h), and others touch it along b, the sides that are not on the edge of the
-square. A length x has 2 x sqrt(N) interface rows, and a front of r rows that eliminates p of them takes
-(r^3 - (r - p)^3)/3 operations.
+The functions of a radius come from the nested bisection of a square of N grains into P parts. After l bisections the
+set that holds the middle part is a rectangle of sides w and h, in units of the square. The next bisection cuts it
+along its shorter side, s = min(w, h). b is the length of its sides inside the square. A length x has 2 x sqrt(N)
+interface rows, and a front of r rows that eliminates p of them takes (r^3 - (r - p)^3)/3 operations.
 """
 import itertools
 import os
