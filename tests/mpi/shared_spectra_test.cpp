@@ -79,7 +79,7 @@ void check_same(const SpectralRadius& found, const SpectralRadius& known, double
   };
   const double off_min = off + widths(&SpectralRadius::interval_min),
                off_max = off + widths(&SpectralRadius::interval_max);
-  for (std::size_t side : {0, 1}) {
+  for (const std::size_t side : {0U, 1U}) {
     CHECK(std::abs(found.interval_min[side] - known.interval_min[side]) <= off_min);
     CHECK(std::abs(found.interval_max[side] - known.interval_max[side]) <= off_max);
   }
@@ -91,7 +91,8 @@ TEST_CASE("shared: radii, certified intervals and counts are those of one proces
   const Shared shared;
   const int visited = for_shared_packings(shared, 500, [&](const Model& whole, const Model& own) {
     const InterfaceFamily family(whole.parts), of_own(own.parts);
-    for (const auto& [epsilon, eta] : pairs) {
+    for (const Pair& pair : pairs) {
+      const double epsilon = pair.epsilon, eta = pair.eta;
       INFO("epsilon = ", epsilon, ", eta = ", eta);
       const SpectralRadius found = spectral_radius({of_own.at(eta), of_own.at(epsilon)}, shared.options);
       if (shared.processes.first())
@@ -123,7 +124,7 @@ TEST_CASE("shared: SLEPc, which has another pencil and another search, finds the
     // Processes that have to take turns on a core wait for each other a hundred thousand times.
     const std::size_t step = thorough() ? 1 : shared.processes.size > 2 ? pairs.size() : 3;
     for (std::size_t k = 0; k < pairs.size(); k += step) {
-      const auto [epsilon, eta] = pairs[k];
+      const double epsilon = pairs[k].epsilon, eta = pairs[k].eta;
       INFO("epsilon = ", epsilon, ", eta = ", eta);
       const SpectralRadius found = spectral_radius({of_own.at(eta), of_own.at(epsilon)}, options);
       if (!shared.processes.first()) continue;

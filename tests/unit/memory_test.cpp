@@ -101,7 +101,8 @@ TEST_CASE("memory: a Cholesky factor takes what its analysis counts, by columns 
   SparseEntries chain;
   for (Index i = 0; i < 200'000; ++i)
     for (Index j = std::max<Index>(0, i - 2); j <= i; ++j) chain.add(i, j, i == j ? 5 : -1);
-  for (const SparseMatrix& lower : {chain.matrix(200'000, 200'000), laplacian(170), laplacian(420)}) {
+  for (const SparseMatrix& lower :
+       testing::watched<SparseMatrix>({laplacian(170), chain.matrix(200'000, 200'000), laplacian(420)})) {
     CAPTURE(lower.rows());
     const CholeskyAnalysis analysis(lower);
     const double counted = analysis.bytes_at_once(lower);
