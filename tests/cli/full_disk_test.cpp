@@ -50,7 +50,7 @@ TEST_CASE_FIXTURE(DeviceSession, "full disk: errors keep their exit code where s
 }
 
 TEST_CASE_FIXTURE(Session, "full disk: a CSV file that outgrows the disk") {
-  for (const std::size_t bytes : {0, 100, 4096}) {
+  for (const std::size_t bytes : {0U, 100U, 4096U}) {
     CAPTURE(bytes);
     check_refused("sweep disks4 --epsilon 1e-3:1e3:100 --csv out.csv", {"out.csv", "File too large"},
                   limited_to(bytes));
@@ -59,7 +59,7 @@ TEST_CASE_FIXTURE(Session, "full disk: a CSV file that outgrows the disk") {
 
 TEST_CASE_FIXTURE(DeviceSession, "full disk: an HDF5 file that outgrows the disk") {
   // Small, and just short of the whole file: the library writes some of it on closing only.
-  for (const std::size_t bytes : {0, 512, 4096, 8192, 12288, 15000}) {
+  for (const std::size_t bytes : {0U, 512U, 4096U, 8192U, 12288U, 15000U}) {
     CAPTURE(bytes);
     check_refused("sweep disks4 --epsilon 1 --csv sink --hdf5 out.h5", {"out.h5"}, limited_to(bytes));
   }
@@ -69,7 +69,7 @@ TEST_CASE_FIXTURE(DeviceSession, "full disk: an HDF5 file that outgrows the disk
 }
 
 TEST_CASE_FIXTURE(Session, "full disk: a study that outgrows the disk leaves no part of a file") {
-  for (const std::size_t bytes : {1000, 20'000, 80'000}) {
+  for (const std::size_t bytes : {1000U, 20'000U, 80'000U}) {
     CAPTURE(bytes);
     const Outcome outcome = ended(2, "run figure-7 --force", {}, limited_to(bytes));
     CHECK(outcome.standard_output == "");

@@ -66,8 +66,7 @@ int run_script(const std::string& script, const Texts& arguments, const std::str
 /// How often a text holds another one.
 std::size_t times(const std::string& text, const std::string& part);
 
-/// The first word behind the name of a line of a report, such as that of `nscdd inspect`; empty if there is no such
-/// line.
+/// The first word behind the name of a line of a report, such as that of `nscdd inspect`; empty without such a line.
 std::string value(const std::string& report, const std::string& name);
 
 /// Three touching disks in a row and one that touches nothing, as a packing file.

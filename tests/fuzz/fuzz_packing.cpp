@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Any text is a packing or an Error; the contacts of a small packing are those that looking at every pair
-// finds.
+// Any text is a packing or an Error; the contacts of a small packing are those that looking at every pair finds.
 #include "require.hpp"
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/packing/packing.hpp>

@@ -115,8 +115,8 @@ TEST_CASE("a contact that appears between two decompositions is given to a neigh
     CHECK(subdomain_of(simulation.state, 2, 3) == 1);
     CHECK(subdomain_of(simulation.state, 4, 5) == 0);
     // Equal masses, no restitution: the pairs stop each other, the lone grains share their momentum.
-    for (const std::size_t i : {0, 1, 2, 3}) CHECK(std::abs(simulation.state.velocity_x[i]) < 1e-9);
-    for (const std::size_t i : {4, 5}) CHECK(simulation.state.velocity_x[i] == doctest::Approx(1).epsilon(1e-9));
+    for (const std::size_t i : {0U, 1U, 2U, 3U}) CHECK(std::abs(simulation.state.velocity_x[i]) < 1e-9);
+    for (const std::size_t i : {4U, 5U}) CHECK(simulation.state.velocity_x[i] == doctest::Approx(1).epsilon(1e-9));
     CHECK(simulation.state.x[2] - simulation.state.x[1] == doctest::Approx(1).epsilon(1e-9));
   }
 }

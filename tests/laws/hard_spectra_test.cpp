@@ -92,10 +92,10 @@ TEST_CASE("shift-invert: several eigenvalues at each end") {
                           with_unequal_masses(random_lattice(23, 10, 9, {3, 3}), 7)}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
-    for (const auto& [epsilon, eta] :
+    for (const auto& point :
          {Flexibilities{1e-4, infinity}, {1e-2, infinity}, {1.0, infinity}, {1e-2, 0.3}, {3.0, 0.3}}) {
-      INFO("epsilon = ", epsilon, ", eta = ", eta);
-      const Contraction b{family.at(eta), family.at(epsilon)};
+      INFO("epsilon = ", point.epsilon, ", eta = ", point.eta);
+      const Contraction b{family.at(point.eta), family.at(point.epsilon)};
       const DenseSpectrum dense(b);
       const Index n = dense.lambda.size();
       const SpectralRadius found = judged_radius(b, shift_invert(5, false));

@@ -207,7 +207,7 @@ TEST_CASE("a raft that does not turn is as long as its cell, and carries disks w
   Simulation simulation = in_cell(grains, dynamics, 5);
   for (Index k = 0; k < 400; ++k) {  // the raft leaves the cell at one end and enters it at the other
     CHECK(advance(simulation).contacts == 4);
-    for (const std::size_t disk : {5, 6}) CHECK(std::abs(simulation.state.velocity_y[disk]) < 1e-9);
+    for (const std::size_t disk : {5U, 6U}) CHECK(std::abs(simulation.state.velocity_y[disk]) < 1e-9);
     CHECK(std::abs(simulation.state.body_velocities[0].y) < 1e-9);
   }
   body.directions[5] = true;

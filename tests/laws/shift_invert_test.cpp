@@ -91,11 +91,11 @@ TEST_CASE("shift-invert: ends, certificates and multiplicities of every packing"
     const Model model = build(one);
     const InterfaceFamily family(model.parts);
     CAPTURE(model.parts.interface_size());
-    for (const auto& [epsilon, eta] : every_pair()) {
+    for (const auto& point : every_pair()) {
       // K / epsilon against the lightest grain takes all digits beyond
-      if (epsilon < 1e-4 && one.spec.name.find("unequal") != std::string::npos) continue;
-      INFO("epsilon = ", epsilon, ", eta = ", eta);
-      const Contraction b{family.at(eta), family.at(epsilon)};
+      if (point.epsilon < 1e-4 && one.spec.name.find("unequal") != std::string::npos) continue;
+      INFO("epsilon = ", point.epsilon, ", eta = ", point.eta);
+      const Contraction b{family.at(point.eta), family.at(point.epsilon)};
       counted += check_radius(judged_radius(b, by_shift_invert()), b);
       ++compared;
     }
@@ -109,17 +109,17 @@ TEST_CASE("shift-invert: a list has both copies of every double eigenvalue") {
   for (const Case& one : packings_up_to(400)) {
     if (one.spec.name.find("twice") == std::string::npos) continue;
     const InterfaceFamily family(build(one).parts);
-    for (const auto& [epsilon, eta] : {Flexibilities{1e-2, infinity}, {1.0, infinity}, {1.0, 0.1}})
+    for (const auto& point : {Flexibilities{1e-2, infinity}, {1.0, infinity}, {1.0, 0.1}})
       for (const Index wanted : {3, 4, 7}) {
-        INFO("epsilon = ", epsilon, ", eta = ", eta, ", wanted = ", wanted);
-        const Contraction b{family.at(eta), family.at(epsilon)};
+        INFO("epsilon = ", point.epsilon, ", eta = ", point.eta, ", wanted = ", wanted);
+        const Contraction b{family.at(point.eta), family.at(point.epsilon)};
         const DenseSpectrum dense(b);
         const Index n = dense.lambda.size();
         const SpectralRadius found = judged_radius(b, by_shift_invert(wanted, false));
         REQUIRE(found.converged);
         REQUIRE(count(found.low) == wanted);
         REQUIRE(count(found.high) == wanted);
-        const double slack = found.residual + rounding(dense, epsilon);
+        const double slack = found.residual + rounding(dense, point.epsilon);
         for (Index k = 0; k < wanted; ++k) {
           CHECK(std::abs(found.low[at(k)] - (1 - dense.lambda[n - 1 - k])) <= slack);
           CHECK(std::abs(found.high[at(k)] - (1 - dense.lambda[k])) <= slack);
@@ -139,9 +139,9 @@ TEST_CASE("shift-invert: contacts restricted in Stage 1") {
     std::vector<char> active(at(model.problem.contacts()));
     for (char& flag : active) flag = random.uniform() < 0.6;
     const InterfaceFamily all(model.parts), some(restrict_contacts(model.parts, active));
-    for (const auto& [epsilon, eta] : every_pair()) {
-      INFO("epsilon = ", epsilon, ", eta = ", eta);
-      const Contraction b{all.at(eta), some.at(epsilon)};
+    for (const auto& point : every_pair()) {
+      INFO("epsilon = ", point.epsilon, ", eta = ", point.eta);
+      const Contraction b{all.at(point.eta), some.at(point.epsilon)};
       check_radius(judged_radius(b, by_shift_invert()), b);
     }
   }

@@ -303,7 +303,7 @@ TEST_CASE("rotations follow each other about axes that stand still in space, of 
   advance_in_space(simulation, 100);
   const GranularState& s = simulation.state;
   // z goes to -y by the first, and stays there; y goes to z, then to x.
-  for (const std::size_t i : {0, 1}) {
+  for (const std::size_t i : {0U, 1U}) {
     CHECK((turn_of_ball(s, i) * Vector3(0, 0, 1) - Vector3(0, -1, 0)).norm() < 1e-11);
     CHECK((turn_of_ball(s, i) * Vector3(0, 1, 0) - Vector3(1, 0, 0)).norm() < 1e-11);
   }

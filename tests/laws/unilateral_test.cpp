@@ -87,7 +87,7 @@ Case deformed(Case one, const Loads& loads) {
 // Lattices with vacancies, every kind of load.
 std::vector<ReferenceProblem> loaded_problems() {
   std::vector<ReferenceProblem> all;
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Case one = random_lattice(seed, 14, 12, {1, 1});
     all.push_back(build(one).problem);  // one grain hits the others
     all.push_back(build(deformed(one, {{1.0, 1.0}, 0.0})).problem);

@@ -69,9 +69,9 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
       const bool certify = !certified_before;
       certified_before = certify;
       SpectrumMemory memory, matrix_free_memory;
-      for (const auto& [epsilon, eta] : path) {
-        INFO("epsilon = ", epsilon, ", eta = ", eta);
-        const Contraction b{family.at(eta), family.at(epsilon)};
+      for (const auto& point : path) {
+        INFO("epsilon = ", point.epsilon, ", eta = ", point.eta);
+        const Contraction b{family.at(point.eta), family.at(point.epsilon)};
         const SpectralRadius warm =
             spectral_radius(b, {.solver = SpectralSolver::shift_invert, .certify = certify}, &memory);
         const SpectralRadius matrix_free = spectral_radius(b, {.solver = SpectralSolver::arpack}, &matrix_free_memory);
@@ -79,7 +79,7 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
         REQUIRE(warm.converged);
         REQUIRE(cold.converged);
         CHECK(warm.certified == certify);
-        const double slack = warm.residual + cold.residual + 1e-15 / epsilon + 1e-12 * std::max(1.0, cold.value);
+        const double slack = warm.residual + cold.residual + 1e-15 / point.epsilon + 1e-12 * std::max(1.0, cold.value);
         CHECK(std::abs(warm.value - cold.value) <= slack);
         CHECK(std::abs(warm.eigenvalue_min - cold.eigenvalue_min) <= slack);
         CHECK(std::abs(warm.eigenvalue_max - cold.eigenvalue_max) <= slack);
@@ -89,8 +89,8 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
         CHECK(std::abs(matrix_free.eigenvalue_max - cold.eigenvalue_max) <= slack_free);
         REQUIRE(memory.flexible.visited.size() >= 1);
         CHECK(memory.flexible.visited.size() <= 2);
-        CHECK(memory.flexible.visited.back().epsilon == epsilon);
-        CHECK(memory.flexible.visited.back().eta == eta);
+        CHECK(memory.flexible.visited.back().epsilon == point.epsilon);
+        CHECK(memory.flexible.visited.back().eta == point.eta);
       }
     }
   }
@@ -103,11 +103,11 @@ TEST_CASE("slopes of the ends are those of the dense spectra on both sides") {
     return spectral_radius({family.at(eta), family.at(epsilon)}, {.solver = SpectralSolver::dense, .tolerance = 1e-12});
   };
   const double step = 1e-3;
-  for (const auto& [epsilon, eta] :
+  for (const auto& point :
        std::vector<EpsilonEta>{{0.03, infinity}, {2.0, infinity}, {0.03, 0.4}, {2.0, 0.4}, {0.2, 8.0}}) {
-    INFO("epsilon = ", epsilon, ", eta = ", eta);
+    INFO("epsilon = ", point.epsilon, ", eta = ", point.eta);
     SpectrumMemory memory;
-    spectral_radius({family.at(eta), family.at(epsilon)}, certified_shift_invert, &memory);
+    spectral_radius({family.at(point.eta), family.at(point.epsilon)}, certified_shift_invert, &memory);
     const PencilMemory::Visited& met = memory.flexible.visited.back();
     const auto check = [&](const SpectralRadius& before, const SpectralRadius& after, double smallest, double largest) {
       const double rounding = 1e-11 / step;
@@ -116,11 +116,11 @@ TEST_CASE("slopes of the ends are those of the dense spectra on both sides") {
       CHECK(std::abs((before.eigenvalue_min - after.eigenvalue_min) / (2 * step) - largest) <
             1e-4 * std::abs(largest) + rounding);
     };
-    check(dense(epsilon * std::exp(-step), eta), dense(epsilon * std::exp(step), eta), met.smallest.slope_epsilon,
-          met.largest.slope_epsilon);
-    if (std::isfinite(eta))
-      check(dense(epsilon, eta * std::exp(-step)), dense(epsilon, eta * std::exp(step)), met.smallest.slope_eta,
-            met.largest.slope_eta);
+    check(dense(point.epsilon * std::exp(-step), point.eta), dense(point.epsilon * std::exp(step), point.eta),
+          met.smallest.slope_epsilon, met.largest.slope_epsilon);
+    if (std::isfinite(point.eta))
+      check(dense(point.epsilon, point.eta * std::exp(-step)), dense(point.epsilon, point.eta * std::exp(step)),
+            met.smallest.slope_eta, met.largest.slope_eta);
   }
 }
 

@@ -36,23 +36,23 @@ TEST_CASE("Figures 2-4: grains, links, halves, and both tension and compression"
   const Table links = run(study.tables[0]), grains = run(study.tables[1]);
   const std::map<std::string, std::pair<Index, Index>> sizes{
       {"disks4", {4, 5}}, {"disks8", {8, 13}}, {"disks12", {12, 21}}};
-  for (const auto& [name, size] : sizes) {
-    CAPTURE(name);
+  for (const auto& known : sizes) {
+    CAPTURE(known.first);
     Index grain_count = 0, shared = 0, link_count = 0, compressive = 0;
     std::map<std::int64_t, Index> by_subdomain;
     for (const Row& row : grains.rows)
-      if (std::get<std::string>(row[0]) == name) {
+      if (std::get<std::string>(row[0]) == known.first) {
         ++grain_count;
         shared += std::get<std::int64_t>(row[grains.column("multiplicity")]) == 2;
       }
     for (const Row& row : links.rows)
-      if (std::get<std::string>(row[0]) == name) {
+      if (std::get<std::string>(row[0]) == known.first) {
         ++link_count;
         compressive += std::get<double>(row[links.column("impulse")]) > 0;
         ++by_subdomain[std::get<std::int64_t>(row[links.column("subdomain")])];
       }
-    CHECK(grain_count == size.first);
-    CHECK(link_count == size.second);
+    CHECK(grain_count == known.second.first);
+    CHECK(link_count == known.second.second);
     CHECK(by_subdomain.size() == 2);
     CHECK(shared == 2);  // two half-disks in each subdomain; for 4 disks one whole disk beside them
     CHECK(compressive > 0);

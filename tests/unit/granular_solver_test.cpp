@@ -18,8 +18,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-// v = H^T V + bias with V = V_free + M^-1 H r over (x, y, spin) of every disk; columns n and t of each
-// contact.
+// v = H^T V + bias with V = V_free + M^-1 H r over (x, y, spin) of every disk; columns n and t of each contact.
 struct SmallProblem {
   Matrix h;
   Vector inverse_mass, free, bias;
