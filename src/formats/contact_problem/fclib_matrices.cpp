@@ -68,7 +68,7 @@ SparseEntries triplet_entries(const Group& group, std::int64_t rows, std::int64_
 // nz = -1 (lines are columns) or -2 (rows): line k holds entries p_k ... p_(k+1) - 1 at i within the line.
 SparseEntries compressed_entries(const Group& group, std::int64_t lines, std::int64_t width, Index nzmax,
                                  bool by_columns) {
-  const auto p = group.numbers<std::int64_t>("p"), i = group.numbers<std::int64_t>("i");
+  auto p = group.numbers<std::int64_t>("p"), i = group.numbers<std::int64_t>("i");
   const Vector x = vector_of(group, "x");
   require_length(group, "p", count(p), lines + 1);
   require_length(group, "i", count(i), nzmax);
@@ -77,6 +77,7 @@ SparseEntries compressed_entries(const Group& group, std::int64_t lines, std::in
   for (Index k = 1; k < count(p); ++k)
     if (p[at(k)] < p[at(k - 1)] || p[at(k)] > nzmax)
       fail("{}: expected numbers that ascend to {} at most, met {} at position {}", group.of("p"), nzmax, p[at(k)], k);
+  i.resize(at(p.back()));  // the rest is room
   require_inside(group, "i", i, width);
   SparseEntries found;
   for (Index line = 0; line < lines; ++line)

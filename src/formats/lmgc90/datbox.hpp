@@ -105,6 +105,7 @@ struct DatboxSight {
   std::string law;
   double alert = 0;  ///< m
   DatboxPlace place;
+  std::string of(std::size_t k, std::size_t colour) const { return contactors[k] + " " + colours[colour]; }
 };
 
 /// Bodies that come one by one: the first of them by its number from 1, and where.
@@ -193,6 +194,10 @@ bool is_free_grain(const DatboxBody& body, bool space);
 
 /// All other bodies: walls, and driven or free clusters. `coloured`: they get the colour of their first contactor.
 std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool coloured);
+
+/// The first rule by which two contactors such as "DISKx BLEUx" see each other, their colours in either order, as in
+/// LMGC90; null if there is none.
+const DatboxSight* sight_of(const Datbox& datbox, const std::string& a, const std::string& b);
 
 /// Throws Error at `place` for a law that is not described, and for other laws than those of DatboxLaw.
 const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const DatboxPlace& place);

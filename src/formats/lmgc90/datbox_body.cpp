@@ -125,6 +125,10 @@ void complete_cluster_in_plane(DatboxBody& body) {
 void complete(DatboxBody& body, Index dimension) {
   if (body.contactors.size() == 1 && body.contactors[0].solid) return complete_solid(body, dimension);
   const bool single = body.contactors.size() == 1;
+  if (single && dimension == 2) {  // the node moves to an eccentric disk; LMGC90 leaves out less than 1 mm
+    const Eigen::Vector3d shift = std::exchange(body.contactors[0].shift, Eigen::Vector3d::Zero());
+    if (body.position.isZero(0) || shift.squaredNorm() >= 1e-6) body.position += shift;
+  }
   if (dimension == 3 || (!single && body.position.isZero(0))) {
     if (dimension == 2 && !body.unmodelled.empty()) fail("{}", body.unmodelled);  // only disks have weights here
     const Eigen::Vector3d centre = centre_of_grains(body, dimension);

@@ -40,7 +40,7 @@ std::string law_text(const char* name, const Dynamics& dynamics, bool at_boundar
   const bool two = at_rest != friction;
   const std::string frictions =
       two ? datbox_named({{"dfrc=", friction}, {"sfrc=", at_rest}}) : datbox_named({{"fric=", friction}});
-  const bool removes_overlaps = dynamics.time.penetration_correction == 1 && dynamics.time.maximum_push_speed >= 1e100;
+  const bool removes_overlaps = dynamics.time.penetration_correction == 1 && dynamics.time.maximum_push_speed >= 1e9;
   if (interaction.on_velocity())
     return fmt::format(
         "$behav  lawty\n {}  {:30}{}\n{:38}{}\n\n", name, two ? "RST_DS_CLB" : "RST_CLB",

@@ -24,16 +24,6 @@ std::map<std::string, Seen> colours_of(const Datbox& datbox) {
   return colours;
 }
 
-// The first rule by which two colours see each other; null if there is none.
-const DatboxSight* sight_of(const Datbox& datbox, const std::string& a, const std::string& b) {
-  for (const DatboxSight& sight : datbox.sights) {
-    const std::string candidate = sight.contactors[0] + " " + sight.colours[0],
-                      antagonist = sight.contactors[1] + " " + sight.colours[1];
-    if ((candidate == a && antagonist == b) || (candidate == b && antagonist == a)) return &sight;
-  }
-  return nullptr;
-}
-
 // Pairs of colours that may meet, and how they see each other.
 struct Meeting {
   std::string a, b;
@@ -73,6 +63,15 @@ std::vector<ColourSpec> runs_of_colours(const Datbox& datbox) {
 
 }  // namespace
 
+const DatboxSight* sight_of(const Datbox& datbox, const std::string& a, const std::string& b) {
+  for (const DatboxSight& one : datbox.sights)
+    for (const std::size_t turned : {0U, 1U}) {
+      const std::string candidate = one.of(0, turned), antagonist = one.of(1, 1 - turned);
+      if ((candidate == a && antagonist == b) || (candidate == b && antagonist == a)) return &one;
+    }
+  return nullptr;
+}
+
 const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const DatboxPlace& place) {
   const auto found = datbox.laws.find(name);
   if (found == datbox.laws.end()) refuse(place, "expected a law that is described, met '{}'", name);
@@ -95,6 +94,8 @@ std::string colour_of(const Datbox& datbox, const DatboxContactor& contactor) {
 double set_contact_laws(const Datbox& datbox, Dynamics& dynamics) {
   double alert = 0;
   const std::vector<Meeting> meetings = meetings_of(datbox);
+  if (datbox.sights.empty() && !meetings.empty())
+    fail("{}/TACT_BEHAV.DAT: expected contactors that see each other ($seety), met none", datbox.folder);
   const DatboxLaw *of_grains = nullptr, *of_boundaries = nullptr, none;
   for (const Meeting& one : meetings) {
     if (one.sight == nullptr) continue;

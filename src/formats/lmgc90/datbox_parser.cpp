@@ -175,11 +175,14 @@ void read_tact(FixedColumns lines, Datbox& datbox) {
     } else if (section == "$seety") {
       lines.require_next("the names of columns");
       lines.require_next("two contactors and their law");
-      datbox.sights.push_back({{std::string(lines.text(9, 13)), std::string(lines.text(37, 41))},
-                               {std::string(lines.text(16, 20)), std::string(lines.text(44, 48))},
-                               std::string(lines.text(23, 27)),
-                               lines.number_within(55, "alert", 1e100),
-                               lines.place()});
+      const DatboxSight sight{{std::string(lines.text(9, 13)), std::string(lines.text(37, 41))},
+                              {std::string(lines.text(16, 20)), std::string(lines.text(44, 48))},
+                              std::string(lines.text(23, 27)),
+                              lines.number_within(55, "alert", 1e100),
+                              lines.place()};
+      if (const DatboxSight* other = sight_of(datbox, sight.of(0, 0), sight.of(1, 1)); other && other->law != sight.law)
+        lines.refuse("expected one law for two contactors", fmt::format("'{}' beside '{}'", sight.law, other->law));
+      datbox.sights.push_back(sight);
     }
   }
 }
@@ -209,6 +212,7 @@ Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxS
     const std::string& unmodelled = datbox.bodies.back().unmodelled;
     if (shapes == DatboxShapes::modelled && !unmodelled.empty()) fail("{}", unmodelled);
   }
+  if (datbox.bodies.empty()) fail("{}: expected bodies, met none", (fs::path(folder) / "BODIES.DAT").string());
   read_drives(lines(texts.driven, "DRV_DOF.DAT"), datbox, texts, folder);
   read_initial(lines(texts.initial, "DOF.INI"), datbox);
   read_bulk(lines(texts.bulk, "BULK_BEHAV.DAT"), datbox);

@@ -45,17 +45,19 @@ class FixedColumns {
   bool section() const { return line_.empty() || line_[0] == '$'; }
 
   /// A number in the 14 columns from `first` on, with D or E for the exponent. `blank`: blanks are 0. LMGC90 reads no
-  /// further: a number that goes on must have the same value with what it would cut off. Its format D14.7 puts the
-  /// point of a number without one before the last seven digits: such numbers are refused.
+  /// more: a number that begins before or goes on must have the same value with what it would cut off. Its format D14.7
+  /// puts the point of a number without one before the last seven digits: such numbers are refused.
   double number(std::size_t first, std::string_view what, bool blank = false) const {
     const std::string_view field = text(first, first + 13);
     if (field.empty() && blank) return 0;
     const std::size_t end = std::max(std::min(line_.find_first_of(" \t", first + 12), line_.size()), first - 1);
-    const std::string_view whole = field.empty() ? field : trimmed(line_.substr(first - 1, end - (first - 1)));
+    std::size_t begin = first - 1;
+    if (!field.empty() && line_[begin] == field[0]) begin = line_.find_last_not_of("+-.0123456789", begin - 1) + 1;
+    const std::string_view whole = field.empty() ? field : trimmed(line_.substr(begin, end - begin));
     const std::optional<double> value = fortran_number(field);
     if (!value || value != fortran_number(whole))
       refuse(fmt::format("{}: expected a number in columns {} to {}", what, first, first + 13),
-             whole.size() > field.size() ? fmt::format("'{}' and more behind it", field) : fmt::format("'{}'", field));
+             fmt::format("'{}'{}", field, whole == field ? "" : fmt::format(" of '{}'", whole)));
     if (*value != 0 && field.find('.') == std::string_view::npos)
       refuse(fmt::format("{}: expected a number with a decimal point, without which LMGC90 reads another one", what),
              fmt::format("'{}'", field));

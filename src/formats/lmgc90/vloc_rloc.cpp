@@ -179,8 +179,11 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
   const std::vector<NetworkBody> bodies = network_bodies(datbox, h, rows);
   std::vector<DatboxContact> contacts = network.contacts;
   for (const DatboxContact& one : contacts)
-    if (const Index last = std::max(one.candidate, one.antagonist); last >= count(bodies))
-      refuse(one.place, "expected one of the {} bodies of BODIES.DAT, met {}", bodies.size(), last + 1);
+    for (const auto& [body, shape] :
+         {std::pair(one.candidate, one.candidate_shape), {one.antagonist, one.antagonist_shape}})
+      if (body >= count(bodies) || shape >= count(datbox.bodies[at(body)].contactors))
+        refuse(one.place, "expected one of the {} bodies of BODIES.DAT and of its contactors, met {} and {}",
+               bodies.size(), body + 1, shape + 1);
   std::erase_if(contacts, [&](const DatboxContact& one) {
     return bodies[at(one.candidate)].row < 0 && bodies[at(one.antagonist)].row < 0;
   });
@@ -228,7 +231,8 @@ FclibFile read_vloc_rloc(const std::string& path) {
   // Vloc_Rloc.OUT.7 goes with DOF.OUT.7.
   const std::string ending = fs::path(path).filename().string().substr(std::string_view("Vloc_Rloc").size()),
                     state = (fs::path(path).parent_path() / ("DOF" + ending)).string();
-  const Datbox datbox = read_datbox(datbox_beside(path), DatboxShapes::any, is_there(state) ? state : "");
+  const bool initial = ending == ".INI" && !is_there(state);
+  const Datbox datbox = read_datbox(datbox_beside(path), DatboxShapes::any, initial ? "" : state);
   return contact_problem_of(datbox, network_at_state(path, datbox, state), path);
 }
 

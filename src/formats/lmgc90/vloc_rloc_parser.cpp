@@ -28,6 +28,7 @@ void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& c
   contact.candidate = number_of(words[1]);
   contact.candidate_shape = number_of(words[3]);
   contact.law = *(second - 1);
+  if (!datbox.laws.contains(contact.law)) contact.law = *(second - 2) + " " + contact.law;  // a name may have a blank
   contact.antagonist = number_of(*(second + 1));
   contact.antagonist_shape = number_of(*(second + 3));
   contact.slid = std::any_of(second, words.end(), [](const auto& word) { return word.find("sl") != word.npos; });
@@ -68,7 +69,7 @@ void set_numbers(const Numbers& numbers, bool space, DatboxContact& contact) {
 
 DatboxNetwork parse_vloc_rloc(std::string_view text, const std::string& name, const Datbox& datbox) {
   FixedColumns lines(text, name);
-  DatboxNetwork network;
+  DatboxNetwork network{.step = -1};
   for (bool more = lines.next(); more;) {
     if (lines.key() == "$steps") {
       network.step = lines.integer(7, 16, "$steps");
@@ -88,6 +89,7 @@ DatboxNetwork parse_vloc_rloc(std::string_view text, const std::string& name, co
     while ((more = lines.next()) && !lines.section()) read_numbers(lines, numbers);
     set_numbers(numbers, datbox.space(), contact);
   }
+  if (network.step < 0) fail("{}: expected a line $steps with the step and the time, met none", name);
   return network;
 }
 

@@ -94,12 +94,14 @@ class Lines {
       if (!line_.empty() && line_.front() != '#') return true;
       if (line_.starts_with(format_mark) && line_.find_first_of(" \t") == format_mark.size())
         format_ = trimmed(line_.substr(format_mark.size()));
+      if (line_.starts_with("##PERIODIC::")) cell_ = line_;
     }
     return false;
   }
   std::size_t number() const { return lines_.number(); }
   bool has_commas() const { return line_.find_first_of(",;") != line_.npos; }
   std::string_view format() const { return format_; }  // from a remark of YADE, or empty
+  std::string_view cell() const { return cell_; }      // likewise
   std::vector<std::string_view> words() const {
     std::vector<std::string_view> all;
     for (std::string_view rest = line_; !rest.empty();) {
@@ -113,7 +115,7 @@ class Lines {
  private:
   static constexpr std::string_view format_mark = "#format";
   TextLines lines_;
-  std::string_view line_, format_;
+  std::string_view line_, format_, cell_;
 };
 
 constexpr std::string_view clump_format = "x_y_z_r_clumpId";
@@ -145,6 +147,9 @@ Packing parse_text_packing(std::string_view text, const std::string& name) {
   while (lines.next()) {
     const std::vector<std::string_view> words = lines.words();
     if (columns.empty()) {
+      if (!lines.cell().empty())
+        fail("{}: expected no periodic cell, met '{}'; without this line, contacts.period_x and period_y state it",
+             name, lines.cell());
       first_line = lines.number();
       numbers = words.size();
       const std::string_view format = lines.format();
