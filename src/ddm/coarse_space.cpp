@@ -127,20 +127,36 @@ CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVecto
   const Index m = vectors.u.cols();
   const SparseMatrix c = interface.sparse();
   const Matrix gram = Matrix(SparseMatrix(vectors.u.transpose() * SparseMatrix(c * vectors.u)));
+  const Vector squares = vectors.u.cwiseAbs2().transpose() * Vector::Ones(interface.size());
+  const double rounding = m > 0 ? 1e-14 * c.diagonal().maxCoeff() * squares.maxCoeff() : 0;  // of the Gram matrix
   std::vector<Index> kept;
-  Matrix l(m, m);  // row j, column i: of vector j along the i-th kept one
+  Matrix l(m, m), lower(m, m);  // row j, column i: of vector j along the i-th kept one; those of kept ones alone
   for (Index j = 0; j < m; ++j) {
     const Index r = count(kept);
     if (r >= interface.size()) break;
     Vector column = gram.col(j).tail(m - j);
     column.noalias() -= l.block(j, 0, m - j, r) * l.row(j).head(r).transpose();
+    if (column[0] < std::max(1e-4, rounding)) {  // digits may be lost: measured on what is left of the vector
+      const auto own = lower.topLeftCorner(r, r);
+      Vector left = vectors.u.col(j), along(r), parts = Vector::Zero(m);
+      for (int pass = 0; pass < 3; ++pass) {
+        along = Vector(vectors.u.transpose() * (c * left))(kept);
+        own.triangularView<Eigen::Lower>().solveInPlace(along);
+        own.transpose().triangularView<Eigen::Upper>().solveInPlace(along);
+        parts(kept) = along;
+        left -= vectors.u * parts;
+      }
+      column = vectors.u.rightCols(m - j).transpose() * (c * left);
+      column[0] = left.dot(c * left);
+    }
     if (!(column[0] > independent_pivot)) continue;
     l.col(r).tail(m - j) = column / std::sqrt(column[0]);
+    lower.row(r).head(r + 1) = l.row(j).head(r + 1);
     kept.push_back(j);
   }
   const Index r = count(kept);
   u_ = selected_columns(vectors.u, kept);
-  v_ = over(Matrix(u_), l(kept, Eigen::seqN(0, r)));
+  v_ = over(Matrix(u_), lower.topLeftCorner(r, r));
   const Matrix again = v_.transpose() * (c * v_);  // nearly I: vectors that nearly depend on others have lost digits
   v_ = over(std::move(v_), Eigen::LLT<Matrix>(again).matrixL());
   lambda_ = vectors.lambda(kept);

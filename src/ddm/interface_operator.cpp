@@ -228,10 +228,22 @@ bool InterfaceOperator::nullity_is_clear() const { return flexibility() > 0 || i
 
 double InterfaceOperator::uncertainty() const {
   if (flexibility() > 0) return 0;
-  if (!nullity_is_clear()) return infinity;
+  const double rounding = std::max(1e-11, 2e-15 * static_cast<double>(rows()) * std::sqrt(ratio_of_masses()));
+  if (!nullity_is_clear() || (nullity() > 0 && kernel().largest > rounding)) return infinity;
   const auto own = implementation_->of_each([](Index, const EnrichedInertia& local) { return local.uncertainty(); });
   return decomposition().interface.processes().maximum(
       std::accumulate(own.begin(), own.end(), 0.0, [](double a, double b) { return std::max(a, b); }));
+}
+
+double InterfaceOperator::ratio_of_masses() const {
+  double largest = 0, inverse = 0;
+  for (const Subdomain& one : decomposition().subdomains) {
+    if (one.inertia.size() == 0) continue;
+    largest = std::max(largest, one.inertia.maxCoeff());
+    inverse = std::max(inverse, 1 / one.inertia.minCoeff());
+  }
+  const Processes& processes = decomposition().interface.processes();
+  return processes.maximum(largest) * processes.maximum(inverse);
 }
 
 Vector InterfaceOperator::solve_generic(const Vector& g) const {

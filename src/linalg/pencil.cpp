@@ -222,8 +222,8 @@ KernelSplit split_kernel(const Matrix& s, Index nullity) {
   const OneBlasThread serial_blas;
   const Index n = s.rows();
   if (nullity == 0) return {Matrix(n, 0), Matrix::Identity(n, n)};
-  const Matrix vectors = symmetric_eigen(s).vectors;
-  return {vectors.leftCols(nullity), vectors.rightCols(n - nullity)};
+  const auto [values, vectors] = symmetric_eigen(s);
+  return {vectors.leftCols(nullity), vectors.rightCols(n - nullity), values[nullity - 1]};
 }
 
 }  // namespace nscdd

@@ -42,8 +42,7 @@ std::optional<Index> negative_eigenvalues(Matrix a);
 ValuesAndVectors tridiagonal_eigen(const Vector& diagonal, const Vector& below);
 
 /// The n singular values of an n x c matrix, with n - c zeros if c < n, and its left singular vectors (LAPACK dgesdd,
-/// or dgesvd if that fails; no values if both fail). Small values keep their digits, which eigenvalues of A A^T would
-/// lose.
+/// or dgesvd if that fails; no values if both fail). Small values keep digits that eigenvalues of A A^T lose.
 ValuesAndVectors left_singular(Matrix a);
 
 /// All eigenvalues of a general square matrix, n >= 1, with eigenvectors if wanted (LAPACK); none if it fails.
@@ -66,8 +65,9 @@ Matrix orthonormal_complement(const Matrix& columns);
 
 /// Orthonormal bases of the kernel of a symmetric positive semidefinite matrix and of its complement.
 struct KernelSplit {
-  Matrix kernel;  ///< n x m
-  Matrix range;   ///< n x (n - m)
+  Matrix kernel;       ///< n x m
+  Matrix range;        ///< n x (n - m)
+  double largest = 0;  ///< eigenvalue of the kernel
 };
 
 /// The kernel is the space of the `nullity` smallest eigenvalues.

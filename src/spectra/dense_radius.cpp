@@ -32,8 +32,7 @@ PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel,
   return ends;
 }
 
-// Orthonormal basis of the range of M_b^-1/2 N_E H_E over all subdomains, which is that of Y for every epsilon. `root`:
-// of M_b.
+// Orthonormal basis of the range of M_b^-1/2 N_E H_E over all subdomains, that of Y for every epsilon. `root`: of M_b.
 Matrix range_of_resultants(const Decomposition& parts, const Vector& root) {
   Matrix projector = Matrix::Zero(root.size(), root.size());
   for (const Subdomain& one : parts.subdomains) {
@@ -97,18 +96,6 @@ PencilEnds schwarz_ends(const Contraction& b, Index kernel) {
   return ends;
 }
 
-// The largest over the smallest inertia of a copy.
-double ratio_of_masses(const Decomposition& parts) {
-  double largest = 0, inverse = 0;
-  for (const Subdomain& one : parts.subdomains) {
-    if (one.inertia.size() == 0) continue;
-    largest = std::max(largest, one.inertia.maxCoeff());
-    inverse = std::max(inverse, 1 / one.inertia.minCoeff());
-  }
-  const Processes& processes = parts.interface.processes();
-  return processes.maximum(largest) * processes.maximum(inverse);
-}
-
 }  // namespace
 
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
@@ -140,7 +127,7 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   // Backward errors of LAPACK grow with the size, and those of X_0 with the spread of masses.
   const bool rigid = b.system.flexibility() == 0 && !b.schwarz();
   const double backward = static_cast<double>(n) * 2.3e-16, lost = lost_to_rounding(b);
-  const double by_masses = rigid ? backward * std::sqrt(ratio_of_masses(b.system.decomposition())) : 0;
+  const double by_masses = rigid ? backward * std::sqrt(b.system.ratio_of_masses()) : 0;
   const auto margin = [&] {
     return std::max(ends.residual, backward * largest()) + (lost + by_masses) * (1 + largest()) + uncertain();
   };

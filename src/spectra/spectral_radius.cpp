@@ -17,6 +17,8 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
     return not_converged(
         "arpack", fmt::format("the kernel of S is found densely up to {} unknowns: met {}", dense_kernel_limit, n),
         unit_multiplicity);
+  if (unit_multiplicity > 0)
+    require_memory(5 * bytes_of_matrix(n, n), fmt::format("the kernel of S of {} interface unknowns", n));
   SpectralRadius result;
   result.solver = "arpack";
   const auto counting = [&](auto product) -> LinearMap {
@@ -32,7 +34,6 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   const double tilt = b.system.uncertainty();
   if (unit_multiplicity == n) return all_unit(n, "arpack", std::isfinite(tilt));
   if (unit_multiplicity > 0) {
-    require_memory(5 * bytes_of_matrix(n, n), fmt::format("the kernel of S of {} interface unknowns", n));
     // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma, a Rayleigh quotient of the complement.
     const Vector root = b.system.scale().cwiseSqrt();
     const KernelSplit& split = b.system.kernel();  // in coordinates scaled by the root

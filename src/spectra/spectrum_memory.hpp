@@ -67,8 +67,7 @@ inline double lost_to_rounding(const Contraction& b) {
   return 4e-16 * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.flexibility());
 }
 
-/// lambda of (S, P) from its vector, with its residual bound: infinite if solutions with P do not reproduce right
-/// sides.
+/// lambda of (S, P) from its vector, with its residual bound: infinite if solutions with P are no solutions.
 std::pair<double, double> rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p);
 
 /// An upper bound x of X_infinity over P = X_eta: x = 1 + L / eta with L = stiffest, as M_E + K_E / eta <= x M_E.

@@ -36,6 +36,9 @@ class InterfaceOperator {
   /// smallest singular value that counts. Infinity if `nullity_is_clear` is false; 0 for eta > 0.
   double uncertainty() const;
 
+  /// The largest over the smallest inertia of a copy.
+  double ratio_of_masses() const;
+
   /// Orthonormal bases of the kernel of D^-1/2 X_eta D^-1/2 and of its complement, D = diag(scale()). Computed once.
   const KernelSplit& kernel() const;
 
