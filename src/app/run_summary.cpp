@@ -67,10 +67,11 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
   const double energies =
       totals.last.energy.kinetic + std::abs(totals.boundary_work) + std::max(0.0, totals.dissipation);
   if (!(totals.gain > std::max(notable_gain * energies, solver.tolerance * totals.contact_energy))) return text;
-  const bool pushes = totals.relative_overlap > 0 && !dynamics.interaction.on_velocity() &&
+  const bool pushes = totals.relative_overlap > 1e-9 && !dynamics.interaction.on_velocity() &&
                       dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
   std::vector<std::string_view> reasons;
   if (pushes) reasons.push_back("overlaps pushed apart (dynamics.maximum_push_speed)");
+  if (dynamics.interaction.cohesion > 0) reasons.push_back("cohesion, which draws grains together");
   if (open > 0) reasons.push_back("steps that had not converged");
   if (reasons.empty()) reasons.push_back("a step or tolerance too coarse");
   return text + fmt::format("attention: contacts added {:.3g} J in {} steps: {}\n", totals.gain, totals.gaining_steps,

@@ -70,7 +70,8 @@ double natural_map_scale(double maps, double impulses, double alone, double mome
   if (maps <= power(rounding_of_sums) * std::max(std::min(impulses, believed), momenta))
     return std::max({impulses, alone, momenta});
   const double driving = std::max(alone, momenta);
-  return std::max(alone, driving > 0 ? std::min(impulses, power(largest_growth) * driving) : impulses);
+  const double scale = std::max(alone, driving > 0 ? std::min(impulses, power(largest_growth) * driving) : impulses);
+  return scale > 0 ? scale : maps;  // 0 if cohesion alone closes contacts
 }
 
 template <int D>

@@ -57,7 +57,7 @@ class ProgressWatch {
   /// How the iteration ended; empty if it goes on. `may_converge`: whether a small indicator is enough.
   std::optional<Status> judge(Index step, double indicator, double size, double scale, bool may_converge = true) {
     if (std::isnan(indicator) || !std::isfinite(size)) return not_finite_;
-    if (size > limits_.growth * scale) return Status::diverged;
+    if (scale > 0 && size > limits_.growth * scale) return Status::diverged;
     if (indicator <= limits_.tolerance && may_converge) return Status::converged;
     if (indicator < limits_.fall * smallest_) {
       smallest_ = indicator;

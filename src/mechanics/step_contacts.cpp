@@ -153,7 +153,7 @@ class ContactSearch {
 
   // Whether impulses along the normal of a contact move one of its bodies: not so if both are driven along it.
   bool moves_apart(const StepContact& c) const {
-    constexpr double part = 1e-9;
+    constexpr double part = 1e-6;  // of directions, whose numbers may have seven digits
     if (system_.free_bodies.empty()) return true;
     for (const Index body : {c.a, c.b}) {
       const Index node = system_.node_of(body);

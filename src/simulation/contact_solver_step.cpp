@@ -96,6 +96,7 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
   if (sink.row && !sink.observes(report.last.iteration)) observe(solution.impulses);
   report.status = status_of_step(solution.status);
   report.doubtful = report.status == SolverStatus::converged && !solution.credible;
+  report.last.impulses = held.data.sums.squared_norm(solution.impulses - pulls);
   take(solution.impulses);
 }
 

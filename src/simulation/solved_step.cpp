@@ -15,7 +15,7 @@ constexpr double closing_part = 0.1;   // of the work of boundaries and pushes
 
 // Energies of a step, J, of all ranks: they show whether it went wrong.
 struct StepRoom {
-  double motion = 0;      // of all free grains: before, in free flight, and at the speed of the fastest body or push
+  double motion = 0;  // of all free grains: before, in free flight, at the speed of the fastest body or push, pulled
   double in_the_end = 0;  // of all free grains
   double lifting = 0;     // to lift all free grains as far as the fastest body or push moves
   double pushes = 0;      // upper bound of the work of pushes of overlaps
@@ -48,16 +48,21 @@ StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double p
   }
   for (const GrainVelocity<D>& v : step.problem.free)
     if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, squared_velocity(v) + squared_rim(v));
+  std::vector<double> pulled(step.problem.free.size());  // momenta, N s
   for (const GrainContact<D>& c : step.contacts) {
+    for (const Index body : {c.a, c.b}) pulled[at(body)] += step.problem.pulls ? c.pull : 0;
     // A positive normal bias is the gap over h of a contact that hovers, and pushes nothing.
     const LocalVector<D> push{std::min(c.bias.n, 0.0), c.bias.t};
     speed_squared = std::max(speed_squared, squared(push));
     if (c.levers) speed_squared = std::max(speed_squared, squared(driven_part(c, step.problem.free)));
   }
+  double by_pulls = 0;
+  for (std::size_t k = 0; k < pulled.size(); ++k)
+    by_pulls += pulled[k] * pulled[k] * step.problem.free[k].inverse_mass / 2;
   speed_squared = before.processes.maximum(speed_squared);
   const Place gravity = gravity_of(scheme, D);
   const double weight = mass * std::sqrt(dot(gravity, gravity));
-  return {.motion = at_first + free_flight + mass * speed_squared / 2,
+  return {.motion = at_first + free_flight + mass * speed_squared / 2 + before.processes.sum(by_pulls),
           .in_the_end = in_the_end,
           .lifting = weight * scheme.step * std::sqrt(speed_squared),
           .pushes = pushes,

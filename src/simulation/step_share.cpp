@@ -230,8 +230,10 @@ GranularStep<D> share_step(const Simulation& simulation) {
       return std::ranges::binary_search(own, body_pair(one), {}, body_pair);
     });
   std::vector<std::int32_t> bodies = bodies_of(own, system, all.alone());
-  step.problem = step_of_contacts<D>(start, std::move(own), considered.boundary_speed, std::move(bodies),
-                                     all.alone() ? state.impulses : step.impulses, dynamics.solver.warm_start);
+  step.problem = all.together([&] {
+    return step_of_contacts<D>(start, std::move(own), considered.boundary_speed, std::move(bodies),
+                               all.alone() ? state.impulses : step.impulses, dynamics.solver.warm_start);
+  });
   set_scale(step, simulation, considered.number);
   return step;
 }
