@@ -2,8 +2,7 @@
 #pragma once
 
 /// The public face of the library, every header but those of nscdd/mpi: packings, the contact problem, subdomains,
-/// contraction operators and their spectral radii, sweeps, and the files these are read from. docs/architecture.md says
-/// what each layer is for.
+/// contraction operators and their spectral radii, sweeps, and the files these are read from. See docs/architecture.md.
 #include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/contact_solvers/verdict.hpp>
 #include <nscdd/core/choice.hpp>

@@ -2,8 +2,7 @@
 // Alternating directions (ADMM): a linear system of all couplings, then the law contact by contact. With De Saxce's
 // shift s = mu |u_t| of the velocities that the law sees, u + s n = -rho D l, and D = W_nn of each contact,
 //     x <- (W + rho D)^-1 (rho D (z - l) - q - s n),   z <- P(x' + l),   l <- l + x' - z,   x' = 1.6 x - 0.6 z.
-// W + rho D is factorised once for each rho. Where M and H are known M + H (rho D)^-1 H^T takes its place, whole or cut
-// into subdomains.
+// W + rho D is factorised once for each rho. Where M and H are known, M + H (rho D)^-1 H^T is, whole or in subdomains.
 #pragma once
 
 #include "contact_solvers/solver_run.hpp"

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
+#include "linalg/random.hpp"
 
+#include <algorithm>
 #include <bit>
 
 /// The order in which a sweep visits contacts.
 namespace nscdd {
 
-/// Contacts in a block of an interleaved order: enough independent ones for out-of-order execution, few enough for the
-/// first cache.
+/// Contacts in a block of an interleaved order: enough for out-of-order execution, few enough for the first cache.
 inline constexpr Index interleaved_block = 256;
 
 /// Greedy colours of contacts that share nodes, such as grains; each block of contacts is coloured independently.
@@ -17,8 +17,7 @@ class GreedyColours {
  public:
   explicit GreedyColours(Index nodes) : words_(1, std::vector<Word>(at(nodes))) {}
 
-  /// The least colour that no contact of the block has marked at the nodes `seen`; marks it at `marked`. The loops over
-  /// two nodes are unrolled.
+  /// The least colour that no contact of the block has marked at the nodes `seen`; marks it at `marked`.
   [[gnu::always_inline]] Index take_least(const auto& seen, const auto& marked, Index block = 0) {
     for (std::size_t word = 0;; ++word) {
       if (word == words_.size()) words_.emplace_back(words_.front().size());
@@ -47,9 +46,18 @@ class GreedyColours {
   std::vector<std::vector<Word>> words_;  // of each node, 64 colours in a word
 };
 
-std::vector<Index> random_order(Index contacts, std::uint64_t seed);
+inline std::vector<Index> random_order(Index contacts, std::uint64_t seed) {
+  std::vector<Index> order = natural_order(contacts);
+  RandomStream stream(seed);
+  for (Index k = contacts - 1; k > 0; --k) std::swap(order[at(k)], order[at(stream.below(k + 1))]);
+  return order;
+}
 
 /// Sorts each block of an order by the colours of its contacts (stable).
-void sort_by_colour(std::vector<Index>& order, const std::vector<Index>& colours, Index block);
+inline void sort_by_colour(std::vector<Index>& order, const std::vector<Index>& colours, Index block) {
+  for (Index first = 0; first < count(order); first += block)
+    std::stable_sort(order.begin() + first, order.begin() + std::min(first + block, count(order)),
+                     [&](Index a, Index b) { return colours[at(a)] < colours[at(b)]; });
+}
 
 }  // namespace nscdd

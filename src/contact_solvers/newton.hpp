@@ -29,8 +29,7 @@ class NewtonSteps {
 
   NewtonSteps(P& problem, SolverRun<D>& run) : problem_(problem), run_(run) {}
 
-  /// Newton's method for a proximal step from the present impulses, with a line search on || Phi ||. Sets the number of
-  /// its `steps`.
+  /// Newton's method for a proximal step from the present impulses, with a line search on || Phi ||. Counts `steps`.
   Ended solve_proximal_step(double alpha, Index& steps) {
     constexpr double shortest_step = 0.1;
     const ProximalStep step{alpha, run_.now.impulses};

@@ -7,8 +7,7 @@
 
 namespace nscdd {
 
-/// A ContactProblem that stores W on one rank. If M and H are not known, W_s plus a positive diagonal is factorised by
-/// Cholesky's method.
+/// A ContactProblem that stores W on one rank. If M and H are not known, W_s plus a positive diagonal is factorised.
 template <int D>
 class StoredContacts {
  public:
@@ -64,8 +63,7 @@ class StoredContacts {
   std::optional<Systems> systems_;
 };
 
-/// Throws Error unless squares of velocities and impulses neither overflow nor vanish: then no impulse at all has a
-/// residual of 0.
+/// Throws Error if squares of velocities or impulses overflow or vanish: then no impulse at all has a residual of 0.
 void require_moderate(const LocalFrictionProblem& problem, const std::string& name);
 
 }  // namespace nscdd

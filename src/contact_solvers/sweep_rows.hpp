@@ -8,8 +8,7 @@
 
 namespace nscdd {
 
-/// A contact problem with its data in the order in which a sweep visits the contacts. A "place" is a position in this
-/// order.
+/// A contact problem with its data in the order in which a sweep visits the contacts. A "place" is a position in it.
 template <int D>
 struct SweepRows {
   SweepRows(const LocalFrictionProblem& problem, SweepOrder sweep_order, Index seed);

@@ -63,8 +63,7 @@ KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how
 /// Whether the table exists and is finished, without a partial file or a record.
 bool is_complete(const std::string& path);
 
-/// Throws Error unless a finished table has the columns, the number of rows and the cells of `work` that are known
-/// beforehand.
+/// Throws Error unless a finished table has the columns, the number of rows and the known cells of `work`.
 void require_rows_of(const TableWork& work, const std::string& path);
 
 void remove_record(const std::string& path);

@@ -219,9 +219,8 @@ void set_motion(GranularState& state, std::size_t grain, const GrainMotion& velo
 void move_grain(GranularState& state, std::size_t grain, const Place& centre, const Place& angle);
 
 /// Releases the next grain of every source (Boundary::source) whose point is free: no grain would be touched, and
-/// behind the first state no centre of a grain that impulses move is within GrainSource::distance.
-/// The grain, which waited as a driven one, is at rest at the point then, and free. Grains leave in the order of their
-/// numbers.
+/// behind the first state no centre of a grain that impulses move is within GrainSource::distance. The grain, which
+/// waited as a driven one, is at rest at the point then, and free. Grains leave in the order of their numbers.
 void release_grains(GranularSystem& system, GranularState& state);
 
 /// Frees the grains of a system that are released in a state of it.

@@ -9,8 +9,7 @@ namespace nscdd {
 /// gaps by rounding, unfinished iterations or rolling, and far less than the alert distance, which must have no effect.
 inline constexpr double touching_gap = 1e-3;
 
-/// Two bodies with an overlap > largest_overlap x the smaller radius, now or since contacts were found or the run
-/// began.
+/// Two bodies with an overlap > largest_overlap x the smaller radius, now or since contacts were last found.
 struct DeepOverlap {
   Index a = 0, b = 0;         ///< grains a < b, or wall b = disks + w
   double overlap = 0;         ///< the largest, m

@@ -75,8 +75,7 @@ Configuration configuration(const StepStart& start, const std::vector<RigidVeloc
 constexpr double chord_error = 0.01;
 constexpr double most_chords = 32;  // even if a boundary turns by far too much
 
-// Largest distance of what a boundary may touch from its reference point: that of its own grains, or of a corner of
-// the box of all grains.
+// Largest distance of what a boundary may touch from its reference point: its own grains, or the box of all grains.
 double farthest(const StepStart& start, std::size_t boundary) {
   const GranularState& state = start.state;
   const Pose& pose = state.poses[boundary];

@@ -21,12 +21,11 @@ struct ConsideredContacts {
 /// Finds the contacts of a step at q_m and calls visit(contact) for each, in no order: pairs of a free grain and a
 /// grain or wall whose gap is within the alert distance, or would be after the step at the velocities V^- + h M^-1 F
 /// and those of the boundaries. Pairs that met on the path since contacts were last found, and have turned since (see
-/// Passage), have the normal with which they met, and gap 0 if they are apart again. Under a condition on
-/// the gap the same holds for grains that move far in a step and meet before its end; grains that miss each other are
-/// no contact. Under one on the velocity contacts act once they touch. No contact has two bodies that are both driven
-/// along its normal. Throws Error naming the grain if one would move by more than ten of its radii in the step or has a
-/// velocity that is not finite, and naming both grains if two have the same centre. Bodies may overlap, see
-/// check_overlaps.
+/// Passage), have the normal with which they met, and gap 0 if they are apart again. Under a condition on the gap the
+/// same holds for grains that move far in a step and meet before its end; grains that miss each other are no contact.
+/// Under one on the velocity contacts act once they touch. No contact has two bodies that are both driven along its
+/// normal. Throws Error naming the grain if one would move by more than ten of its radii in the step or has a velocity
+/// that is not finite, and naming both grains if two have the same centre. Bodies may overlap, see check_overlaps.
 ConsideredContacts for_each_step_contact(const StepStart& start, const std::function<void(const StepContact&)>& visit);
 
 /// The point of the surface of one of its bodies where a contact acts, m; in a periodic cell the image at its body.

@@ -21,8 +21,7 @@ double push_speed(const TimeStepping& scheme, double smaller_radius, double boun
   return natural_push_speed * (std::sqrt(gravity * smaller_radius) + boundary_speed);
 }
 
-// Adds one body per contact of a wall that impulses do not move. `first`: see first_motions. Returns the bodies of each
-// contact.
+// Adds one body per contact of a wall that impulses do not move. `first`: see first_motions. Returns its bodies.
 template <int D>
 std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const GranularSystem& system,
                                                   const Configuration& where, const std::vector<RigidVelocity>& first) {

@@ -9,8 +9,7 @@ namespace nscdd {
 struct GlobalFrictionProblem;
 
 /// The contact problem of one step. Bodies are grains, then bodies with free directions, then one per contact of
-/// another wall, which moves as the wall there. If ranks share a step, the part of each has only the bodies of its own
-/// contacts.
+/// another wall, which moves as the wall there. If ranks share a step, each has only the bodies of its own contacts.
 template <int D>
 struct StepProblem {
   ContactLaw law;                              ///< of all contacts

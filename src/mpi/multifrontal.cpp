@@ -91,8 +91,7 @@ class SharedFactor {
     negative_eigenvalues = sums[1];
   }
 
-  // Solves for b on the own rows and all border rows or, with `up` = border, on the latter only; the same holds for the
-  // solution and `down`.
+  // Solves for b on the own rows and all border rows or, with `up` = border, on the latter only; likewise for `down`.
   Vector solve(const Vector& b, Fronts up, Fronts down) const {
     const SharedPlan& plan = *plan_;
     const Index own = plan.own_rows;

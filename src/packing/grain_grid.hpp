@@ -134,13 +134,11 @@ class GrainGrid {
 };
 
 /// The grains of a periodic cell, each at its image in the cell, and behind them images beyond the ends of the cell of
-/// those that are within `reach` of its beginnings: every near pair has two of these places as neighbours, one of them
-/// in the cell.
+/// those that are within `reach` of its beginnings: every near pair has two such neighbours, one of them in the cell.
 NumberedGrains periodic_grains(const Places& places, std::span<const double> radius, const Period& period,
                                double reach);
 
-/// Calls visit(i, j), i < j, as GrainGrid::for_each_pair, in a periodic cell also for grains that are near across its
-/// ends.
+/// Calls visit(i, j), i < j, as GrainGrid::for_each_pair, also for grains that are near across ends of a periodic cell.
 void for_each_near_pair(const Places& places, std::span<const double> radius, const Period& period, double stretch,
                         double range, auto&& visit) {
   if (!period.any() || radius.empty()) return GrainGrid(places, radius, stretch, range).for_each_pair(visit);

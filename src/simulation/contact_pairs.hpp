@@ -18,8 +18,7 @@ struct PairSpec {
 };
 
 /// Sets colours and rules of a system whose first `grains` are those of a packing. `of_boundaries`: the colour of each
-/// boundary, "" for none. Throws Error for an impossible range of grains, a colour that nothing has, and a pair given
-/// twice.
+/// boundary, "" for none. Throws Error for an impossible range of grains, a colour of nothing, and a pair given twice.
 void set_pairs(GranularSystem& system, const std::vector<ColourSpec>& colours, const std::vector<PairSpec>& pairs,
                const std::vector<std::string>& of_boundaries, Index grains);
 

@@ -16,8 +16,7 @@ std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses, st
   return kept;
 }
 
-// The decomposition without the tangential columns of contacts without friction, which would make Stage 2 too stiff and
-// the iterations diverge.
+// The decomposition without tangential columns of contacts without friction: they make Stage 2 too stiff to converge.
 template <int D>
 Decomposition linear_parts(const Simulation& simulation, const GranularStep<D>& step) {
   const StepProblem<D>& problem = step.problem;

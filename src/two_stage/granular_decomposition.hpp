@@ -125,8 +125,7 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
 
 /// M and H of a step for the linear analysis. A grain has the rows of its unknowns (a disk x, y, rim with inertia m, m,
 /// m/2), empty ones in H if it is driven. Columns D c, ... are the normal and the tangential directions of contact c.
-/// The arriving velocity is V_free. `bodies`: grains and bodies with free directions; those of walls, which come after
-/// them, are left out.
+/// The arriving velocity is V_free. `bodies`: grains and bodies with free directions; not those of walls after them.
 template <int D>
 ReferenceProblem reference_problem(const StepProblem<D>& problem, Index bodies);
 

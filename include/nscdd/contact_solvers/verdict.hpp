@@ -19,8 +19,7 @@ struct Verdict {
   VerdictKind kind = VerdictKind::undecided;
   /// The largest s found with u_n - mu |u_t| >= s at every contact, m/s; the search ends once s exceeds max |q_c|. If
   /// s > 0 and W is symmetric and positive semidefinite, as H^T M^-1 H is, a solution exists [V. Acary, F. Cadoux,
-  /// C. Lemarechal, J. Malick, ZAMM 91 (2011) 155-175]. A lower bound in outward-rounded arithmetic. Infinite without
-  /// contacts.
+  /// C. Lemarechal, J. Malick, ZAMM 91 (2011) 155-175]. A lower bound, by outward rounding. Infinite without contacts.
   double margin = infinity;
   double speed = 0;   ///< |v'| of the certificate: (v'^T M v' / sum_c 1 / W_nn)^(1/2), or with y^T W y, m/s
   Vector velocities;  ///< v' or y with this margin

@@ -30,8 +30,7 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name);
 /// their masses (docs/formats.md).
 Packing read_packing(const std::string& path);
 
-/// CSV text that `parse_packing` reads back bit for bit, in the shortest decimals. Throws Error for clumps, which have
-/// no column.
+/// CSV text that `parse_packing` reads back bit for bit, in the shortest decimals. Throws Error for clumps.
 std::string packing_csv(const Packing& packing);
 
 /// The bytes of a file that reads back bit for bit. The provenance becomes a group, or remarks ('#') at the top of CSV.

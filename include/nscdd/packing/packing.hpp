@@ -130,8 +130,7 @@ void check(const Period& period, const std::vector<double>& radius, double reach
 
 /// Detects all contacts by a cell grid, in O(N), in a periodic cell also across its ends. Coordinates rounded more
 /// coarsely than the tolerances raise them, see RoundingDoubt. Throws Error naming both grains of a pair that overlaps
-/// too much or shares a centre, for tolerances and periods out of their bounds, and for clumps: their members are no
-/// free grains.
+/// too much or shares a centre, for tolerances and periods out of their bounds, and for clumps.
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection = {});
 
 /// Number of contacts of each grain.

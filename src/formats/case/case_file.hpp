@@ -34,8 +34,7 @@ CaseSpec spec_of_file(const std::string& path, bool moving = false);
 void add_clumps(Case& one);
 
 /// The case with its packing, bodies of its clumps, or contact problem. Names of files are relative to the folder of
-/// the case file. Throws Error "file:line: packing.file: ..." for an unusable file, and for a packing that must be
-/// settled first.
+/// the case file. Throws Error "file:line: packing.file: ..." for an unusable file and a packing to be settled.
 Case resolve(CaseSpec spec);
 
 /// Reads the case that a study names ("disks4", or a path).

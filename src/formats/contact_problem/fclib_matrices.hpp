@@ -14,8 +14,7 @@ std::int64_t size_of(const hdf5::Group& group, const std::string& name);
 SparseMatrix read_matrix(const hdf5::Group& parent, const std::string& name);
 
 /// H of a global problem with `dimension` columns per contact. If its triplets fit in either order (p, i) or (i, p),
-/// the order counts that makes H one of rigid bodies: a contact acts on at most two, with orthogonal blocks of their
-/// translations.
+/// the order counts that makes H one of rigid bodies: a contact acts on at most two, with orthogonal blocks.
 SparseMatrix read_h(const hdf5::Group& parent, Index dimension);
 
 void write_integer(const hdf5::Group& group, const std::string& name, Index value);

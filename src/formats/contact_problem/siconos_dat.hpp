@@ -20,8 +20,7 @@ std::string siconos_text(const FclibFile& file, const std::string& program);
 /// Whether the name is that of a file of Siconos: it ends in .dat.
 bool has_siconos_name(const std::string& path);
 
-/// Reads a file of FCLIB, of Siconos or of LMGC90, by its name. Throws Error as `fclib_from_hdf5`, `siconos_from_text`
-/// and `read_vloc_rloc`.
+/// Reads a file of FCLIB, of Siconos or of LMGC90, by its name. Throws Error as the reader of its format.
 FclibFile read_contact_problem(const std::string& path);
 
 }  // namespace nscdd

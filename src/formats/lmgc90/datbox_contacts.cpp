@@ -86,8 +86,7 @@ std::string DatboxWriter::sphere_contact(const TrajectoryStep& step, const Traje
   const double radius_a = system.radius[at(g.a)], radius_b = wall ? 0 : system.radius[at(g.b)];
   const Vector3 v = velocity(g.a, radius_a) - velocity(g.b, -radius_b);
   const Vector3 r = -datbox_vector(along_axes(g.normal, c.local<3>())) / first_.dynamics.time.step;  // on a
-  // The middle between the two surfaces, from the foot on a wall or the middle of two centres; at a cylinder the point
-  // of the sphere.
+  // The middle between the surfaces, from the foot on a wall or the middle of two centres; at a cylinder the sphere's.
   const Vector3 point = datbox_vector(g.point) + n * (round ? g.gap : wall ? g.gap / 2 : (radius_b - radius_a) / 2);
   const bool of_boundary = system.is_boundary(g.a) || system.is_boundary(g.b);
   const Place &a = places_[at(g.a)], &b = places_[at(g.b)];

@@ -14,8 +14,7 @@ inline Eigen::Vector3d datbox_vector(const std::array<double, 3>& a) { return {a
 /// docs/formats.md describes bodies, contacts and axes.
 class DatboxWriter {
  public:
-  /// `first`: in its first state, the origin of displacements. Throws Error for too many bodies and for full disks that
-  /// are walls.
+  /// `first`: in its first state, the origin of displacements. Throws Error for too many bodies and full disk walls.
   explicit DatboxWriter(const Simulation& first);
 
   std::string bodies() const;  ///< BODIES.OUT
@@ -59,8 +58,7 @@ class DatboxWriter {
     Eigen::Matrix3d frame;
     double angle = 0;  // of the axes, rad, in the plane
   };
-  // A driven body with the times (s) and velocities, or forces, of its degrees of freedom, none for those without;
-  // without times at rest.
+  // A driven body with times (s) and velocities, or forces, of its degrees of freedom that have some; at rest no times.
   struct Driven {
     Index body = 0;
     const char* kind = "vlocy";

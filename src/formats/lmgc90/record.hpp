@@ -42,8 +42,7 @@ struct RecordPlace {
 std::optional<RecordPlace> record_at(const std::string& path);
 
 /// Moves the bodies by the displacements of a record, and sets velocities, axes and the time. Throws Error with file
-/// and dataset for a record that does not exist, another number of rows or columns, and for bodies that are not
-/// visible.
+/// and dataset for a record that does not exist, another number of rows or columns, and invisible bodies.
 void read_state(const RecordPlace& place, Datbox& datbox);
 
 /// The contacts of a record, with its time step. Throws Error as read_state, and for bodies that are missing or not

@@ -28,8 +28,7 @@ FclibFile read_vloc_rloc(const std::string& path);
 /// The nonzero forces and the statuses at the contacts of LMGC90's last step, from which a run starts as LMGC90 does:
 /// in Vloc_Rloc.INI of a folder that `holds_datbox`, or in a record, which may have none. Grains are those of
 /// `datbox_packing` with DatboxGrains::all, walls those of `boundaries_of_datbox`. As in LMGC90, contacts of bodies or
-/// contactors that BODIES.DAT does not have are left out. Throws Error as read_vloc_rloc, and for a folder without
-/// contacts.
+/// contactors that BODIES.DAT has not are left out. Throws Error as read_vloc_rloc, and without contacts.
 ContactForces read_contact_forces(const std::string& path);
 
 /// Vloc_Rloc.INI of a folder that `holds_datbox` if it has contacts, else empty.

@@ -145,8 +145,7 @@ inline constexpr auto model_columns = [](auto&& visit) {
   visit("impulse_distance", "1", [](auto& model) { return &model.impulse_distance; });
 };
 
-/// `radii`, `lengths`: whether the walls of a system have any, and with them columns of their own; in space all have
-/// radii.
+/// `radii`, `lengths`: whether the walls of a system have any, and so columns; in space all have radii.
 inline auto wall_columns(Index dimension, bool radii, bool lengths) {
   return [dimension, space = dimension == 3, radii, lengths](auto&& visit) {
     visit_vector(visit, dimension, "point_", "m", &Wall::point);

@@ -52,10 +52,9 @@ struct Coulomb {
   static Coulomb of(const auto& /*interaction*/, double /*h*/, double /*scale*/) { return {}; }
   double pull() const { return 0; }
 
-  /// Solves v = W (r - stop) together with the law, exactly. `stop` = r - W^-1 v of the present state is the
-  /// impulse that would bring the contact to rest, N s. A solution always exists. If W is coupled and
-  /// friction > W_nn / |W_nt|, there may be several, one of them open, which is then returned. For a coupled W in
-  /// space see ConeContact.
+  /// Solves v = W (r - stop) together with the law, exactly. `stop` = r - W^-1 v of the present state is the impulse
+  /// that would bring the contact to rest, N s. A solution always exists. If W is coupled and friction > W_nn / |W_nt|,
+  /// there may be several, one of them open, which is then returned. For a coupled W in space see ConeContact.
   template <int D, class Delassus>
   LocalVector<D> impulse(LocalVector<D> stop, const Delassus& w, double friction) const {
     if constexpr (Delassus::coupled && D == 3) {

@@ -24,8 +24,7 @@ struct Case {
 /// A fingerprint of the bits of its forces.
 std::string fingerprint_of_forces(const Case& one);
 
-/// The name and the case file of `spec`. A fingerprint of the content in `one` follows each file name; folders are
-/// omitted.
+/// The name and the case file of `spec`. A fingerprint of the content in `one` follows each file name, without folders.
 std::string text_with_contents(const Case& one, CaseSpec spec);
 
 /// 2 in the plane, 3 in space. None for a contact problem, and for a packing of a file or case before it is resolved.
@@ -35,13 +34,11 @@ std::optional<Index> dimension_of(const Case& one);
 /// packing, invalid masses, and for a contact problem, which has no packing.
 Packing packing_of(const Case& one, const Monitor& monitor = {});
 
-/// The simulation of a case at time 0. Throws Error naming the file of the case, as check_dynamics and for invalid
-/// grains.
+/// The simulation of a case at time 0. Throws Error naming the case file, as check_dynamics and for invalid grains.
 Simulation simulation_of(const Case& one, const Monitor& monitor = {});
 
 /// The model of a case: packing, masses, contacts, M and H, decomposition. A contact problem has its M and H, and a
-/// grid partitions it only with the points of its contacts. Throws Error as the functions called. The monitor follows
-/// the generator.
+/// grid partitions it only with the points of its contacts. Throws Error as its parts. `monitor`: of the generator.
 Model build(const Case& one, const Monitor& monitor = {});
 
 /// The two halves of it for one of several ranks, which keeps its own subdomains. The first half has all subdomains,

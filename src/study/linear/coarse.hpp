@@ -75,8 +75,7 @@ void solve_interface(CoarseResult& result, const LinearMap& system, const Linear
 void solve_stage_two(CoarseResult& result, const Decomposition& system, const Decomposition& network,
                      const SpectralOptions& options);
 
-/// Fills the row of BDDC: (M + K / epsilon) V = b, b drawn at random. Throws Error if the solution is none by our
-/// matrices.
+/// Fills the row of BDDC: (M + K / epsilon) V = b, b drawn at random. Throws Error if our matrices refute the solution.
 void solve_bddc(CoarseResult& result, const Decomposition& parts, const CoarseParameters& parameters);
 
 }  // namespace nscdd

@@ -17,8 +17,7 @@ struct CurveParameters {
 };
 
 /// Parses a curve: of `epsilon` and `eta` one is a range FROM:TO (parse_range), the other has values of a sweep. `rest`
-/// has everything else. `dashes` precede names in errors, as on the command line. Throws Error if no curve can be
-/// proved.
+/// has everything else. `dashes` precede names in errors, as in commands. Throws Error if no curve can be proved.
 CurveParameters curve_parameters(double tolerance, const std::string& epsilon, const std::string& eta,
                                  SweepParameters rest, std::string_view dashes = "");
 

@@ -6,8 +6,7 @@
 
 namespace nscdd {
 
-/// The best flexibility of Stage 2 for a case at one epsilon. It has not converged if the choice of contacts is
-/// uncertain.
+/// The best flexibility of Stage 2 for a case at one epsilon; not converged if the choice of contacts is uncertain.
 struct OptimumResult {
   CaseSummary of_case;
   double epsilon = 0;  ///< 1/kg

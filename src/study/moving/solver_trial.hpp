@@ -42,8 +42,7 @@ LocalFrictionProblem whole_contact_problem(const Simulation& simulation);
 /// Throws Error for a case whose contacts do not open.
 void require_open_contacts(const CaseSpec& spec);
 
-/// The solvers of a list of names; "all" names every one. Throws Error, beginning with `what`, for an unknown or
-/// repeated name.
+/// The solvers of a list of names; "all" names every one. Throws Error with `what` for an unknown or repeated name.
 std::vector<FrictionAlgorithm> contact_solvers_named(const std::vector<std::string>& names, const std::string& what);
 
 }  // namespace nscdd

@@ -22,8 +22,7 @@ struct Observable {
   std::array<std::string_view, 10> keys = {};  ///< of a study file, apart from those that every observable uses
   std::vector<Column> (*columns)(const StudyTable&) = nullptr;  ///< of its results, `case` the first
   Index (*run)(const ObservedCase&) = nullptr;  ///< computes the rows of a case; returns how many did not converge
-  /// The number of rows of each case, and the known cells of one of them. Null if the number is not known before the
-  /// case is built.
+  /// The number of rows of each case, and the known cells of one of them. Null if the case must be built for it.
   Index (*rows)(const StudyTable&) = nullptr;
   KnownCells (*known)(const StudyTable&, Index row) = nullptr;
   bool moving = false;      ///< of cases that move
@@ -130,8 +129,7 @@ std::string code_identity();
 WorkIdentity work_identity(const StudyTable& table);
 TableWork table_work(const StudyTable& table);
 
-/// The columns of a vector along x, y and, in space, z. `name` has {} for the direction; component(result, k) is the
-/// k-th number.
+/// The columns of a vector along x, y and, in space, z. `name` has {} for it; component(result, k) is the k-th number.
 template <class Result, class Component>
 ResultColumns<Result> vector_columns(Index dimension, std::string_view name, const std::string& unit,
                                      const std::string& description, Component component) {

@@ -32,8 +32,7 @@ struct MetisPartitioner {
 
 inline Index subdomains(const MetisPartitioner& partitioner) { return partitioner.metis; }
 
-/// Leaves a subdomain empty only if there are fewer contacts than subdomains. Throws Error if METIS fails or `metis`
-/// < 1.
+/// A subdomain is empty only if there are fewer contacts than subdomains. Throws Error if METIS fails or `metis` < 1.
 Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem& problem);
 
 }  // namespace nscdd
