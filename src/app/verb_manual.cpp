@@ -164,7 +164,7 @@ std::string short_guide(const std::vector<Verb>& verbs, const Machine& machine) 
                                  machine.program, version());
   for (const auto& [line, what] : examples)
     if (machine.serves(line.substr(0, line.find(' '))))
-      text += fmt::format("  {} {:<42}{}\n", machine.program, line, what);
+      text += fmt::format("  {} {:<44}{}\n", machine.program, line, what);
   text += "\nVerbs:\n";
   for (const Verb& verb : verbs)
     if (machine.serves(verb.name)) text += fmt::format("  {:<10}{}\n", verb.name, verb.summary);

@@ -37,8 +37,7 @@ struct ContactRelation {
 /// The linear system  P r + Q W r = b  of all contacts, P and Q with a D x D block per contact, for many P and Q. It is
 /// factorised in this form or, if M and H are known and leave fewer entries, for the velocities v of the bodies:
 ///     (M + H P^-1 Q H^T) v = H P^-1 b,   r = P^-1 (b - Q H^T v).
-/// Iterative refinement of the first form follows as long as it halves the residual. W is its symmetric part, see
-/// ContactProblem.
+/// Iterative refinement of the first form follows as long as it halves the residual. W is its symmetric part.
 template <int D>
 class ContactMatrix {
  public:

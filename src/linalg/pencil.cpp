@@ -223,7 +223,8 @@ KernelSplit split_kernel(const Matrix& s, Index nullity) {
   const Index n = s.rows();
   if (nullity == 0) return {Matrix(n, 0), Matrix::Identity(n, n)};
   const auto [values, vectors] = symmetric_eigen(s);
-  return {vectors.leftCols(nullity), vectors.rightCols(n - nullity), values[nullity - 1]};
+  return {vectors.leftCols(nullity), vectors.rightCols(n - nullity),
+          values[nullity - 1] / std::max(values[n - 1], 1e-300)};
 }
 
 }  // namespace nscdd

@@ -67,7 +67,7 @@ Matrix orthonormal_complement(const Matrix& columns);
 struct KernelSplit {
   Matrix kernel;       ///< n x m
   Matrix range;        ///< n x (n - m)
-  double largest = 0;  ///< eigenvalue of the kernel
+  double largest = 0;  ///< eigenvalue of the kernel, over that of the matrix
 };
 
 /// The kernel is the space of the `nullity` smallest eigenvalues.

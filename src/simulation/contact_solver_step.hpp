@@ -24,8 +24,7 @@ LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularS
 }
 
 /// Colours of contacts of the next step of a simulation, ascending by (a, b). Greedy: in the order of detection, each
-/// takes the least colour of no earlier contact on its free grains. Every rank colours all contacts of the step, and
-/// finds the same colours.
+/// takes the least colour of no earlier contact on its free grains. Every rank colours all contacts of the step alike.
 ContactColours contact_colours(const Simulation& simulation, const std::vector<StepContact>& contacts);
 
 /// Solves a step that is not decomposed by a contact solver (see solve_friction) on its contact problem. The tolerance

@@ -48,21 +48,24 @@ StepRoom room_of(const Simulation& before, const GranularStep<D>& step, double p
   }
   for (const GrainVelocity<D>& v : step.problem.free)
     if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, squared_velocity(v) + squared_rim(v));
-  std::vector<double> pulled(step.problem.free.size());  // momenta, N s
+  const double pull = std::visit([](const auto& law) { return law.pull(); }, step.problem.law);  // not that of bonds
+  std::vector<double> by_pulls(step.problem.free.size());  // roots of the energies that those of a body can add up to
   for (const GrainContact<D>& c : step.contacts) {
-    for (const Index body : {c.a, c.b}) pulled[at(body)] += step.problem.pulls ? c.pull : 0;
+    GrainVelocity<D> a{.inverse_mass = c.inverse_mass_a}, b{.inverse_mass = c.inverse_mass_b};
+    if (pull > 0 && c.pull == pull) apply_impulse<D>(c.normal, c.levers.get(), LocalVector<D>{pull}, a, b);
+    if (a.inverse_mass > 0) by_pulls[at(c.a)] += std::sqrt(kinetic_energy(a));
+    if (b.inverse_mass > 0) by_pulls[at(c.b)] += std::sqrt(kinetic_energy(b));
     // A positive normal bias is the gap over h of a contact that hovers, and pushes nothing.
     const LocalVector<D> push{std::min(c.bias.n, 0.0), c.bias.t};
     speed_squared = std::max(speed_squared, squared(push));
     if (c.levers) speed_squared = std::max(speed_squared, squared(driven_part(c, step.problem.free)));
   }
-  double by_pulls = 0;
-  for (std::size_t k = 0; k < pulled.size(); ++k)
-    by_pulls += pulled[k] * pulled[k] * step.problem.free[k].inverse_mass / 2;
+  double pulled = 0;
+  for (const double root : by_pulls) pulled += static_cast<double>(before.processes.size) * root * root;
   speed_squared = before.processes.maximum(speed_squared);
   const Place gravity = gravity_of(scheme, D);
   const double weight = mass * std::sqrt(dot(gravity, gravity));
-  return {.motion = at_first + free_flight + mass * speed_squared / 2 + before.processes.sum(by_pulls),
+  return {.motion = at_first + free_flight + mass * speed_squared / 2 + before.processes.sum(pulled),
           .in_the_end = in_the_end,
           .lifting = weight * scheme.step * std::sqrt(speed_squared),
           .pushes = pushes,

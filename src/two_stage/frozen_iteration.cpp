@@ -51,8 +51,7 @@ LocalMaps local_maps(const GranularDecomposition<D>& parts, Index e, const std::
   return maps;
 }
 
-// `across`: the turning impulses across the directions of sliding, N s; those of the subdomain begin at `turned`.
-// Returns their end.
+// `across`: turning impulses across directions of sliding, N s; the subdomain's begin at `turned`. Returns their end.
 template <int D>
 Index sweep(const GranularSubdomain<D>& subdomain, const std::vector<FrozenContact<D>>& frozen,
             std::vector<GrainVelocity<D>>& v, Vector& across, Index turned) {

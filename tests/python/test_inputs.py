@@ -141,8 +141,12 @@ def test_contacts_of_lmgc90(tmp_path):
     on_a_plank(tmp_path, initial=CONTACT)
     assert "expected a line $steps" in refused(tmp_path, "solve", "DATBOX/Vloc_Rloc.INI")
     (tmp_path / "DATBOX" / "DOF.INI").write_text(begins)
-    on_a_plank(tmp_path, initial=begins + CONTACT.replace("DISKx      1", "DISKx      9"))
-    assert "of its contactors, met 1 and 9" in refused(tmp_path, "solve", "DATBOX/Vloc_Rloc.INI")
+    disk = " DISKx      1  color  BLEUx  byrd= 0.5000000D+00\n"
+    two = "".join(disk.replace("x      1", f"b      {k}") + 29 * " " + f"coo1={0.6 * k - 0.9:14.7E}  coo2={0:14.7E}\n"
+                  for k in (1, 2))
+    on_a_plank(tmp_path, initial=begins + CONTACT.replace("DISKx      1", "DISKb      9"),
+               BODIES=BODIES.replace(disk, two))
+    assert "with contactors that they have, met 1 and 2" in refused(tmp_path, "solve", "DATBOX/Vloc_Rloc.INI")
     on_a_plank(tmp_path, initial=begins + CONTACT.replace("iqsc0", "iqs 0"),
                TACT_BEHAV=(LAW + SEE).replace("iqsc0", "iqs 0"))
     run(tmp_path, "solve", "DATBOX/Vloc_Rloc.INI")

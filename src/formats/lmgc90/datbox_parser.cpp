@@ -212,7 +212,6 @@ Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxS
     const std::string& unmodelled = datbox.bodies.back().unmodelled;
     if (shapes == DatboxShapes::modelled && !unmodelled.empty()) fail("{}", unmodelled);
   }
-  if (datbox.bodies.empty()) fail("{}: expected bodies, met none", (fs::path(folder) / "BODIES.DAT").string());
   read_drives(lines(texts.driven, "DRV_DOF.DAT"), datbox, texts, folder);
   read_initial(lines(texts.initial, "DOF.INI"), datbox);
   read_bulk(lines(texts.bulk, "BULK_BEHAV.DAT"), datbox);
@@ -241,9 +240,11 @@ Datbox read_datbox(const std::string& path, DatboxShapes shapes, const std::stri
   if (record && !is_there(record->file)) fail("{}: no such file", record->file);
   const auto required = [&](const std::string& name) { return read_text((folder / name).string()); };
   const auto text = [&](const char* name) { return is_there(folder / name) ? required(name) : std::string(); };
+  const std::string bodies = required("BODIES.DAT");
+  if (bodies.find("$bdyty") == bodies.npos) fail("{}/BODIES.DAT: expected bodies, met none", folder.string());
   const std::string state = !initial.empty() ? read_text(initial) : record ? "" : text("DOF.INI");
-  Datbox datbox = parse_datbox({required("BODIES.DAT"), required("BULK_BEHAV.DAT"), text("TACT_BEHAV.DAT"),
-                                text("DRV_DOF.DAT"), state, text("COMMAND.DAT"), required},
+  Datbox datbox = parse_datbox({bodies, required("BULK_BEHAV.DAT"), text("TACT_BEHAV.DAT"), text("DRV_DOF.DAT"), state,
+                                text("COMMAND.DAT"), required},
                                folder.string(), shapes);
   if (record) read_state(*record, datbox);
   return datbox;

@@ -52,7 +52,7 @@ class FixedColumns {
     if (field.empty() && blank) return 0;
     const std::size_t end = std::max(std::min(line_.find_first_of(" \t", first + 12), line_.size()), first - 1);
     std::size_t begin = first - 1;
-    if (!field.empty() && line_[begin] == field[0]) begin = line_.find_last_not_of("+-.0123456789", begin - 1) + 1;
+    if (!field.empty() && line_[begin] == field[0]) begin = line_.find_last_not_of("+-.0123456789DdEe", begin - 1) + 1;
     const std::string_view whole = field.empty() ? field : trimmed(line_.substr(begin, end - begin));
     const std::optional<double> value = fortran_number(field);
     if (!value || value != fortran_number(whole))

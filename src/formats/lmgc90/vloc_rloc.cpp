@@ -178,12 +178,14 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
   Index rows = 0;
   const std::vector<NetworkBody> bodies = network_bodies(datbox, h, rows);
   std::vector<DatboxContact> contacts = network.contacts;
+  const auto in_doubt = [&](Index body, Index shape) {  // LMGC90 has counted contactors over all bodies, too
+    const Index most = body < count(bodies) ? count(datbox.bodies[at(body)].contactors) : 0;
+    return most == 0 || (most > 1 && shape >= most);
+  };
   for (const DatboxContact& one : contacts)
-    for (const auto& [body, shape] :
-         {std::pair(one.candidate, one.candidate_shape), {one.antagonist, one.antagonist_shape}})
-      if (body >= count(bodies) || shape >= count(datbox.bodies[at(body)].contactors))
-        refuse(one.place, "expected one of the {} bodies of BODIES.DAT and of its contactors, met {} and {}",
-               bodies.size(), body + 1, shape + 1);
+    if (in_doubt(one.candidate, one.candidate_shape) || in_doubt(one.antagonist, one.antagonist_shape))
+      refuse(one.place, "expected two of the {} bodies of BODIES.DAT with contactors that they have, met {} and {}",
+             bodies.size(), one.candidate + 1, one.antagonist + 1);
   std::erase_if(contacts, [&](const DatboxContact& one) {
     return bodies[at(one.candidate)].row < 0 && bodies[at(one.antagonist)].row < 0;
   });

@@ -28,7 +28,8 @@ void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& c
   contact.candidate = number_of(words[1]);
   contact.candidate_shape = number_of(words[3]);
   contact.law = *(second - 1);
-  if (!datbox.laws.contains(contact.law)) contact.law = *(second - 2) + " " + contact.law;  // a name may have a blank
+  const std::string longer = *(second - 2) + " " + contact.law;  // a name may have a blank
+  if (datbox.laws.contains(longer)) contact.law = longer;
   contact.antagonist = number_of(*(second + 1));
   contact.antagonist_shape = number_of(*(second + 3));
   contact.slid = std::any_of(second, words.end(), [](const auto& word) { return word.find("sl") != word.npos; });
@@ -89,7 +90,8 @@ DatboxNetwork parse_vloc_rloc(std::string_view text, const std::string& name, co
     while ((more = lines.next()) && !lines.section()) read_numbers(lines, numbers);
     set_numbers(numbers, datbox.space(), contact);
   }
-  if (network.step < 0) fail("{}: expected a line $steps with the step and the time, met none", name);
+  if (network.step < 0 && !network.contacts.empty())
+    fail("{}: expected a line $steps with the step and the time, met none", name);
   return network;
 }
 

@@ -147,9 +147,6 @@ Packing parse_text_packing(std::string_view text, const std::string& name) {
   while (lines.next()) {
     const std::vector<std::string_view> words = lines.words();
     if (columns.empty()) {
-      if (!lines.cell().empty())
-        fail("{}: expected no periodic cell, met '{}'; without this line, contacts.period_x and period_y state it",
-             name, lines.cell());
       first_line = lines.number();
       numbers = words.size();
       const std::string_view format = lines.format();
@@ -171,6 +168,9 @@ Packing parse_text_packing(std::string_view text, const std::string& name) {
     packing.clump.push_back(parse_integer(words[4], where));
     check_bounds(packing.clump.back(), Field{.minimum = -1}, where);
   }
+  if (!lines.cell().empty())
+    fail("{}: expected no periodic cell, met '{}'; without this line, contacts.period_x and period_y state it", name,
+         lines.cell());
   if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
   free_single_grains(packing.clump);
   // Plane packings are exchanged with one z for all grains.

@@ -45,8 +45,7 @@ struct Mode {
   double eigenvalue = not_a_number;        ///< mu
   double next = not_a_number;              ///< the eigenvalue next to it, inwards; NaN unless the solver finds two
   double residual = not_a_number;          ///< omega ||S F - lambda P F||_{P^-1}
-  /// Whether `residual` is within the tolerance and the contacts are certain. `spectrum.converged`: whether no other
-  /// mode lies further out.
+  /// `residual` is within tolerance and the contacts are certain. `spectrum.converged`: no other mode is further out.
   bool converged = true;
   Vector impulses;                 ///< F, n_Gamma, kg m/s; empty without a mode (`found`)
   Vector jumps;                    ///< sum_E A_E V_E, n_Gamma, m/s
@@ -60,8 +59,7 @@ struct Mode {
 /// The mode of one end of a contraction. `certain`: see ContactChoice.
 Mode mode_of(const Contraction& b, SpectrumSide side, SpectralOptions options, bool certain = true);
 
-/// The mode of one end. None is found for an empty interface, for B = I or B = 0, or if the solver failed. Throws Error
-/// as choose_contacts.
+/// The mode of one end; none for an empty interface, B = I or B = 0, or if the solver failed. Errors: choose_contacts.
 Mode interface_mode(const Model& model, const ModeParameters& parameters);
 
 /// The end of larger modulus, `low` or `high`.

@@ -68,8 +68,7 @@ struct ExaminedStep {
   Result found;
 };
 
-/// The record of an observable with a row for each step. `examine(simulation)` examines the next one; `columns()` are
-/// those of its result.
+/// The record of an observable with a row for each step. `examine(simulation)` examines the next, `columns()`: of it.
 template <auto columns, auto examine>
 constexpr Observable examined_steps(Observable record) {
   using Step = ExaminedStep<decltype(examine(std::declval<const Simulation&>()))>;

@@ -30,8 +30,7 @@ struct CoarseParameters {
   bool counts = false;              ///< ranks and counts of the network and of its factors only
   Bddc bddc = {};                   ///< set by nscdd-mpi (nscdd/mpi/bddc.hpp)
 };
-/// Throws Error for parameters that have no effect with the others, kappa <= 1 and a threshold <= 0. `option`: whether
-/// to name them as options.
+/// Throws Error for parameters without effect, kappa <= 1 and a threshold <= 0. `option`: whether to name options.
 void check_coarse(const CoarseParameters& parameters, bool option = false);
 
 /// One preconditioner with one coarse space; nothing for counts.
