@@ -223,7 +223,6 @@ const KernelSplit& InterfaceOperator::kernel() const {
 }
 
 Index InterfaceOperator::nullity() const { return flexibility() > 0 ? 0 : implementation_->ranks().value; }
-
 bool InterfaceOperator::nullity_is_clear() const { return flexibility() > 0 || implementation_->ranks().clear; }
 
 double InterfaceOperator::uncertainty() const {
@@ -231,19 +230,16 @@ double InterfaceOperator::uncertainty() const {
   const double rounding = std::max(1e-11, 2e-15 * static_cast<double>(rows()) * std::sqrt(ratio_of_masses()));
   if (!nullity_is_clear() || (nullity() > 0 && kernel().largest > rounding)) return infinity;
   const auto own = implementation_->of_each([](Index, const EnrichedInertia& local) { return local.uncertainty(); });
-  return decomposition().interface.processes().maximum(
-      std::accumulate(own.begin(), own.end(), 0.0, [](double a, double b) { return std::max(a, b); }));
+  return decomposition().interface.processes().maximum(own.empty() ? 0 : std::ranges::max(own));
 }
 
 double InterfaceOperator::ratio_of_masses() const {
-  double largest = 0, inverse = 0;
-  for (const Subdomain& one : decomposition().subdomains) {
-    if (one.inertia.size() == 0) continue;
-    largest = std::max(largest, one.inertia.maxCoeff());
-    inverse = std::max(inverse, 1 / one.inertia.minCoeff());
-  }
+  Eigen::Array2d largest(0, 0);  // inertia, and its inverse
+  for (const Subdomain& one : decomposition().subdomains)
+    if (one.inertia.size() > 0)
+      largest = largest.max(Eigen::Array2d(one.inertia.maxCoeff(), 1 / one.inertia.minCoeff()));
   const Processes& processes = decomposition().interface.processes();
-  return processes.maximum(largest) * processes.maximum(inverse);
+  return processes.maximum(largest[0]) * processes.maximum(largest[1]);
 }
 
 Vector InterfaceOperator::solve_generic(const Vector& g) const {
