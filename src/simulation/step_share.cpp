@@ -230,9 +230,9 @@ GranularStep<D> share_step(const Simulation& simulation) {
       return std::ranges::binary_search(own, body_pair(one), {}, body_pair);
     });
   std::vector<std::int32_t> bodies = bodies_of(own, system, all.alone());
-  step.problem = all.together([&] {
-    return step_of_contacts<D>(start, std::move(own), considered.boundary_speed, std::move(bodies),
-                               all.alone() ? state.impulses : step.impulses, dynamics.solver.warm_start);
+  const std::vector<RememberedImpulse>& impulses = all.alone() ? state.impulses : step.impulses;
+  step.problem = all.together([&, warm = dynamics.solver.warm_start] {
+    return step_of_contacts<D>(start, std::move(own), considered.boundary_speed, std::move(bodies), impulses, warm);
   });
   set_scale(step, simulation, considered.number);
   return step;
