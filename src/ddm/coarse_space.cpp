@@ -14,12 +14,13 @@ namespace {
 
 constexpr double independent_pivot = 1e-12;  // smallest pivot of U^T C U, whose diagonal is 1
 
-// Sorts by lambda, and within it by subdomain, and scales to norm 1 in C. `local`: lambda and columns of each
-// subdomain, on its shared unknowns.
-CoarseVectors united(const PrimalInterface& interface, const std::vector<ValuesAndVectors>& local) {
+// Sorts by lambda, and within it by subdomain, and scales to norm 1 in C. `local`: columns of each subdomain of this
+// rank, on its shared unknowns, with lambda as the last entry.
+CoarseVectors united(const PrimalInterface& interface, std::vector<Matrix> local) {
+  interface.processes.share(local);
   std::vector<std::tuple<double, Index, Index>> order;  // lambda, subdomain, column
   for (Index e = 0; e < count(local); ++e)
-    for (Index j = 0; j < local[at(e)].values.size(); ++j) order.emplace_back(local[at(e)].values[j], e, j);
+    for (Index j = 0; j < local[at(e)].cols(); ++j) order.emplace_back(local[at(e)](local[at(e)].rows() - 1, j), e, j);
   std::ranges::sort(order);
   SparseEntries entries;
   CoarseVectors all{{}, Vector(count(order)), {}};
@@ -27,7 +28,7 @@ CoarseVectors united(const PrimalInterface& interface, const std::vector<ValuesA
     const auto& [lambda, e, j] = order[at(k)];
     const std::vector<Index>& rows = interface.subdomains[at(e)].rows;
     for (Index i = 0; i < count(rows); ++i)
-      if (const double value = local[at(e)].vectors(i, j); value != 0) entries.add(rows[at(i)], k, value);
+      if (const double value = local[at(e)](i, j); value != 0) entries.add(rows[at(i)], k, value);
     all.lambda[k] = lambda;
     all.subdomains.push_back(e);
   }
@@ -87,11 +88,11 @@ Matrix over(Matrix u, const Matrix& lower) {
 CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold) {
   if (!(threshold > 0)) fail("threshold of GenEO: expected a number > 0, met {}", threshold);
   const SparseMatrix c = interface.sparse();
-  std::vector<ValuesAndVectors> local(interface.subdomains.size());
+  std::vector<Matrix> local(interface.subdomains.size());
   for_each_in_parallel(count(local), [&](Index e) {
     const CondensedSubdomain& one = interface.subdomains[at(e)];
     const Index n = count(one.rows);
-    if (n == 0) return;
+    if (n == 0 || !one.own) return;
     const Matrix own = selected_columns(selected_columns(c, one.rows).transpose(), one.rows);  // R_E C R_E^T, C = C^T
     const Eigen::LLT<Matrix> cholesky(one.flexibility);  // F_E = L L^T; w = L y: (L^T T L) y = y / lambda
     const Matrix weighted = one.weights * cholesky.matrixL().toDenseMatrix();
@@ -99,26 +100,28 @@ CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold) 
     const ValuesAndVectors pairs = symmetric_eigen(0.5 * (pencil + pencil.transpose()));
     Index kept = 0;
     while (kept < n && pairs.values[n - 1 - kept] * threshold > 1) ++kept;
-    local[at(e)] = {pairs.values.tail(kept).reverse().cwiseInverse(),
-                    weighted * pairs.vectors.rightCols(kept).rowwise().reverse()};
+    local[at(e)].resize(n + 1, kept);
+    local[at(e)].topRows(n) = weighted * pairs.vectors.rightCols(kept).rowwise().reverse();
+    local[at(e)].bottomRows(1) = pairs.values.tail(kept).reverse().cwiseInverse().transpose();
   });
-  return united(interface, local);
+  return united(interface, std::move(local));
 }
 
 CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts) {
   const Index d = interface.dofs_per_grain;
-  std::vector<ValuesAndVectors> local(interface.subdomains.size());
+  std::vector<Matrix> local(interface.subdomains.size());
   for (std::size_t e = 0; e < local.size(); ++e) {
     const CondensedSubdomain& one = interface.subdomains[e];
+    if (!one.own) continue;
     if (parts.subdomains[e].centres.rows() != d ||
         parts.subdomains[e].centres.cols() != count(parts.subdomains[e].grains))
       throw Error(
           "coarse space rigid: expected the centres of frictionless grains, met a network without; geneo needs "
           "none");
-    local[e].vectors = one.weights * rigid_motions_of(one, parts.subdomains[e], d);
-    local[e].values = Vector::Zero(local[e].vectors.cols());
+    local[e] = one.weights * rigid_motions_of(one, parts.subdomains[e], d);
+    local[e].conservativeResizeLike(Matrix::Zero(local[e].rows() + 1, local[e].cols()));
   }
-  return united(interface, local);
+  return united(interface, std::move(local));
 }
 
 // Left-looking, column by column: row j of L is the right-hand side of the vectors kept before.

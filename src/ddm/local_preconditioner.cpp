@@ -5,16 +5,15 @@
 
 namespace nscdd {
 
-LinearMap local_preconditioner(const Decomposition& parts, std::shared_ptr<const PrimalInterface> interface,
-                               LocalStiffness stiffness, std::shared_ptr<const CoarseProblem> coarse) {
+LinearMap local_preconditioner(std::shared_ptr<const PrimalInterface> interface, LocalStiffness stiffness,
+                               std::shared_ptr<const CoarseProblem> coarse) {
   if (coarse && coarse->size() == 0) coarse.reset();
   if (coarse && stiffness == LocalStiffness::lumped)
     throw Error("coarse space: expected the preconditioner dirichlet with it, met lumped");
-  return [glued = parts.interface, interface, stiffness, coarse](const Vector& g) {
+  return [interface, stiffness, coarse](const Vector& g) {
     const OneBlasThread serial_blas;
     const std::vector<CondensedSubdomain>& subdomains = interface->subdomains;
-    std::vector<Vector> whole = glued.copies_apart(g), copies;
-    for (std::size_t e = 0; e < whole.size(); ++e) copies.push_back(whole[e](subdomains[e].local));
+    std::vector<Vector> copies = interface->glued.copies_apart(g);
     std::vector<std::size_t> shared;  // subdomains with shared grains: the BLAS takes no empty matrix
     for (std::size_t e = 0; e < copies.size(); ++e)
       if (copies[e].size() > 0) shared.push_back(e);
@@ -33,10 +32,8 @@ LinearMap local_preconditioner(const Decomposition& parts, std::shared_ptr<const
     for (const std::size_t e : shared)
       copies[e] = (stiffness == LocalStiffness::lumped ? subdomains[e].block : subdomains[e].stiffness) * copies[e];
     const Vector unbalanced = sum([&](std::size_t e) -> const Vector& { return copies[e]; });
-    for (Vector& impulses : whole) impulses.setZero();
-    for (const std::size_t e : shared)
-      whole[e](subdomains[e].local) = copies[e] - subdomains[e].weights.transpose() * unbalanced(subdomains[e].rows);
-    return glued.collect(std::move(whole));
+    for (const std::size_t e : shared) copies[e] -= subdomains[e].weights.transpose() * unbalanced(subdomains[e].rows);
+    return interface->glued.collect(std::move(copies));
   };
 }
 

@@ -16,8 +16,8 @@ enum class LocalStiffness {
 ///     P^-1 = sum_E B_E S_E B_E^T,  B^T g: the velocities w of the copies with jumps g, of zero weighted mean on the
 /// C-complement of the coarse space: U^T sum_E R_E^T S_E w_E = 0. So P^-1 X_eps is symmetric in P, and has the upper
 /// spectrum of the balanced N C: all eigenvalues other than 1. Returns g -> P^-1 g.
-/// `parts`: one process; `interface`: weighted, of the same parts; `coarse` needs LocalStiffness::dirichlet.
-LinearMap local_preconditioner(const Decomposition& parts, std::shared_ptr<const PrimalInterface> interface,
-                               LocalStiffness stiffness, std::shared_ptr<const CoarseProblem> coarse = {});
+/// `interface`: weighted; `coarse` needs LocalStiffness::dirichlet. Every rank computes all of a product.
+LinearMap local_preconditioner(std::shared_ptr<const PrimalInterface> interface, LocalStiffness stiffness,
+                               std::shared_ptr<const CoarseProblem> coarse = {});
 
 }  // namespace nscdd

@@ -88,13 +88,11 @@ Vector PrimalInterface::apply(const Vector& u) const {
   return sum;
 }
 
-Vector PrimalInterface::apply_dual(const Interface& glued, const Vector& f) const {
+Vector PrimalInterface::apply_dual(const Vector& f) const {
   std::vector<Vector> velocities;
   for (Index e = 0; e < count(subdomains); ++e) {
-    const CondensedSubdomain& one = subdomains[at(e)];
-    const Vector impulses = glued.distribute(e, f);
-    velocities.push_back(Vector::Zero(impulses.size()));
-    if (!one.rows.empty()) velocities.back()(one.local) = one.flexibility * impulses(one.local);
+    velocities.push_back(glued.distribute(e, f));
+    if (velocities.back().size() > 0) velocities.back() = subdomains[at(e)].flexibility * velocities.back();
   }
   return glued.exchange(velocities);
 }
@@ -117,28 +115,36 @@ Matrix PrimalInterface::dense_preconditioner() const {
 
 PrimalInterface condense(const Decomposition& parts, double flexibility) {
   const Interface& glued = parts.interface;
-  if (!glued.processes().alone())
-    fail("subdomains condensed onto shared grains: expected one process, met {}", glued.processes().size);
   if (!(flexibility > 0) || std::isinf(flexibility))
     fail("subdomains condensed onto shared grains: expected a finite flexibility > 0, met {}", flexibility);
-  const Index d = glued.dofs_per_grain();
-  PrimalInterface interface { d, {}, std::vector<CondensedSubdomain>(parts.subdomains.size()) };
-  Index last = -1;
-  for (const Gluing& row : glued.gluing()) {
+  PrimalInterface interface;
+  const Index d = interface.dofs_per_grain = glued.dofs_per_grain();
+  interface.processes = glued.processes();
+  interface.subdomains.resize(parts.subdomains.size());
+  std::vector<std::vector<Index>> held(parts.subdomains.size());
+  for (Index last = -1; const Gluing& row : glued.gluing()) {
     if (std::exchange(last, row.grain) == row.grain) continue;
+    const Index shared = count(interface.sharing);
     std::vector<Index>& members = interface.sharing.emplace_back();
     for (const GrainCopy& copy : glued.copies(row.grain)) {
       members.push_back(copy.subdomain);
+      held[at(copy.subdomain)].push_back(shared);
       CondensedSubdomain& one = interface.subdomains[at(copy.subdomain)];
       for (Index k = 0; k < d; ++k) {
         one.local.push_back(d * copy.grain + k);
-        one.rows.push_back(d * (count(interface.sharing) - 1) + k);
+        one.rows.push_back(d * shared + k);
       }
     }
   }
+  interface.glued = Interface(d, count(interface.sharing), {held.begin(), held.end()}, {}, glued.shape());
   for_each_in_parallel(count(parts.subdomains), [&](Index e) {
-    condense(interface.subdomains[at(e)], parts.subdomains[at(e)], interface.size(), flexibility);
+    CondensedSubdomain& one = interface.subdomains[at(e)];
+    one.own = glued.process_of(e) == interface.processes.rank;
+    if (one.own) condense(one, parts.subdomains[at(e)], interface.size(), flexibility);
   });
+  for (Matrix CondensedSubdomain::*const block :
+       {&CondensedSubdomain::flexibility, &CondensedSubdomain::stiffness, &CondensedSubdomain::block})
+    interface.processes.share(interface.subdomains, block);
   return interface;
 }
 

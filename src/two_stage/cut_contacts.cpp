@@ -49,9 +49,6 @@ CutContacts<D>::CutContacts(Decomposition parts, const CutOptions& options)
     throw Error("solver.interface_network",
                 fmt::format("expected all or active with solver.interface_preconditioner {}, met none",
                             to_string(options_.preconditioner)));
-  if (local && !processes().alone())
-    throw Error("solver.interface_preconditioner",
-                fmt::format("expected network on several processes, met {}", to_string(options_.preconditioner)));
   if (parts_.interface_size() > 0 && options_.network == InterfaceNetwork::none)
     preconditioner_ = InterfaceFamily(parts_, 0).at(infinity);  // X, for all relations
 }
@@ -94,17 +91,16 @@ Decomposition CutContacts<D>::stage_two() const {
 // None if a subdomain is not positive definite in double precision.
 template <int D>
 LinearMap CutContacts<D>::local_map() const {
-  const Decomposition parts = stage_two();
-  const auto interface = std::make_shared<PrimalInterface>(condense(parts, 1));
+  const auto interface = std::make_shared<PrimalInterface>(condense(stage_two(), 1));
   if (!interface->definite()) return {};
   weigh(*interface, options_.scaling);
   if (options_.preconditioner == SystemPreconditioner::lumped)
-    return local_preconditioner(parts, interface, LocalStiffness::lumped);
+    return local_preconditioner(interface, LocalStiffness::lumped);
   std::shared_ptr<const CoarseProblem> coarse;
   if (options_.coarse_space == SystemCoarseSpace::geneo)
     coarse = std::make_shared<const CoarseProblem>(
         *interface, geneo_vectors(*interface, geneo_threshold(*interface, options_.kappa)));
-  return local_preconditioner(parts, interface, LocalStiffness::dirichlet, coarse);
+  return local_preconditioner(interface, LocalStiffness::dirichlet, coarse);
 }
 
 // Stored zeros give all matrices one pattern. Driven directions of a free body have rows without entries of H.

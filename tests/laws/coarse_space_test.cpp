@@ -111,7 +111,7 @@ TEST_CASE("FETI-Dirichlet and the balanced primal interface have one upper spect
           const BalancedSpectrum spectrum(*interface, *coarse);
           const Vector primal = spectrum.all(coarse->size());
           if (primal.size() > 0) CHECK(primal[0] > 1 - 1e-7);
-          const LinearMap dual = local_preconditioner(model.parts, interface, LocalStiffness::dirichlet, coarse);
+          const LinearMap dual = local_preconditioner(interface, LocalStiffness::dirichlet, coarse);
           check_same_upper(dual_spectrum(model, epsilon, dual), primal);
         }
       }
@@ -145,7 +145,7 @@ TEST_CASE("lumped and Dirichlet preconditioners are the formulas of the literatu
       for (const bool lumped : {false, true}) {
         const auto interface = weighted(model, 0.01, stiffness ? Scaling::stiffness : Scaling::multiplicity);
         const LinearMap p =
-            local_preconditioner(model.parts, interface, lumped ? LocalStiffness::lumped : LocalStiffness::dirichlet);
+            local_preconditioner(interface, lumped ? LocalStiffness::lumped : LocalStiffness::dirichlet);
         const Matrix literal = literal_preconditioner(model, *interface, lumped, stiffness);
         for (Index k = 0; k < literal.cols(); ++k)
           CHECK((p(Vector::Unit(literal.cols(), k)) - literal.col(k)).norm() < 1e-8 * literal.norm());

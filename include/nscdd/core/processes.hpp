@@ -106,6 +106,27 @@ struct Processes {
     }
   }
 
+  /// Gives a matrix of each item to all ranks. It is empty on all ranks but one.
+  template <class Items, class MatrixOf = std::identity>
+  void share(Items& items, const MatrixOf& matrix_of = {}) const {
+    if (alone()) return;
+    std::vector<double> own;  // number of an item, rows and columns of its matrix, the entries
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const Matrix& one = std::invoke(matrix_of, items[i]);
+      if (one.size() == 0) continue;
+      for (const Index number : {static_cast<Index>(i), one.rows(), one.cols()})
+        own.push_back(static_cast<double>(number));
+      own.insert(own.end(), one.data(), one.data() + one.size());
+    }
+    const std::vector<double> all = gather(own);
+    for (const double* next = all.data(); next != all.data() + all.size();) {
+      const auto i = static_cast<std::size_t>(next[0]);
+      Matrix& one = std::invoke(matrix_of, items[i]);
+      one = Eigen::Map<const Matrix>(next + 3, static_cast<Index>(next[1]), static_cast<Index>(next[2]));
+      next += 3 + one.size();
+    }
+  }
+
   /// The result of the work. If some ranks throw Error, the first of them throws its own, all others FailedElsewhere.
   template <class Work>
   auto together(Work&& work) const {

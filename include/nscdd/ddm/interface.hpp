@@ -62,6 +62,7 @@ class Interface {
   Index size() const { return dofs_ * count(gluing_); }  ///< n_Gamma
   Index dofs_per_grain() const { return dofs_; }         ///< d
   Index grains() const { return count(start_) - 1; }
+  GluingShape shape() const { return shape_; }
   const std::vector<Gluing>& gluing() const { return gluing_; }
 
   /// Copies of a grain, none if it touches nothing. For grains of other ranks see shared_interface.

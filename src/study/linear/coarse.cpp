@@ -78,7 +78,8 @@ class CoarseStudy {
       const bool active = method.preconditioner == Preconditioner::active;
       solve_stage_two(result, parts_, active ? parts_ : all_, sweep_.spectral);
     };
-    if (!processes().alone()) return stage_two(), result;
+    const bool local = *method.preconditioner >= Preconditioner::lumped;
+    if (!local && !processes().alone()) return stage_two(), result;
     condense_at(epsilon);
     result.interface = interface_work_;
     if (!interface_->definite()) return result.converged = false, result;
@@ -112,12 +113,12 @@ class CoarseStudy {
 
   void iterate(CoarseResult& result, const LinearMap& inverse, const Vector& eigenvalues) const {
     solve_interface(
-        result, [&](const Vector& f) { return interface_->apply_dual(parts_.interface, f); }, inverse,
-        parts_.interface_size(), eigenvalues);
+        result, [&](const Vector& f) { return interface_->apply_dual(f); }, inverse, parts_.interface_size(),
+        eigenvalues);
   }
 
   void lumped(CoarseResult& result) const {
-    const LinearMap p = local_preconditioner(parts_, interface_, LocalStiffness::lumped);
+    const LinearMap p = local_preconditioner(interface_, LocalStiffness::lumped);
     const Index n = parts_.interface_size();
     Vector eigenvalues;
     if (n <= most_lumped) {
@@ -181,7 +182,7 @@ class CoarseStudy {
       result.coarse =
           factor_work(u.transpose() * SparseMatrix(interface_->sparse() * u), renumbered(coarse->subdomains()));
     }
-    iterate(result, local_preconditioner(parts_, interface_, LocalStiffness::dirichlet, coarse),
+    iterate(result, local_preconditioner(interface_, LocalStiffness::dirichlet, coarse),
             known ? eigenvalues : Vector());
   }
 
@@ -221,13 +222,9 @@ Index coarse_spaces(const Model& model, const SweepParameters& sweep, const Coar
   if (std::ranges::any_of(sweep.epsilon, [](double epsilon) { return epsilon == 0; }))
     fail("{}: expected epsilon > 0 for preconditioners of X_epsilon, met 0, where X_0 is singular", model.name);
   const std::vector<CoarseMethod> methods = methods_of(parameters);
-  for (const auto& [one, scaling, space] : methods) {
-    if (!model.parts.interface.processes().alone() &&
-        (one == Preconditioner::lumped || one == Preconditioner::dirichlet))
-      fail("preconditioner: expected X, X_eta or bddc on several ranks, met {}", to_string(*one));
-    if (space == CoarseSpace::rigid && model.network.period.any())
+  for (const CoarseMethod& method : methods)
+    if (method.space == CoarseSpace::rigid && model.network.period.any())
       fail("{}: expected no coarse space rigid in a periodic cell, which cannot turn, met it", model.name);
-  }
   const Selection selection = select(model, sweep.contacts);
   CoarseStudy study(model, selection, sweep, parameters);
   const Index total = count(sweep.epsilon) * count(methods);
