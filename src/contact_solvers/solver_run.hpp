@@ -14,8 +14,7 @@ inline double seconds_since(Clock::time_point start) {
 }
 
 /// The run of a contact solver: its start, and what it has found so far. A contact solver is one file in this folder
-/// with a function of a ContactProblem and a run, and one word in the list of solve_contacts.hpp. Arguments must
-/// outlive the run.
+/// with a function of a ContactProblem and a run, and a word in solve_contacts.hpp. Arguments must outlive it.
 template <int D>
 class SolverRun {
  public:
@@ -125,8 +124,7 @@ class StallWatch {
 };
 
 /// As solve_friction, for any ContactProblem; all ranks call it together. Vectors and the `worst` contact are those of
-/// this rank, counts of contacts and residuals those of all. The source of each class of problems instantiates it, see
-/// solve_contacts.hpp.
+/// this rank, counts of contacts and residuals those of all. Sources of classes of problems instantiate it.
 template <ContactProblem P>
 FrictionSolution solve_contacts(P& problem, const FrictionSolverOptions& options, const Vector& guess,
                                 const FrictionObserver& observer);

@@ -37,14 +37,12 @@ inline Pair smaller(Pair a, Pair b) { return a < b ? a : b; }
 inline double square_root(double a) { return std::sqrt(a); }
 inline Pair square_root(Pair a) { return Pair{std::sqrt(a[0]), std::sqrt(a[1])}; }
 
-// The impulse with which a contact of two spheres would rest, by its normal part and the square of its tangential one,
-// and what its law may need.
+// The impulse with which two spheres would rest, its normal part and squared tangential one, and what laws may need.
 template <class Number>
 struct StoppedContact {
   Number n, square_t, inverse_n, inverse_t, friction, pull;
 };
-// The impulse of a contact whose W is the same in all tangential directions: its tangential part is a part of that of
-// the stopping impulse.
+// The impulse of a contact whose W is the same in all tangential directions: tangentially a part of the stopping one.
 template <class Number>
 struct PartialStop {
   Number n, part_t;

@@ -189,8 +189,7 @@ void push(GrainVelocity<D>& grain, const std::type_identity_t<GrainUnknowns<D>>&
   grain = with_unknowns(v, grain.inverse_mass);
 }
 
-/// V += M^-1 H_c r: the velocities of both bodies of a contact after an impulse r on b and -r on a. `levers`: null for
-/// two grains.
+/// V += M^-1 H_c r: velocities of both bodies of a contact after impulses r on b, -r on a. `levers`: null for grains.
 template <int D>
 void apply_impulse(const Direction<D>& normal, const Levers<D>* levers, const LocalVector<D>& r, GrainVelocity<D>& a,
                    GrainVelocity<D>& b) {

@@ -31,9 +31,8 @@ ConsideredContacts for_each_step_contact(const StepStart& start, const std::func
 /// The point of the surface of one of its bodies where a contact acts, m; in a periodic cell the image at its body.
 Place contact_point(const GranularSystem& system, const Configuration& where, const StepContact& contact, Index body);
 
-/// The levers of a contact with a body with free directions; null for others. Tangential impulses that move nothing are
-/// left out: their rows are 0, see Levers::rubs. Throws Error naming both bodies if W is singular in another way and
-/// there is friction.
+/// The levers of a contact with a body with free directions; null for others. Rows of tangential impulses that move
+/// nothing are 0, see Levers::rubs. With friction, throws Error naming both bodies if W is singular in another way.
 template <int D>
 std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configuration& where,
                                            const StepContact& contact);

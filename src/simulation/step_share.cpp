@@ -101,8 +101,7 @@ void check_system(const Simulation& simulation, Index dimension) {
       fail("{}: expected a mass whose inverse is finite, met {} kg", body_name(system, i), mass);
 }
 
-// The wanted impulses of the step before, ascending by (a, b). Each rank has those of its own subdomains, but at the
-// beginning of a run all of them.
+// The wanted impulses of the last step, ascending by (a, b). Each rank has its own, but at the start of a run all.
 std::vector<RememberedImpulse> impulses_of_all(const Simulation& simulation, const auto& wanted) {
   const GranularState& state = simulation.state;
   if (state.process_of_subdomain.empty()) return state.impulses;

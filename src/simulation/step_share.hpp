@@ -31,8 +31,7 @@ struct GranularStep {
 /// Prepares a step, on all ranks together. Positions and velocities of all grains are replicated; every rank visits all
 /// contacts and keeps its own. Every fresh partition assigns subdomains to ranks by their numbers of contacts, and
 /// sends the impulses to start from to their ranks. The report has the number and the scale of all contacts. Throws
-/// Error as whole_step, for more ranks than subdomains, for an algorithm that ranks cannot share, and if ranks find
-/// different contacts.
+/// Error as whole_step, for more ranks than subdomains, an algorithm for one rank, and contacts that differ on ranks.
 template <int D>
 GranularStep<D> share_step(const Simulation& simulation);
 
@@ -51,8 +50,7 @@ bool decomposes_afresh(const Simulation& simulation, Index step);
 Partition partition_step(const Simulation& simulation, const std::vector<StepContact>& contacts);
 
 /// The packing of the free ones among the first `grains`, now or, at their velocities, after the time `later`, s; with
-/// `bodies` also of bodies that are free along all directions, as clumps: the masses of their grains are scaled to
-/// those of the bodies.
+/// `bodies` also of bodies that are free along all directions, as clumps whose grains have the masses of the bodies.
 Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains, double later = 0,
                     bool bodies = false);
 

@@ -259,8 +259,7 @@ std::optional<EndGuess> PencilMemory::expected(const PencilPoint& point, End Vis
   double lambda = coordinate.lambda(guess.value);
   double side = std::max(std::abs(coordinate.lambda(guess.value + guess.uncertainty) - lambda),
                          std::abs(lambda - coordinate.lambda(guess.value - guess.uncertainty)));
-  // X_epsilon grows with epsilon, and not faster: this bounds the extrapolation of a jump. With schwarz lambda moves
-  // towards 1, not faster.
+  // X_epsilon grows with epsilon, and not faster: this bounds the extrapolation of a jump. With schwarz: towards 1.
   const double falls = schwarz ? -std::abs(step.epsilon) : std::min(0.0, step.epsilon) + std::min(0.0, -step.eta);
   const double grows = schwarz ? std::abs(step.epsilon) : std::max(0.0, step.epsilon) + std::max(0.0, -step.eta);
   const double least = last.end.lambda * std::exp(falls), most = last.end.lambda * std::exp(grows);

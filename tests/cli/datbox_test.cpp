@@ -67,8 +67,7 @@ const std::string bodies_in_space =
 const std::string grains_of_bodies =
     "x,y,z,radius\n0.02,0.05,0.1,0.1\n1,0,0.1,0.1\n0.25,0,0.3,0.1\n0.45,0,0.3,0.1\n0.35,0.3,0.3,0.1\n";
 
-// Places (m) and velocities (m/s) of free grains in steps of two runs, those of disks with their rims, differ by less
-// than these.
+// Limits of differences of places (m) and velocities (m/s) of free grains of two runs, those of disks with their rims.
 void check_same_motion(const Session& session, std::initializer_list<Index> steps, double places, double velocities,
                        const std::string& one = "run.h5") {
   const GranularSystem system = read_trajectory_header(session.path(one)).system;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Overlaps that a packing begins with: how fast they are pushed apart, what that adds to the energy, and that
-// they vanish.
+// Overlaps that a packing begins with vanish: how fast they are pushed apart, and what that adds to the energy.
 #include "../support/granular.hpp"
 #include <nscdd/packing/generator.hpp>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sweeps that pass ends and vectors from point to point: results do not depend on what was remembered, on the
-// row a table starts from.
+// Sweeps that pass ends and vectors from point to point: no result depends on them, or on the row a table starts from.
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
 #include "spectra/spectrum_memory.hpp"

@@ -62,8 +62,7 @@ LocalVector<2> impulse_between(const GranularState& state, Index a, Index b);
 /// Grains of radii 0.1 ... 0.198 m dropped into a box with a floor and two walls, density 2 500 kg/m^2.
 Simulation box_of_grains(Index grains, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1}, Index seed = 1);
 
-/// Hexagonal lattice of touching unit disks, unit masses, every grain with its own random velocity. Overlaps
-/// are pushed apart at any speed.
+/// Hexagonal lattice of touching unit disks, unit masses, random velocities. Overlaps are pushed apart at any speed.
 Simulation shaken_lattice(Index columns, Index rows, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1},
                           std::uint64_t seed = 1);
 

@@ -5,8 +5,7 @@
 
 namespace nscdd::testing {
 
-/// spectral_radius by shift-invert, with every inertia that the search asks for judged by MUMPS: checks that
-/// no count differs.
+/// spectral_radius by shift-invert: checks every inertia that the search asks for against that of MUMPS.
 SpectralRadius judged_radius(const Contraction& b, SpectralOptions options);
 
 }  // namespace nscdd::testing

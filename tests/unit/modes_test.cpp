@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Modes: the identities that tie impulses, velocities and jumps together, normalisation, agreement of
-// solvers.
+// Modes: the identities that tie impulses, velocities and jumps, normalisation, agreement of solvers.
 #include "study/linear/modes.hpp"
 
 #include "../support/problems.hpp"

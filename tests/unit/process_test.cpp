@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the whole process shares is left as it was found: settings held by guards, BLAS threads, random
-// numbers.
+// What the whole process shares is left as it was found: settings held by guards, BLAS threads, random numbers.
 #include "core/process_guard.hpp"
 #include "linalg/scalar.hpp"
 #include "linalg/sparse_cholesky.hpp"

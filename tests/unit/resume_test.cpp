@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What resuming rests on: rows known by number, records that tell work apart, cells that read back to the
-// bit.
+// What resuming rests on: rows known by number, records that tell work apart, cells that read back to the bit.
 #include "../support/problems.hpp"
 #include "../support/run_program.hpp"
 #include "core/text.hpp"

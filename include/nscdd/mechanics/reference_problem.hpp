@@ -7,9 +7,8 @@ namespace nscdd {
 
 /// A load on a whole packing: every grain arrives with the velocity of a homogeneous deformation about the mass centre,
 ///     V^-_i = D (x_i - x_c),   D = [ -compression_x  shear ; shear  -compression_y ],  1/s,
-/// in space with a third row and column (0, 0, -compression_z): shear stays in the planes z = const. Symmetric D is no
-/// restriction: rotations, and uniform velocities or accelerations (gravity), open and close no contact without walls.
-/// The net momentum is 0.
+/// in space with a third row and column (0, 0, -compression_z): shear stays in the planes z = const. The net momentum
+/// is 0. Symmetric D is general: without walls rotations and uniform velocities or accelerations change no gap.
 struct Loads {
   Components<double> compression;  ///< along x and y, in space along z too
   double shear = 0;

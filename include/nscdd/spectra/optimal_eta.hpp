@@ -57,8 +57,7 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
 
 /// The eta in [1e-8, 1e8] x mean of diag(X) where the ends of X_eta^-1 S are equal and opposite about 1, to a relative
 /// 1e-3, enough for a run. S = X_0 of `active`, the same gluing on fewer contacts. If the sum of the ends is at least 2
-/// at the largest eta: this eta. If the radius falls down to eta = 0: the eta with nine tenths of the gain. Infinity
-/// without an interface.
+/// at the largest eta: this eta. If the radius falls down to eta = 0: that of 90 % of the gain. No interface: infinity.
 double optimal_eta(const Decomposition& parts, const Decomposition& active, const SpectralOptions& options = {});
 
 /// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 if it is below

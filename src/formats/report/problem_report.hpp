@@ -23,8 +23,7 @@ struct ProblemReport {
   Packing bodies;
 };
 
-/// `file`: the global problem that the model is made of. Throws Error, beginning with `name`, for another number of
-/// contacts, and as `reduce`.
+/// `file`: the global problem of the model. Throws Error with `name` for another number of contacts, and as `reduce`.
 ProblemReport report_problem(const Model& model, const FclibFile& file, const std::string& name);
 
 }  // namespace nscdd

@@ -57,8 +57,7 @@ auto at_key(const CaseSpec& spec, std::string_view key, auto&& read) {
   }
 }
 
-/// Sets a parameter of a case, such as "packing.grains" or "solver.tolerance", from text. Throws Error for an unknown
-/// key, naming the known ones.
+/// Sets a parameter of a case, such as "packing.grains", from text. Throws Error for an unknown key, naming all.
 void override_case(CaseSpec& spec, std::string_view key, std::string_view value);
 
 /// The case file that reads back to the case.

@@ -24,8 +24,7 @@ CurveParameters curve_parameters(double tolerance, const std::string& epsilon, c
 /// One point of a curve, which is one row of its table.
 struct CurveResult {
   SweepResult found;
-  /// Bounds of the subdominant radius: over log x, the straight lines between the points lie below and above the curve.
-  /// NaN if a point has not converged.
+  /// Bounds of the subdominant radius: over log x, lines between the points lie below and above it. NaN: no result.
   double low = not_a_number, high = not_a_number;
 };
 

@@ -44,16 +44,14 @@ struct PackingReport {
   std::vector<RadiusGrid> grids;
 };
 
-/// The sets of contacts that a model allows: all, and with a load those that are active by the paper's rule, which is
-/// that of frictionless contacts.
+/// The sets of contacts that a model allows: all, and with a load those active by the paper's rule, without friction.
 std::vector<ContactSet> contact_sets_of(const Model& model);
 
 /// Computes the report. None if the monitor stops it. Throws Error as choose_contacts.
 std::optional<PackingReport> report_packing(const Model& model, const PackingReportParameters& parameters,
                                             const Monitor& monitor = {});
 
-/// The points of a grid with modes, evenly spread with both ends: at most `most`, but at least one, in the first row
-/// and the last column.
+/// Points of a grid with modes, evenly spread with both ends: at most `most`, at least that of row 0, last column.
 struct ModePlaces {
   std::vector<Index> rows, columns;
   bool hold(Index row, Index column) const;

@@ -65,8 +65,7 @@ PredictedObserved predicted_observed(const Simulation& simulation);
 /// other than of every iteration, relaxed contacts, a viscous law.
 void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner);
 
-/// The `report` is that of the contact solver that found the solution; the error is the change of the observed rate
-/// over the last tenth of the run.
+/// `report`: of the contact solver that found the solution. The error: change of the observed rate in the last tenth.
 struct RateAtSolution : ComparedRate {
   double drift = not_a_number;        ///< |V_1 - V| / |V| of one iteration from the solution
   double margin = not_a_number;       ///< the smallest status_margin over the root mean square of |r_c|
