@@ -67,6 +67,12 @@ Eigen::Quaterniond turned(const Eigen::Quaterniond& rotation, const Place& angle
   return (Eigen::AngleAxisd(size, vector / size) * rotation).normalized();
 }
 
+Place rotation_between(const Pose& before, const Pose& after) {
+  const Eigen::AngleAxisd turn(after.turn * before.turn.conjugate());
+  const Eigen::Vector3d vector = turn.angle() * turn.axis();
+  return {vector[0], vector[1], vector[2] + after.angle - before.angle};
+}
+
 Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h, Index dimension) {
   Pose after = pose;
   after.x += h * velocity.x;

@@ -93,8 +93,7 @@ struct FreeBody {
 
   bool free(BodyDirection direction) const { return directions[static_cast<std::size_t>(direction)]; }
   bool wholly_free(Index dimension) const { return std::ranges::count(directions, true) == (dimension == 2 ? 3 : 6); }
-  /// Rim radii, m: speed of the rim over spin, for each principal axis. A grain of this radius and mass has the same
-  /// inertia; 1 if there is no inertia.
+  /// Rim radii, m, for each principal axis. A grain of this radius and mass has the same inertia; 1 without inertia.
   std::array<double, 3> rims(Index dimension) const;
 };
 /// Sets `to` along the free directions of a body to `from`.
@@ -153,6 +152,8 @@ Wall moved(const Wall& wall, const Motion& motion, const Pose& pose);
 
 /// A rotation followed by another, given by its axis times its angle, rad; a unit quaternion.
 Eigen::Quaterniond turned(const Eigen::Quaterniond& rotation, const Place& angle);
+/// The axis times the angle, rad, by which a boundary turns from one pose to another.
+Place rotation_between(const Pose& before, const Pose& after);
 
 Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h, Index dimension);
 

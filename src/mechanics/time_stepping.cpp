@@ -223,18 +223,19 @@ StepEnergy finish_step(const StepStart& start, GranularState& state, const std::
       state.body_velocities[k] = velocity_to_keep(*body, motions[k], at_contacts, state.poses[k], system.dimension);
   }
   for (std::size_t i = 0; i < at(system.grains()); ++i) {
-    GrainMotion old = motion_of(state, i, 1);
+    const GrainMotion old = motion_of(state, i, 1);
     const GrainMotion& v = velocities[i];
-    const Index k = system.driven_by[i];
-    const double radius = system.radius[i], theta = k < 0 ? scheme.theta : whole(at(k));
-    if (k >= 0 && theta < 1 && system.boundaries[at(k)].orientation == Orientation::turning)
-      old = {0, 0, 0, first[at(k)].spin_x, first[at(k)].spin_y, first[at(k)].spin};
-    Place centre = centre_of(state, i), angle;
-    for (std::size_t j = 0; j < 3; ++j) angle[j] = h * ((1 - theta) * old[3 + j] + theta * (v[3 + j] / radius));
-    if (k >= 0) {
+    const double radius = system.radius[i], theta = scheme.theta;
+    Place centre = centre_of(state, i), angle{0, 0, 0};
+    if (const Index k = system.driven_by[i]; k >= 0) {
       centre = carried(centre, poses[at(k)], state.poses[at(k)]);
+      if (system.boundaries[at(k)].orientation == Orientation::turning)
+        angle = rotation_between(poses[at(k)], state.poses[at(k)]);
     } else {
-      for (std::size_t j = 0; j < 3; ++j) centre[j] += h * ((1 - theta) * old[j] + theta * v[j]);
+      for (std::size_t j = 0; j < 3; ++j) {
+        centre[j] += h * ((1 - theta) * old[j] + theta * v[j]);
+        angle[j] = h * ((1 - theta) * old[3 + j] + theta * (v[3 + j] / radius));
+      }
       const Place step = system.period.into_cell(centre);
       centre = moved_along(centre, 1, step);
       lifted -= system.mass[i] * dot(gravity, step);
