@@ -34,8 +34,7 @@ Vector polished(const LocalFrictionProblem& problem, std::vector<Index> chain, V
   return r;
 }
 
-// Takes as certificate the contacts whose impulses outweigh their slack, first where this is clear. A proof is replaced
-// only by one with fewer contacts.
+// Takes as certificate the contacts whose impulses outweigh their slack, first where this is clear. Fewer replace more.
 void take_chain(const LocalFrictionProblem& problem, const LargestMargin& found, Verdict& verdict) {
   const double enough = plausible_speed * speed_scale(problem), largest = found.impulses.maxCoeff();
   for (const double share : {1e4, 1e2, 1.0, 1e-2}) {

@@ -70,8 +70,8 @@ void write_file(const std::string& path, std::string_view bytes, bool force);
 /// two copies: `path`, which is never modified under that name, and the spare copy `path.next`. A change brings the
 /// spare copy up to date (by the previous change, or a copy of `path` if that is faster), then applies the new change
 /// to it, then renames it to `path`. So readers of `path` always find a complete version and do not disturb the writer.
-/// `path.lock` excludes a second writer. A symbolic link stays one: all this holds for its target. Throws Error naming
-/// the file if the system fails.
+/// `path.lock` excludes a second writer. All this holds for the target of a symbolic link. Throws Error naming the
+/// file.
 class AlternatingFile {
  public:
   /// Changes the file of the given name; must close it.

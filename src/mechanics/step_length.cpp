@@ -5,8 +5,7 @@
 namespace nscdd {
 namespace {
 
-// Whether the step is too long: the overlap grew on the path of bodies that were apart before, or that overlapped by at
-// most `largest_overlap` in step 0.
+// Whether the step is too long: the overlap grew on the path of bodies apart before (step 0: within largest_overlap).
 bool is_of_step(const DeepOverlap& one, const StepStart& start) {
   const auto& [system, state, interaction, scheme] = start;
   if (one.overlap <= one.before) return false;

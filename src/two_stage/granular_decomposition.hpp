@@ -89,8 +89,7 @@ struct GranularDecomposition {
   /// The scale of the impulses of a step, summed by subdomains: no bit depends on the ranks.
   static ImpulseScale scale_of(const StepProblem<D>& problem, const Partition& partition, const Processes& processes);
 
-  /// Jumps sum_E A_E V_E, or V_E - V_common of whole copies, in rows of grains of which this rank has a copy.
-  /// Neighbours exchange them.
+  /// Jumps sum_E A_E V_E, or V_E - V_common of whole copies, in rows of grains that this rank holds, by neighbours.
   Vector interface_jumps() const;
   /// The same in all rows; collective.
   Vector all_interface_jumps() const;

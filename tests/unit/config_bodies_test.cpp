@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// [[boundary]] with free directions, planks, [[colour]] and [[pair]] of a case file: read, written, read again,
-// refused.
+// [[boundary]] with free directions, planks, [[colour]] and [[pair]] of a case file: read, written, refused.
 #include "../support/moving_case.hpp"
 #include "../support/spoilt.hpp"
 #include "formats/case/case_file.hpp"

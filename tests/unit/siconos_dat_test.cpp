@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact problems as text of Siconos: every storage, read from texts that are put together by hand, and what is
-// refused by name.
+// Contact problems as text of Siconos: every storage, read from texts put together by hand, and what is refused.
 #include "formats/contact_problem/siconos_dat.hpp"
 
 #include "../support/fclib_files.hpp"

@@ -11,8 +11,7 @@ const char* status_name(ContactStatus status, const char* sliding) {
   return status == ContactStatus::open ? "noctc" : status == ContactStatus::stick ? "stick" : sliding;
 }
 
-// The tangent of LMGC90 for two spheres. (If exactly one component of the normal is 0, its formula is not orthogonal to
-// the normal; ours replaces it.)
+// The tangent of LMGC90 for two spheres, or ours if one component of the normal is 0: its own is not orthogonal then.
 Vector3 tangent_of(const Vector3& n) {
   const Index zeros = (n.array() == 0).count();
   if (zeros == 2) return {n[2], n[0], n[1]};

@@ -56,8 +56,7 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
   return prescribed;
 }
 
-// Bodies of grains that are free along all directions start with the mean velocity of their grains, by mass, unless
-// they have one of their own.
+// Bodies of grains that are free along all directions and have no velocity start with the mean one of their grains.
 void set_bodies(GranularScene& start, Index grains, const std::vector<GrainMotion>& motions) {
   const GranularSystem& system = start.system;
   std::vector<double> mass(system.boundaries.size(), 0);

@@ -44,8 +44,7 @@ struct Arrival {
   RunTotals totals;
 };
 
-/// States of cases after some steps. Every state asked for is kept: variants of the solver of a step, and several
-/// tables, start from the same one.
+/// States of cases after some steps. Each is kept: variants of the solver of a step, and several tables, start from it.
 class LeadIn {
  public:
   /// Throws Error as check_dynamics and simulation_of, and if a step breaks down.

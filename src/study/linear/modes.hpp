@@ -96,8 +96,7 @@ struct InterfaceShare {
   double share = 0;             ///< sum of their shares
 };
 
-/// Shares of every interface between two subdomains, largest first. A grain of more than two subdomains counts for the
-/// pairs that the gluing ties.
+/// Shares of every interface between two subdomains, largest first. A grain of several counts for pairs glued together.
 std::vector<InterfaceShare> shares_by_interface(const Mode& mode);
 
 /// The number of row blocks over which the mode spreads: (sum |s_k|)^2 / sum s_k^2.

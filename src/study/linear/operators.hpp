@@ -34,8 +34,7 @@ struct OperatorParameters {
 /// If the interface is not empty, X = X_infinity, the generic one ([ADI12] eq. (17)). With `dense`,
 ///     S = X_epsilon on the contacts of Stage 1, P = X_eta on all contacts, and B = I - omega P^-1 S
 /// Shapes are those of docs/notation.md; for eta = infinity P is X, sparse. `selection` is that of the model. The
-/// monitor follows the columns of B; returns false if it stops the work. Throws Error for an operator that is not
-/// finite in double precision.
+/// monitor follows the columns of B; returns false if it stops the work. Throws Error for an operator that overflows.
 bool case_operators(const Model& model, const Selection& selection, const OperatorParameters& parameters,
                     const Sink<CaseOperator>& sink, const Monitor& monitor = {});
 
