@@ -14,7 +14,7 @@ inline double seconds_since(Clock::time_point start) {
 }
 
 /// The run of a contact solver: its start, and what it has found so far. A contact solver is one file in this folder
-/// with a function of a ContactProblem and a run, and a word in solve_contacts.hpp. Arguments must outlive it.
+/// with a function of a ContactProblem and a run, and a word in solve_contacts.hpp. Arguments outlive the run.
 template <int D>
 class SolverRun {
  public:

@@ -32,8 +32,7 @@ struct SweepRows {
     return result;
   }
   /// The impulses, by contact, after the sweeps of a turn from r. In each sweep every contact in turn takes the impulse
-  /// of its law while the others keep theirs, relaxed by omega. Coloured rows are swept in threads; their number
-  /// changes no bit.
+  /// of its law while the others keep theirs, relaxed by omega. Coloured rows are swept in threads, with the same bits.
   Vector swept(const Vector& r, const SweepTurn& turn, double relaxation) const;
 };
 

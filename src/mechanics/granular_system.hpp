@@ -67,7 +67,7 @@ struct GranularSystem {
     const Index k = boundary_of(body);
     return k >= 0 && !(boundaries[at(k)].body && boundaries[at(k)].body->wholly_free(dimension));
   }
-  /// Whether grain a and grain or wall b are of two bodies, one of which impulses can move, and of colours that touch.
+  /// Whether grain a and grain or wall b are of two bodies, not both driven, and of colours that touch.
   bool may_touch(Index a, Index b) const {
     const Index k = boundary_of(a), l = boundary_of(b);
     if ((k >= 0 || l >= 0) && (!(moves(a) || moves(b)) || k == l || waits(a) || waits(b))) return false;

@@ -50,7 +50,7 @@ bool decomposes_afresh(const Simulation& simulation, Index step);
 Partition partition_step(const Simulation& simulation, const std::vector<StepContact>& contacts);
 
 /// The packing of the free ones among the first `grains`, now or, at their velocities, after the time `later`, s; with
-/// `bodies` also of bodies that are free along all directions, as clumps whose grains have the masses of the bodies.
+/// `bodies` also of bodies that are free along all directions, as clumps with the masses of the bodies.
 Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains, double later = 0,
                     bool bodies = false);
 

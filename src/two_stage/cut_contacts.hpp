@@ -31,7 +31,7 @@ struct CutOptions {
 /// of the tangential blocks of E: a sliding contact resists across its direction only. Then r = P^-1 b - E H_E^T V_E.
 /// With BDDC the V_E are the copies R_E V of (sum_E R_E^T K_E R_E) V = sum_E R_E^T H_E P^-1 b instead.
 /// No bit depends on the number of threads. Collective: each rank has its own subdomains and contacts, and whole
-/// interface vectors. Without a network in Stage 2 no bit depends on the number of ranks; the factor of a network does.
+/// interface vectors. No bit depends on the number of ranks, but for those of the shared factor of X_eta, and of BDDC.
 template <int D>
 class CutContacts {
  public:

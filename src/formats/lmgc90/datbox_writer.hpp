@@ -29,7 +29,7 @@ class DatboxWriter {
   /// plank or cylinder that turns about another point than its middle.
   std::string without_datbox() const;
   std::string tact() const;  ///< TACT_BEHAV.DAT: a law between grains, one at boundaries, and who sees whom
-  /// Names and texts of DRV_DOF.DAT, with velocities and forces of bodies, and of the tables (evolution) in it.
+  /// Names and texts of DRV_DOF.DAT, of driven and loaded bodies, and of the tables that it names.
   std::vector<std::pair<std::string, std::string>> driven() const;
 
  private:

@@ -58,10 +58,13 @@ class CoarseStudy {
       common_.primal_size += parts_.dofs_per_grain();
       common_.cross_points += glued.multiplicity(grain) > 2;
     }
-    common_.local = {0, 0};
-    for (const Subdomain& one : parts_.subdomains)
-      common_.local = common_.local + network_work(one, parts_.dofs_per_grain());
-    common_.local = {processes().sum(common_.local.entries), processes().sum(common_.local.flops)};
+    Matrix local = Matrix::Zero(2, count(parts_.subdomains));  // entries and flops of each
+    for (Index e = 0; e < local.cols(); ++e) {
+      const FactorWork work = network_work(parts_.subdomains[at(e)], parts_.dofs_per_grain());
+      local.col(e) = Eigen::Vector2d(work.entries, work.flops);
+    }
+    const Vector sums = processes().sum_of_parts(std::move(local));
+    common_.local = {sums[0], sums[1]};
     if (processes().alone()) common_.undivided = network_work(reassemble(parts_), parts_.dofs_per_grain());
   }
 
@@ -82,7 +85,7 @@ class CoarseStudy {
     if (!local && !processes().alone()) return stage_two(), result;
     condense_at(epsilon);
     result.interface = interface_work_;
-    if (!interface_->definite()) return result.converged = false, result;
+    if (local && !interface_->definite()) return result.converged = false, result;
     if (method.scaling && scaling_ != method.scaling) {
       auto weighted = std::make_shared<PrimalInterface>(*interface_);
       weigh(*weighted, *method.scaling);

@@ -14,9 +14,6 @@ namespace nscdd {
 struct FactorWork {
   double entries = not_a_number, flops = not_a_number;
 };
-inline FactorWork operator+(const FactorWork& a, const FactorWork& b) {
-  return {a.entries + b.entries, a.flops + b.flops};
-}
 
 /// A row of `nscdd coarse`.
 struct CoarseResult {

@@ -24,7 +24,7 @@ CurveParameters curve_parameters(double tolerance, const std::string& epsilon, c
 /// One point of a curve, which is one row of its table.
 struct CurveResult {
   SweepResult found;
-  /// Bounds of the subdominant radius: over log x, lines between the points lie below and above it. NaN: no result.
+  /// Bounds of the subdominant radius: over log x it lies between their lines from point to point. NaN: none.
   double low = not_a_number, high = not_a_number;
 };
 
