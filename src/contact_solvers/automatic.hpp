@@ -3,7 +3,8 @@
 // Later rounds sweep without momentum, and the last one from the first impulses: whether a curve leads to a solution
 // depends on where it begins. Problems of very many contacts start with accelerated sweeps as long as these make
 // progress: they come nearer to a solution than any point of the curve. Without friction an interior point method takes
-// the place of the first Newton's steps.
+// the place of the first Newton's steps. If the rounds from given impulses fail, rounds from zero follow, which forget
+// the best impulses so far: their curves would begin near these.
 #pragma once
 
 #include "contact_solvers/accelerated.hpp"
@@ -22,8 +23,9 @@ bool sweeps_are_cheap(const P& problem) {
     return true;
 }
 
+/// All rounds from the present impulses.
 template <ContactProblem P>
-void automatic(P& problem, SolverRun<P::dimension>& run) {
+void rounds(P& problem, SolverRun<P::dimension>& run) {
   constexpr Index first_sweeps = 500, rounds_with_momentum = 2, very_many_contacts = 100'000;
   // Smoothings of the curve over the residual of the sweeps, for a run from zero and for one from given impulses.
   constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10, 100, 1, 1000};
@@ -65,6 +67,23 @@ void automatic(P& problem, SolverRun<P::dimension>& run) {
   }
   const bool limited = run.spent() || (run.now.sweeps >= options.maximum_sweeps && !given_up);
   run.now.status = limited ? FrictionStatus::maximum_reached : given_up.value_or(FrictionStatus::stalled);
+}
+
+/// Half of the factorisations are for given impulses, the rest for a beginning from zero.
+template <ContactProblem P>
+void automatic(P& problem, SolverRun<P::dimension>& run) {
+  if (run.data.sums.all_zero(run.now.impulses)) return rounds(problem, run);
+  const Index most = run.options.maximum_factorisations;
+  run.options.maximum_factorisations = most - most / 2;
+  rounds(problem, run);
+  run.options.maximum_factorisations = most;
+  using enum FrictionStatus;
+  const bool failed = run.now.status == stalled || run.now.status == diverged || run.now.status == maximum_reached;
+  const FrictionSolution warm = run.best();
+  if (!failed || run.spent() || !warm.credible) return;  // impulses that grew: no beginning leads to a solution
+  run.begin_again();
+  rounds(problem, run);
+  run.keep_better(warm);
 }
 
 }  // namespace nscdd

@@ -132,14 +132,11 @@ bool SolverRun<D>::decide(const Vector& impulses, const FrictionStep& step) {
   const double maps = now.state.residual * now.state.scale;  // || m ||, N s
   now.step = step;
   now.status_changes = changes_of_status();
-  if (size <= largest_plausible() && maps < best_maps_) {
-    best_ = now;
-    best_maps_ = maps;
-  }
   const double rounding = rounding_of_sums * std::min(size, drift_of_guess * guessed_);  // of a network at rest
   now.credible = maps <= rounding || expected_ == 0 || size <= expected_ ||
                  (maps <= std::max(credible_natural_maps, options.tolerance) * std::max(data.alone, data.momenta) &&
                   size <= largest_impulses * expected_);
+  if (size <= largest_plausible()) keep_better(now);
   const bool go_on = !observer_ || observer_(now);
   if (!std::isfinite(now.state.residual))
     now.status = FrictionStatus::not_finite;
@@ -171,6 +168,22 @@ FrictionSolution SolverRun<D>::best() const {
   solution.seconds = now.seconds;
   solution.status = now.status;
   return solution;
+}
+
+template <int D>
+void SolverRun<D>::keep_better(const FrictionSolution& found) {
+  const double maps = found.state.residual * found.state.scale;  // || m ||, N s
+  if (!(maps < best_maps_)) return;
+  best_ = found;
+  best_maps_ = maps;
+}
+
+template <int D>
+void SolverRun<D>::begin_again() {
+  now.impulses.setZero();
+  now.status = FrictionStatus::maximum_reached;
+  guessed_ = 0;
+  best_maps_ = infinity;
 }
 
 template class SolverRun<2>;

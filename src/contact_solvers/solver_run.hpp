@@ -25,8 +25,8 @@ class SolverRun {
             problem.data, [&problem](const Vector& r) { return problem.product(r); }, chosen, guess, observer) {}
 
   const ContactData& data;
-  const FrictionSolverOptions& options;
-  FrictionSolution now;  ///< the present impulses, set by `judge`; solvers add to its counts
+  FrictionSolverOptions options;  ///< a solver may lower the limits for a while
+  FrictionSolution now;           ///< the present impulses, set by `judge`; solvers add to its counts
 
   /// Evaluates impulses and calls the observer, with the step that led to them. Returns whether the run is over:
   /// converged, stopped by the observer, or without finite impulses.
@@ -42,9 +42,10 @@ class SolverRun {
     now.impulses = earlier.impulses;
     now.state = earlier.state;
   }
+  void keep_better(const FrictionSolution& found);  ///< takes it for the best if its || m || is smaller
+  void begin_again();  ///< from zero impulses, as if without a guess and without a best so far; counts stay
   std::vector<Index> unsettled() const;  ///< contacts of this rank whose status changed in the last 10 checks
-  /// Evaluates impulses of norm `size` with their `velocities` u = W r + q. Above the norm `believed`, natural maps are
-  /// taken to be at least rounding.
+  /// Evaluates impulses of norm `size` and velocities u = W r + q. Natural maps are at least rounding above `believed`.
   static FrictionState state_of(const ContactData& data, const Vector& impulses, Vector velocities, double size,
                                 double believed);
   bool spent() const { return now.factorisations >= options.maximum_factorisations; }

@@ -230,6 +230,28 @@ TEST_CASE("continuation needs no sweeps, and nothing but a judgement where the g
   CHECK(solve_friction(parting, curve).impulses == Vector::Zero(60));
 }
 
+TEST_CASE("auto begins again from zero where a guess leads nowhere, and keeps what is better") {
+  for (const std::uint64_t seed : {1U, 7U, 9U}) {
+    CAPTURE(seed);
+    const LocalFrictionProblem problem = solvable_problem(seed, 40, 44, false);
+    FrictionSolverOptions options{.tolerance = 1e-9, .maximum_sweeps = 0};
+    const FrictionSolution cold = solve_friction(problem, options);
+    options.maximum_factorisations = 2 * cold.factorisations;
+    const Vector guess = RandomStream(seed + 1000).normal_vector(80);
+    const FrictionSolution found = solve_friction(problem, options, guess);
+    CHECK(found.status == FrictionStatus::converged);
+    CHECK(found.factorisations == options.maximum_factorisations);
+    CHECK(found.impulses == cold.impulses);
+
+    options.maximum_factorisations = 3;
+    const Vector near = cold.impulses + 0.1 * guess;
+    const FrictionSolution kept = solve_friction(problem, options, near);
+    REQUIRE(kept.status == FrictionStatus::maximum_reached);
+    CHECK(kept.factorisations == 3);
+    CHECK(kept.state.driven_residual <= friction_state(problem, near).driven_residual);
+  }
+}
+
 TEST_CASE("what a solver without a solution ends with is its best and a status, within its limits") {
   // A grain is driven into a wall: both contacts ask for impulses that cancel.
   const LocalFrictionProblem squeezed{sparse(Matrix{{1, 0, -1, 0}, {0, 1, 0, 1}, {-1, 0, 1, 0}, {0, 1, 0, 1}}),
