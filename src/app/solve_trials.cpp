@@ -44,8 +44,7 @@ std::vector<fs::path> problem_files(const std::string& path) {
   return files;
 }
 
-// Of the text of a file; of all numbers of a problem that LMGC90 spreads over several files. A file that cannot be read
-// is refused when its turn comes.
+// Of the text of a file, or of all numbers of a problem in several files. Unreadable files are refused at their turn.
 std::string fingerprint_of(const fs::path& file) try {
   const std::string path = file.string();
   if (!holds_datbox(path) && !record_at(path) && !has_vloc_rloc_name(path)) return fingerprint(read_text(path));

@@ -16,8 +16,7 @@ class BodyBlocks {
   /// Rows of a body in H: translations and rotations.
   static constexpr int K = D == 2 ? 3 : 6;
 
-  /// Nothing if M and H are not known, M is not diagonal, H has not K rows per body, or a contact touches more than two
-  /// bodies. `contact`: at each place.
+  /// Nothing if M and H are unknown, M is not diagonal, H has not K rows a body, or contacts touch more than two.
   static std::optional<BodyBlocks> of(const LocalFrictionProblem& problem, const std::vector<Index>& contact);
 
   Index bodies() const { return nobody_ / K; }

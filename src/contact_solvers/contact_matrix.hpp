@@ -8,8 +8,7 @@
 
 namespace nscdd {
 
-/// The linear relation of a contact in a step of a solver:  P r + Q u = b, with u = W r and an invertible P. Rows and
-/// columns: normal, then tangential.
+/// The linear relation of a contact in a step of a solver: P r + Q u = b, u = W r, with an invertible P. Normal first.
 template <int D>
 struct ContactRelation {
   using Block = Eigen::Matrix<double, D, D>;

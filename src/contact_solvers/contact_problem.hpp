@@ -54,8 +54,7 @@ struct SweepTurn {
   double momentum = 0;        ///< in [0, 1)
 };
 
-/// The data of the contacts of a problem u = W r + q. Vectors have D entries per contact of this rank; sums are over
-/// the contacts of all ranks.
+/// The contacts of a problem u = W r + q. Vectors have D entries per contact of this rank; sums are over all ranks.
 struct ContactData {
   Vector q, friction;             ///< as those of a LocalFrictionProblem
   Vector normal;                  ///< W_nn of its contact at each component, 1/kg

@@ -72,8 +72,7 @@ Table untyped_table(const CsvText& csv);
 
 /// The first difference between a table and the CSV text of another, or "" if they agree: equal columns, numbers of
 /// rows and texts, and numbers that differ by at most `tolerance` x max(1, |number|), or x |number| if `relative`. A
-/// column may have its own tolerance. Not compared: the effort of a solver (applications, iterations, spectra) and
-/// rounding (residual, difference).
+/// column may have its own tolerance. Not compared: effort (applications, iterations, spectra), residual, difference.
 std::string compare(const Table& table, const CsvText& expected, double tolerance,
                     const std::map<std::string, double>& column_tolerance = {}, bool relative = false);
 

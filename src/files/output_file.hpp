@@ -36,8 +36,7 @@ bool is_stream(const std::filesystem::path& path);
 
 /// Atomic output file: it grows as `path.partial`, and `finish` renames it to `path`. A killed run leaves the partial
 /// file, which is readable. An exception removes it, unless it holds bytes of an earlier run. "-" is standard output;
-/// devices and pipes are written to directly. Throws Error if the system fails (no space, no permission) or another run
-/// is writing the same partial file.
+/// devices and pipes are written to directly. Throws Error if the system fails or another run writes the same file.
 class OutputFile {
  public:
   /// With `kept_bytes`, continues the partial file of an earlier run, if any, after so many bytes.
@@ -70,8 +69,7 @@ void write_file(const std::string& path, std::string_view bytes, bool force);
 /// two copies: `path`, which is never modified under that name, and the spare copy `path.next`. A change brings the
 /// spare copy up to date (by the previous change, or a copy of `path` if that is faster), then applies the new change
 /// to it, then renames it to `path`. So readers of `path` always find a complete version and do not disturb the writer.
-/// `path.lock` excludes a second writer. All this holds for the target of a symbolic link. Throws Error naming the
-/// file.
+/// `path.lock` excludes a second writer. All this holds for the target of a symbolic link. Errors name the file.
 class AlternatingFile {
  public:
   /// Changes the file of the given name; must close it.

@@ -170,8 +170,7 @@ void take_impulses(const Law& law, ContactRows<3>& contacts, std::size_t first, 
 }
 
 // A sweep over spheres. Contacts that follow each other and share no sphere take their impulses at once: neither feels
-// the other's, so that it is the same as one after the other. Spheres that come soon are asked for: in a coloured
-// order they lie anywhere in memory.
+// the other's. Spheres that come soon are asked for: in a coloured order they lie anywhere in memory.
 template <bool relaxed, bool tangential_bias, class Law>
 SweepSums sweep(const Law& law, ContactRows<3>& contacts, std::span<GrainVelocity<3>> velocities, double relaxation) {
   constexpr std::size_t soon = 12;

@@ -43,9 +43,8 @@ Index body_of(const StepProblem<D>& problem, Index body) {
 template <int D>
 StepProblem<D> prepare_step(const StepStart& start, bool warm_start, bool shallow = false);
 
-/// Sets up the problem of the contacts in `geometry`, ascending by (a, b), with `bodies`, ascending, among them all
-/// grains and free bodies of these contacts. `last`, ascending by (a, b), tells which contacts slid; impulses start
-/// from those in it if `warm_start`.
+/// Sets up the problem of the contacts in `geometry` with `bodies`, among them all grains and free bodies of these.
+/// `last` tells which contacts slid; impulses start from those in it if `warm_start`. All ascend, contacts by (a, b).
 template <int D>
 StepProblem<D> step_of_contacts(const StepStart& start, std::vector<StepContact> geometry, double boundary_speed,
                                 std::vector<std::int32_t> bodies, const std::vector<RememberedImpulse>& last,

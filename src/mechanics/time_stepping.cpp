@@ -175,8 +175,7 @@ RigidVelocity velocity_to_keep(const FreeBody& body, const RigidVelocity& v, con
   return kept;
 }
 
-// Moves bodies with free directions, and their grains, to their images in a periodic cell.
-// Returns the change of their potential energy, J.
+// Moves bodies with free directions and their grains into a periodic cell; returns their change of potential energy, J.
 double keep_bodies_in_cell(const GranularSystem& system, GranularState& state, const Place& gravity) {
   if (!system.period.any()) return 0;
   double lifted = 0;

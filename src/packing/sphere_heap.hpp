@@ -10,8 +10,7 @@ namespace nscdd {
 
 using SpacePoint = Eigen::Vector3d;
 
-/// Obstacle for the centre of a sphere: the ball about another sphere, or a plane. Floor and walls have negative
-/// numbers, grains their own.
+/// Obstacle for the centre of a sphere: the ball about another sphere, or a plane (floor and walls: negative numbers).
 ///
 ///   gap(c) = |c - s| - (r + r_s)  or  n . c - offset,     normal(c) = grad gap
 struct Obstacle {

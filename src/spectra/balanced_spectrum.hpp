@@ -14,8 +14,7 @@ class BalancedSpectrum {
   /// `interface`: weighted; it and `coarse` must outlive this.
   BalancedSpectrum(const PrimalInterface& interface, const CoarseProblem& coarse);
 
-  /// The largest eigenvalue, by Lanczos on B^T (C - C U (U^T C U)^-1 U^T C) B, N = B B^T; 1 if none is left. NaN:
-  /// stalled.
+  /// The largest eigenvalue by Lanczos on B^T (C - C U (U^T C U)^-1 U^T C) B, N = B B^T. 1: none is left; NaN: stalled.
   double largest(Index k) const;
   /// The smallest k with largest(k) <= kappa, by bisection; nothing if all vectors do not suffice.
   std::optional<Index> fewest(double kappa) const;

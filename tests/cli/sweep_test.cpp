@@ -50,8 +50,7 @@ TEST_CASE_FIXTURE(Session, "sweep: the columns of the table have their names") {
   CHECK(result.text(0, "converged") == "true");
 }
 
-// Every row is a chain of disks of unit mass that is cut in its middle grain, see
-// tests/laws/degenerate_spectra_test.cpp.
+// Every row is a chain of disks of unit mass that is cut in its middle grain, see degenerate_spectra_test.cpp.
 TEST_CASE_FIXTURE(Session, "sweep: a search for several eigenvalues next to the rigid limit comes to an end") {
   run("sweep hexagonal --subdomains 4x4 --epsilon 1e-12W --eigenvalues 2 --solver shift-invert --csv o.csv");
   CHECK(csv("o.csv").rows.size() == 1);

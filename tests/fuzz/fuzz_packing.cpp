@@ -73,8 +73,7 @@ bool beyond_last_places(const Packing& p) {
   return false;
 }
 
-// The pairs that touch within the tolerances are contacts. Those beyond them are counted: what digits are worth
-// decides.
+// The pairs that touch within the tolerances are contacts. Those beyond them are counted: what digits are worth.
 void require_same(const Packing& packing, const ContactDetection& detection) {
   const auto network = detect(packing, detection);
   const auto expected = brute_force(packing, detection);

@@ -118,8 +118,7 @@ TEST_CASE("FETI-Dirichlet and the balanced primal interface have one upper spect
   });
 }
 
-// sum_E B_E Q_E B_E^T with B_E = (sum A W^-1 A^T)^-1 A_E W_E^-1, W_E the weights that a copy asks for [Rixen and
-// Farhat].
+// sum_E B_E Q_E B_E^T with B_E = (sum A W^-1 A^T)^-1 A_E W_E^-1, W_E the weights of a copy [Rixen and Farhat].
 Matrix literal_preconditioner(const Model& model, const PrimalInterface& interface, bool lumped, bool stiffness) {
   const Index n = model.parts.interface_size();
   Matrix gram = Matrix::Zero(n, n), sum = gram;

@@ -17,8 +17,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-// Spheres dropped into a box whose side walls turn about their feet, both the same way, some steps on: contacts stick,
-// slide and open.
+// Spheres in a box whose side walls turn about their feet, both the same way, some steps on: contacts stick and slide.
 Simulation sheared_bed(Index grains, Index seed, Index steps = 3, const Components<Index>& grid = {2, 1, 1}) {
   const double width = 0.3 * std::cbrt(static_cast<double>(grains));
   const SphereDeposit deposit{

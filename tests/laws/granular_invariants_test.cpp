@@ -57,8 +57,7 @@ double least_dissipation(const GranularStep<2>& step, double e) {
 }  // namespace
 
 TEST_CASE("no gravity, no boundary: energy only falls, by what friction and impacts take, and momentum stays") {
-  // Unequal coefficients (friction without a tangential one) have no bound: Newton's law may gain energy
-  // there (Kane's paradox).
+  // Unequal coefficients have no bound: with friction Newton's law may gain energy there (Kane's paradox).
   struct Contact {
     double friction, restitution, tangential;
   };

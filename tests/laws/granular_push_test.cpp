@@ -13,8 +13,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-// A hexagonal lattice on a floor, its centres so near that neighbours overlap by a part of their radius. It
-// is what an imported packing may look like.
+// A hexagonal lattice on a floor, so dense that neighbours overlap by a part of their radius, as imported ones may.
 Simulation pressed_lattice(double overlap, Dynamics dynamics) {
   const double radius = 0.01, nearer = 1 - overlap / 2;
   Packing packing = generate(Generator{HexagonalLattice{.columns = 12, .rows = 12, .radius = radius}});

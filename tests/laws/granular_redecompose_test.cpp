@@ -88,8 +88,7 @@ TEST_CASE("frictionless: a partition kept for 10 steps gives the velocities of o
 }
 
 TEST_CASE("a contact that appears between two decompositions is given to a neighbour's subdomain and solved") {
-  // Two pairs fly at each other: 0, 1 to the right in the left strip, 2, 3 to the left in the right one;
-  // above them two lone grains.
+  // Two pairs meet: 0, 1 fly right in the left strip, 2, 3 left in the right one; above them two lone grains.
   const double gap = 0.06;
   std::vector<Grain> grains{{.x = 0, .velocity_x = 1},
                             {.x = 1, .velocity_x = 1},

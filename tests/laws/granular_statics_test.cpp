@@ -39,8 +39,7 @@ TEST_CASE("column of disks between walls: every reaction is the weight above it"
 }
 
 TEST_CASE("a disk in a frictionless wedge: both reactions by the triangle of forces") {
-  // Walls at 30 degrees (left) and 60 degrees (right) from the horizontal: N_left = W sin 60 / sin 90, and
-  // the other W sin 30; the disk touches both.
+  // The disk touches walls at 30 (left) and 60 degrees from the horizontal: N = W sin 60 / sin 90 and W sin 30.
   const double a = std::numbers::pi / 6, b = std::numbers::pi / 3;
   Dynamics dynamics = tight();
   dynamics.interaction.law = "frictionless";

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The rigid limit of redundant networks: ranks, unit eigenvalues and ends by sparse factorisation as by dense
-// algebra, and where there is none.
+// The rigid limit of redundant networks: ranks, unit eigenvalues and ends by sparse factorisation as by dense algebra.
 #include "../support/dense.hpp"
 #include "../support/judged_radius.hpp"
 #include "../support/mumps.hpp"
@@ -63,8 +62,7 @@ SpectralRadius limit_shift_inverted(const Contraction& b, SpectrumMemory* memory
 }  // namespace
 
 TEST_CASE("rank of a full strip of lattice is that of its dense matrix, and as many columns span its range") {
-  // Strips of 7 x 100: the smallest eigenvalue of H^T H that is not 0 is 2e-5. Sparse QR without column
-  // exchanges finds 1 399 for the fourth.
+  // Strips of 7 x 100: the least eigenvalue of H^T H above 0 is 2e-5. QR without exchanges has 1 399 for the fourth.
   const Model model = build(hexagons(100, 100, {16, 1}));
   const SparseMatrix& h = model.parts.subdomains[3].h;
   const RangeProjector range(h);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The rigid limit of packings in space: clusters that move as one, free motions and unit eigenvalues, as dense algebra
-// and MUMPS have them.
+// The rigid limit in space: clusters that move as one, free motions, unit eigenvalues, by dense algebra and MUMPS.
 #include "../support/dense.hpp"
 #include "../support/judged_radius.hpp"
 #include "../support/problems.hpp"

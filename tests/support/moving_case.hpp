@@ -12,8 +12,7 @@ std::string moving_case();
 /// The same of 30 grains and 12 steps.
 std::string small_moving_case();
 
-/// A case file: `packing` is the path of a file, or a generator with lines of its parameters; `grid`
-/// is its partition, such as "2, 1".
+/// A case file: `packing` is the path of a file, or a generator with its parameters; `grid` a partition as "2, 1".
 std::string case_text(const std::string& packing, const std::string& grid = "1, 1", const std::string& more = "");
 
 /// A boundary of it: a wall in space, or in the plane through two points.

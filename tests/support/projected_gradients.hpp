@@ -23,14 +23,12 @@ struct NonnegativeMinimum {
 
 /// Minimises  1/2 x^T A x + b^T x  over x >= 0, which solves the complementarity problem
 ///     x >= 0,   g = A x + b >= 0,   x^T g = 0
-/// for A symmetric positive semidefinite, n x n, and b in its range; x and g should be of comparable size
-/// (diagonal of A near 1). g is unique; if A is singular, x may not be. From the start 0, x is the solution
-/// of least norm if no bound interferes.
-/// MPRGP, products with A only: conjugate gradients on the free variables, cut at the bounds, each cut
-/// followed by a projected gradient step; bounds are let go once the gradient there outweighs the free one
-/// (Z. Dostal, J. Schoeberl, Comput. Optim. Appl. 30 (2005) 23-43). `largest_eigenvalue`: an upper bound of
-/// that of A. A run that does not converge, or that a monitor stops, is data: see
-/// `converged`.
+/// for A symmetric positive semidefinite, n x n, and b in its range; x and g should be of comparable size (diagonal of
+/// A near 1). g is unique; if A is singular, x may not be. From the start 0, x is the solution of least norm if no
+/// bound interferes. MPRGP, products with A only: conjugate gradients on the free variables, cut at the bounds, each
+/// cut followed by a projected gradient step; bounds are let go once the gradient there outweighs the free one (Z.
+/// Dostal, J. Schoeberl, Comput. Optim. Appl. 30 (2005) 23-43). `largest_eigenvalue`: an upper bound of that of A. A
+/// run that does not converge, or that a monitor stops, is data: see `converged`.
 NonnegativeMinimum minimize_nonnegative(const LinearMap& a, const Vector& b, double largest_eigenvalue, Vector start,
                                         const QuadraticOptions& options = {}, const Monitor& monitor = {});
 

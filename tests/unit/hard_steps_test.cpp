@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact problems of steps with large friction, on which details of the contact solvers count. Random problems are
-// too easy for that.
+// Contact problems of steps with large friction, on which details of the contact solvers count: random ones are easy.
 #include "../support/moving_case.hpp"
 #include "../support/sanitized.hpp"
 #include "formats/case/case_file.hpp"

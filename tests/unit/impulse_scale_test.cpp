@@ -96,8 +96,7 @@ Simulation between_driven_disks(const std::string& algorithm, double left, doubl
   return simulation_of({in(units, {}), in(units, {.x = 1}), in(units, {.x = 2})}, dynamics);
 }
 
-// A row of two contacts that ask for impulses that cancel: after k sweeps from zero r = (2 k - 1, 2 k) N s, u = (-2,
-// 0).
+// Two contacts that ask for impulses that cancel: after k sweeps from zero r = (2 k - 1, 2 k) N s, u = (-2, 0) m/s.
 LocalFrictionProblem squeezed(double scale = 1) {
   return {Matrix{{1, 0, -1, 0}, {0, 1, 0, 1}, {-1, 0, 1, 0}, {0, 1, 0, 1}}.sparseView(), scale * Vector{{-1, 0, -1, 0}},
           Vector::Constant(2, 0.3)};

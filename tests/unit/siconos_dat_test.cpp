@@ -15,8 +15,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-// As the writer of Siconos has them, but for the digits of sparse entries (%g there), which are enough here to come
-// back.
+// As the writer of Siconos has them, but for the digits of sparse entries (%g there), enough here to come back.
 std::string dense_text(const SparseMatrix& matrix) {
   std::ostringstream text;
   text.precision(17);

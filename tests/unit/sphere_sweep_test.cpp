@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sweeps over spheres are written number by number, some contacts two at once: here against the law itself, contact by
-// contact in its frame.
+// Sweeps over spheres go number by number, some contacts two at once: here against the law, contact by contact.
 #include "linalg/random.hpp"
 #include "mechanics/contact_residual.hpp"
 

@@ -79,8 +79,7 @@ TEST_CASE("vloc_rloc: M, H, loads and biases of a square on a plank and under a 
   h.col(2) << -0.6, -0.8, 0.02, 0, 0.8, 0;  // at (0.8, 1.1) from there and (-0.2, -0.9) from the triangle
   h.col(3) << -0.8, 0.6, 1.36, 0, -0.6, 0;  // t = (0.8, -0.6)
   check_close(problem.h, h);
-  // A gap of 0.01 m closes at 1 m/s. Restitution of -0.795 and 0.94 m/s by 1/2 and 1/4, the triangle at 0.5 m/s along
-  // x.
+  // A gap of 0.01 m closes at 1 m/s. Restitution of -0.795 and 0.94 m/s by 1/2 and 1/4; the triangle: 0.5 m/s along x.
   check_close(problem.w, Vector{{1, -0.125, -0.3975 + 0.3, 0.235 + 0.4}});
   check_close(problem.friction, Vector{{0.5, 0.3}});
   check_close(file.points, Matrix{{1.5, 1.8}, {0, 2.1}});

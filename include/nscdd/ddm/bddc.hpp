@@ -42,8 +42,7 @@ struct BddcSystem {
   std::function<BddcSolution(const Vector& right)> solve;  ///< of b_E; collective
 };
 
-/// Prepares the system of symmetric positive definite matrices M_{E,eps}, one subdomain for each rank. Collective;
-/// nscdd/mpi/bddc.hpp makes one.
+/// Prepares the system of symmetric positive definite M_{E,eps}, one for each rank. Collective; see nscdd/mpi/bddc.hpp.
 using Bddc = std::function<BddcSystem(const Decomposition& own, SparseMatrix matrix, const BddcParameters& parameters)>;
 
 }  // namespace nscdd

@@ -6,8 +6,7 @@
 
 namespace nscdd {
 
-/// Generators of packings: one file and one word here each. A generator has `name`, `summary`,
-/// `dimension`, fields and `generate`.
+/// Generators of packings: one file and one word here each, with `name`, `summary`, `dimension`, fields and `generate`.
 using Generator =
     std::variant<TriangularStrip, HexagonalLattice, Deposit, CubicLattice, FccLattice, HcpLattice, SphereDeposit>;
 

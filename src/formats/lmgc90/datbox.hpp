@@ -154,8 +154,7 @@ enum class DatboxShapes {
 /// LMGC90 could not read or would read as another number.
 Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder, DatboxShapes = DatboxShapes::modelled);
 
-/// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX, or a record (record.hpp). The folder of
-/// a record is that of datbox_beside.
+/// Whether a path is a folder with BODIES.DAT in it or in DATBOX, or a record, whose folder is that of datbox_beside.
 bool holds_datbox(const std::string& path);
 
 /// The folder of such a path.
@@ -195,8 +194,7 @@ bool is_free_grain(const DatboxBody& body, bool space);
 /// All other bodies: walls, and driven or free clusters. `coloured`: they get the colour of their first contactor.
 std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool coloured);
 
-/// The first rule by which two contactors such as "DISKx BLEUx" see each other, their colours in either order, as in
-/// LMGC90; null if there is none.
+/// The first rule by which contactors such as "DISKx BLEUx" see each other, colours in either order; null if none does.
 const DatboxSight* sight_of(const Datbox& datbox, const std::string& a, const std::string& b);
 
 /// Throws Error at `place` for a law that is not described, and for other laws than those of DatboxLaw.
@@ -205,10 +203,9 @@ const DatboxLaw& law_named(const Datbox& datbox, const std::string& name, const 
 /// Its laws, gravity and boundaries.
 Dynamics datbox_dynamics(const Datbox& datbox);
 
-/// Sets the interaction, the correction of overlaps, the pairs of colours (colour_of) that have other laws or do not
-/// see each other and, if there are any, the colours of grains. Returns the largest distance at which bodies see each
-/// other, m. Throws Error if laws differ in their Signorini condition, or if one is another than those of DatboxLaw.
-/// `dynamics`: with its defaults.
+/// Sets, in default `dynamics`, the interaction, the correction of overlaps, the pairs of colours (colour_of) that have
+/// other laws or do not see each other and the colours of grains, if any. Returns the largest distance at which bodies
+/// see each other, m. Throws Error if laws differ in their Signorini condition, or if one is not of DatboxLaw.
 double set_contact_laws(const Datbox& datbox, Dynamics& dynamics);
 
 /// Kind and colour of a contactor, such as "DISKx BLEUx"; that of disks and spheres of clusters is DISKx or SPHER.

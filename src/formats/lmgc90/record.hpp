@@ -3,8 +3,7 @@
 
 #include "formats/lmgc90/datbox.hpp"
 
-/// Contacts of a step of LMGC90 between bodies of any shapes, and records of a run: groups /Evolution/ID_k of its HDF5
-/// file, formats 0.1 to 0.3.
+/// Contacts of a step of LMGC90 between any shapes, and records of a run: /Evolution/ID_k in HDF5, formats 0.1 to 0.3.
 namespace nscdd {
 
 /// A contact. The candidate moves away from the antagonist along the normal.

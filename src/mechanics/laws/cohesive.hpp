@@ -7,8 +7,7 @@ namespace nscdd {
 
 /// Coulomb's law of grains that stick together: a contact that touches pulls with up to `cohesion` before it opens,
 ///     0 <= v_n,  0 <= r_n + cohesion,  v_n (r_n + cohesion) = 0,  |r_t| <= friction (r_n + cohesion);
-/// one that does not has cohesion 0 (see `hold`). It shows how a law is added: this one is
-/// Coulomb's at a shifted impulse.
+/// one that does not has cohesion 0 (see `hold`). It is Coulomb's law at a shifted impulse.
 struct Cohesive {
   static constexpr std::string_view name = "cohesive";
   static constexpr bool opens = true, rubs = true, pulls = true;
