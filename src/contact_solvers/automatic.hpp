@@ -3,8 +3,7 @@
 // Later rounds sweep without momentum, and the last one from the first impulses: whether a curve leads to a solution
 // depends on where it begins. Problems of very many contacts start with accelerated sweeps as long as these make
 // progress: they come nearer to a solution than any point of the curve. Without friction an interior point method takes
-// the place of the first Newton's steps. If the rounds from given impulses fail, rounds from zero follow, which forget
-// the best impulses so far: their curves would begin near these.
+// the place of the first Newton's steps. If given impulses fail, rounds from zero follow, which forget the best so far.
 #pragma once
 
 #include "contact_solvers/accelerated.hpp"
@@ -23,9 +22,9 @@ bool sweeps_are_cheap(const P& problem) {
     return true;
 }
 
-/// All rounds from the present impulses.
+/// All rounds from the present impulses. Returns whether the run is over.
 template <ContactProblem P>
-void rounds(P& problem, SolverRun<P::dimension>& run) {
+bool rounds(P& problem, SolverRun<P::dimension>& run) {
   constexpr Index first_sweeps = 500, rounds_with_momentum = 2, very_many_contacts = 100'000;
   // Smoothings of the curve over the residual of the sweeps, for a run from zero and for one from given impulses.
   constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10, 100, 1, 1000};
@@ -43,7 +42,7 @@ void rounds(P& problem, SolverRun<P::dimension>& run) {
   // Only if W is stored: a divided problem goes to its linear systems sooner.
   if (StoredProblem<P> && run.data.contacts() >= very_many_contacts) {
     accelerated(problem, run);
-    if (run.now.status != FrictionStatus::maximum_reached && ends_run()) return;
+    if (run.now.status != FrictionStatus::maximum_reached && ends_run()) return true;
     run.go_back(run.best());
   }
   constexpr Index last = std::ssize(cold_smoothings) - 1;
@@ -52,35 +51,30 @@ void rounds(P& problem, SolverRun<P::dimension>& run) {
     if (!given_up) {
       if (turn == last) run.now.impulses = begin;
       const bool accelerates = turn < rounds_with_momentum && (turn > 0 || sweeps_are_cheap(problem));
-      if ((accelerates ? accelerated_sweeps(problem, run, most) : sweep(problem, run, most)) && ends_run()) return;
+      if ((accelerates ? accelerated_sweeps(problem, run, most) : sweep(problem, run, most)) && ends_run()) return true;
     }
     if (run.spent()) continue;
     const FrictionSolution swept = run.now;
     if (turn == 0 && !run.data.sums.any(!run.data.friction.isZero(0))) {
-      if (InteriorPointSteps<P>(problem, run).finish()) return;
+      if (InteriorPointSteps<P>(problem, run).finish()) return true;
       run.go_back(swept);
     }
-    if (NewtonSteps<P>(problem, run).finish()) return;
+    if (NewtonSteps<P>(problem, run).finish()) return true;
     run.go_back(swept);
-    if (follow_curve(problem, run, smoothings[turn] * swept.state.residual)) return;
+    if (follow_curve(problem, run, smoothings[turn] * swept.state.residual)) return true;
     run.go_back(run.best());
   }
   const bool limited = run.spent() || (run.now.sweeps >= options.maximum_sweeps && !given_up);
   run.now.status = limited ? FrictionStatus::maximum_reached : given_up.value_or(FrictionStatus::stalled);
+  return false;
 }
 
-/// Half of the factorisations are for given impulses, the rest for a beginning from zero.
 template <ContactProblem P>
 void automatic(P& problem, SolverRun<P::dimension>& run) {
-  if (run.data.sums.all_zero(run.now.impulses)) return rounds(problem, run);
-  const Index most = run.options.maximum_factorisations;
-  run.options.maximum_factorisations = most - most / 2;
-  rounds(problem, run);
-  run.options.maximum_factorisations = most;
-  using enum FrictionStatus;
-  const bool failed = run.now.status == stalled || run.now.status == diverged || run.now.status == maximum_reached;
+  run.keeps_half = !run.data.sums.all_zero(run.now.impulses);
+  const bool over = rounds(problem, run);
+  if (!std::exchange(run.keeps_half, false) || over || run.spent() || !run.best().credible) return;
   const FrictionSolution warm = run.best();
-  if (!failed || run.spent() || !warm.credible) return;  // impulses that grew: no beginning leads to a solution
   run.begin_again();
   rounds(problem, run);
   run.keep_better(warm);

@@ -182,6 +182,8 @@ template <int D>
 void SolverRun<D>::begin_again() {
   now.impulses.setZero();
   now.status = FrictionStatus::maximum_reached;
+  changed_.clear();
+  checks_ = 0;
   guessed_ = 0;
   best_maps_ = infinity;
 }

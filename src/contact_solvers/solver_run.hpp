@@ -25,8 +25,8 @@ class SolverRun {
             problem.data, [&problem](const Vector& r) { return problem.product(r); }, chosen, guess, observer) {}
 
   const ContactData& data;
-  FrictionSolverOptions options;  ///< a solver may lower the limits for a while
-  FrictionSolution now;           ///< the present impulses, set by `judge`; solvers add to its counts
+  const FrictionSolverOptions& options;
+  FrictionSolution now;  ///< the present impulses, set by `judge`; solvers add to its counts
 
   /// Evaluates impulses and calls the observer, with the step that led to them. Returns whether the run is over:
   /// converged, stopped by the observer, or without finite impulses.
@@ -45,10 +45,14 @@ class SolverRun {
   void keep_better(const FrictionSolution& found);  ///< takes it for the best if its || m || is smaller
   void begin_again();  ///< from zero impulses, as if without a guess and without a best so far; counts stay
   std::vector<Index> unsettled() const;  ///< contacts of this rank whose status changed in the last 10 checks
-  /// Evaluates impulses of norm `size` and velocities u = W r + q. Natural maps are at least rounding above `believed`.
+  /// Evaluates impulses of norm `size` with u = W r + q. Above the norm `believed`, natural maps are at least rounding.
   static FrictionState state_of(const ContactData& data, const Vector& impulses, Vector velocities, double size,
                                 double believed);
-  bool spent() const { return now.factorisations >= options.maximum_factorisations; }
+  bool keeps_half = false;  ///< of the factorisations, for another beginning, while the best impulses are credible
+  bool spent() const {
+    const Index most = options.maximum_factorisations;
+    return now.factorisations >= (keeps_half && best_.credible ? most - most / 2 : most);
+  }
 
  private:
   using Product = std::function<Vector(const Vector& r)>;  // W r
