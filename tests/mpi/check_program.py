@@ -600,10 +600,10 @@ def in_own_folder(test):
 
 
 in_own_folder(coarse_spaces)  # alone: ranks of PETSc that wait for each other take the time of others
-# Four at a time, the longest first: much of what processes do here is to begin, to wait and to end.
+# Three at a time, the longest first: much of what processes do here is to begin, to wait and to end.
 tests = (same_runs, same_tables, one_fails, refusals, close_runs, refused_runs, killed_and_resumed, same_counts,
          killed_and_restarted, same_reports, shared_memory, broken_runs, overlapping, too_long, nothing_to_share)
-with ThreadPoolExecutor(4) as pool:
+with ThreadPoolExecutor(3) as pool:
     for done in [pool.submit(in_own_folder, test) for test in tests]:
         done.result()
 print(f"{checks} checks passed")
