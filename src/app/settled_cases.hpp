@@ -11,7 +11,7 @@ namespace nscdd::app {
 /// source tree or the installation of the program.
 std::vector<std::string> known_names(const std::string& kind);
 
-/// A case file: the path `name`, or cases/NAME.toml of a data folder. Throws Error with near names if none is there.
+/// A case file: the path `name`, or cases/NAME.toml of a data folder. Else throws Error with known and nearest names.
 std::string find_case(const std::string& name);
 
 /// A study folder: the path of it or of its study.toml, or studies/NAME of a data folder. Throws as find_case.

@@ -16,7 +16,7 @@ class BodyBlocks {
   /// Rows of a body in H: translations and rotations.
   static constexpr int K = D == 2 ? 3 : 6;
 
-  /// Nothing if M and H are unknown, M is not diagonal, H has not K rows a body, or contacts touch more than two.
+  /// Nothing without M and H, a diagonal M, K rows of H a body, at most two bodies a contact. `contact`: at each place.
   static std::optional<BodyBlocks> of(const LocalFrictionProblem& problem, const std::vector<Index>& contact);
 
   Index bodies() const { return nobody_ / K; }

@@ -61,7 +61,7 @@ class SmoothedCurve {
 
   const CurvePoint& start() const { return start_; }
 
-  /// None if the matrix of the linear systems of F, (1 - P') + P' rho W by dr = P' dz + dP/dt dt, is nearly singular.
+  /// None if the matrix of the linear systems of F, (1 - P') + P' rho W, is singular to rounding (r = P_t(z)).
   std::optional<CurveCourse> course(const CurvePoint& point) {
     const Vector defects = defect(point, impulses(point));
     std::vector<ContactRelation<D>> relations(at(data_.contacts()));

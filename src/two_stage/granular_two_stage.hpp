@@ -26,7 +26,7 @@ ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, cons
 ///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
 ///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
 /// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched). This is the paper's (16) for
-/// any law, see TwoStageIteration. With conjugate gradients a trial Stage 1 follows: `sweeps` is of both, zeta of that.
+/// any law, see TwoStageIteration. With conjugate gradients a trial Stage 1 follows: `sweeps` has both, zeta the trial.
 ///
 /// No bit depends on the number of threads. Construction, iterations and sums are collective on ranks that share the
 /// subdomains. In the generic Stage 2 neighbours exchange jumps, and no bit depends on the number of ranks. In the

@@ -73,7 +73,7 @@ bool beyond_last_places(const Packing& p) {
   return false;
 }
 
-// The pairs that touch within the tolerances are contacts. Those beyond them are counted: what digits are worth.
+// Pairs that touch within the tolerances are contacts. Those beyond are counted: there the worth of digits decides.
 void require_same(const Packing& packing, const ContactDetection& detection) {
   const auto network = detect(packing, detection);
   const auto expected = brute_force(packing, detection);

@@ -11,7 +11,7 @@
 namespace nscdd::testing {
 namespace {
 
-// A count holds up to an inexactness of 1. Next to an eigenvalue that of the judge may be above that.
+// A count holds up to an inexactness of 1. Next to an eigenvalue the judge's may exceed what counts as reliable.
 constexpr double judge_inexactness = 0.1;
 
 std::mutex one_call_at_a_time;  // MUMPS and its orderings keep state in static memory

@@ -17,7 +17,7 @@ namespace nscdd {
 /// A solution always exists: open if free_n >= 0; else at rest if that impulse lies in the cone; else a root between
 /// lambda = 0 and lambda -> infinity, where the equation changes sign. It is unique if free_n < 0 and
 /// friction |W_nt| / W_nn < 2 sqrt(k) / (1 + k), with the condition number k of S. Otherwise, and for free_n >= 0 if
-/// friction |W_nt| > W_nn, there may be several: open before rest, rest before sliding, of three that in the bracket.
+/// friction |W_nt| > W_nn, there may be several: open before rest, rest before sliding, of which the bracket has one.
 class ConeContact {
  public:
   ConeContact() = default;

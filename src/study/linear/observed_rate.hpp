@@ -17,7 +17,7 @@ struct ObservedRate {
 /// Runs the two-stage iteration without loads from a random F_Gamma; errors of the linear problem obey the same
 /// iteration. A line is fitted (GSL) to log || F_{i+1} - F_i ||_P, P = X_eta (schwarz: || r_{i+1} - r_i ||_{D +
 /// epsilon}), over the last sixth of the run. With an exact Stage 1 the ratio of successive corrections rises to the
-/// radius in that norm and never exceeds it. The run doubles up to `maximum_iterations` or an error of `tolerance`.
+/// radius in that norm and never exceeds it. The run doubles up to `maximum_iterations` or a fit to `tolerance`.
 ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOperator& preconditioner,
                            std::uint64_t seed, Index maximum_iterations = 20000, double tolerance = 1e-9);
 

@@ -59,7 +59,7 @@ struct ErrorVector {
   double logarithm = 0;
 };
 
-// The rate of two modes per tenth of the run: the larger root of x^2 = a x + b in modulus, e_2 = a e_1 + b e_0 at best.
+// The rate of two modes per tenth of the run: the larger root of x^2 = a x + b in modulus, e_2 ~ a e_1 + b e_0 fitted.
 double rate_of_two(const ErrorVector& e0, const ErrorVector& e1, const ErrorVector& e2) {
   const Vector second = std::exp(e1.logarithm - e0.logarithm) * e1.direction;
   const Vector third = std::exp(e2.logarithm - e0.logarithm) * e2.direction;
