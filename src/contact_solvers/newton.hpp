@@ -3,7 +3,7 @@
 //     u = W r + q + alpha W_nn (r - r_k),
 // whose solution is r_{k+1}: alpha keeps the systems of hyperstatic packings regular. It is solved by Newton's method
 // on Phi(r) = (r_n - max(0, z_n), r_t - P_t(z_t)), P_t on the disk of radius mu max(0, z_n), z = r - rho u,
-// rho = 1 / (W_nn (1 + alpha)). A Newton step has the statuses of z and, in space, derivatives of sliding directions.
+// rho = 1 / (W_nn (1 + alpha)). Newton's systems are of the statuses of z, in space with derivatives of directions.
 #pragma once
 
 #include "contact_solvers/nlgs.hpp"

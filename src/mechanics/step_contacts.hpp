@@ -40,7 +40,7 @@ std::shared_ptr<const Levers<D>> levers_of(const StepStart& start, const Configu
 /// Coulomb's coefficient of a contact, by the rule of its colours if there is one. `slid`: in the last step.
 double friction_of(const StepStart& start, const StepContact& contact, bool slid);
 
-/// Whether bodies hold each other under a law that pulls: in touch (touching_gap) or Interaction::cohesion_range.
+/// Whether bodies hold each other under a law that pulls: in touch (touching_gap) or in Interaction::cohesion_range.
 bool hold(const GranularSystem& system, const Interaction& interaction, const StepContact& contact);
 
 /// The bond that a contact is (PairRule::bond), if it is one: a known bond, or a new one where the gap is at most the

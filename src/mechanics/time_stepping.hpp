@@ -80,7 +80,7 @@ std::vector<RigidVelocity> first_motions(const StepStart& start);
 std::vector<Pose> poses_at_contacts(const StepStart& start);
 
 /// V^-, the velocity of a body of a step as it begins (if driven: by `motions`, with its arm at q_m); and
-/// V^- + h M^-1 F. Those of free bodies, after the grains, are of `motions`. `poses`: of poses_at_contacts.
+/// V^- + h M^-1 F. Bodies with free directions, after the grains, have those of `motions`. `poses`: poses_at_contacts.
 GrainMotion start_motion(const StepStart& start, const std::vector<Pose>& poses,
                          const std::vector<RigidVelocity>& motions, Index number);
 GrainMotion free_motion(const StepStart& start, const std::vector<Pose>& poses,

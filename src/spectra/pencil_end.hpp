@@ -79,7 +79,7 @@ struct PencilSide {
   double tolerance(double lambda) const { return options.tolerance * std::max(1.0, std::abs(1 - lambda)); }
   double rounding(double lambda) const { return point.rounding * std::max(1.0, std::abs(lambda)); }
 
-  /// Distance of the last shift beyond an eigenvalue: above rounding and tolerance / 10, since omega scales the error.
+  /// Distance of the last shift beyond an eigenvalue: clear of rounding, at least tolerance / 10 (omega scales errors).
   double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
 
   /// The pencil at the shift or, if unreliable, at a nearby one inwards (`side` = 1) or outwards (-1), or nothing.

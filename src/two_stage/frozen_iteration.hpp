@@ -18,7 +18,7 @@ namespace nscdd {
 /// turning impulse only in part, so y continues with W_tt^1/2 times its error across d.
 ///
 /// Errors lie in the range of M^-1/2 [G, A^T], which impulses can cause, and images are projected on it: velocities
-/// that no impulse causes would be eigenvalues 1 that no run meets. For large n_GS the radius is frozen_contraction's.
+/// that no impulse causes would be eigenvalues 1 that no run meets. With n_GS the radius tends to frozen_contraction's.
 template <int D>
 class FrozenIteration {
  public:

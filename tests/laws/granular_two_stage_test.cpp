@@ -89,7 +89,7 @@ std::vector<Variant> variants() {
           {.name = "schwarz, relaxed", .algorithm = "schwarz", .sweeps = 10, .omega = 0.45}};
 }
 
-// One sweep as a textbook has it: contact by contact v = H^T V, the local solution, V += M^-1 H (part of change of r).
+// One sweep as a textbook has it: contact by contact v = H^T V, the local solution, V += M^-1 H dr, dr relaxed.
 void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<GrainContact<2>>& contacts,
                    std::vector<GrainVelocity<2>>& v) {
   for (GrainContact<2>& c : contacts) {

@@ -15,7 +15,7 @@ namespace nscdd::testing {
 /// has them (p columns, i rows).
 enum class Storage { columns, rows, triplets, csparse_triplets };
 
-/// The datasets of an HDF5 file by their paths ("fclib_local/W/p"), changed and written not by what is under test.
+/// The datasets of an HDF5 file by their paths ("fclib_local/W/p"), to be changed and written by other means.
 struct RawFclib {
   std::map<std::string, std::vector<int>> integers;
   std::map<std::string, std::vector<double>> numbers;

@@ -26,7 +26,7 @@ Packing parse_packing(std::string_view text, const std::string& name);
 /// Throws Error "name: packing/dataset: ..." for the same reasons, and for datasets of different lengths.
 Packing packing_from_hdf5(std::string_view bytes, const std::string& name);
 
-/// Packing from a file: HDF5 by the ending of its name, else text. From a folder DATBOX: its free disks, with masses.
+/// Packing from a file: HDF5 by the ending of its name, else text; from a folder DATBOX of LMGC90 the free disks.
 Packing read_packing(const std::string& path);
 
 /// CSV text that `parse_packing` reads back bit for bit, in the shortest decimals. Throws Error for clumps.

@@ -120,7 +120,7 @@ void complete_cluster_in_plane(DatboxBody& body) {
 }
 
 // Computes, as LMGC90 does, the centre of a body (in the plane only if its node is at 0), the inertia of a cylinder,
-// and radii and inertia that are 0 in BODIES.DAT. (Those of planks and hollow disks stay 0; free, these are refused.)
+// and radii and inertia that are 0 in BODIES.DAT. (Those of planks and hollow disks stay 0: refused in free bodies.)
 void complete(DatboxBody& body, Index dimension) {
   if (body.contactors.size() == 1 && body.contactors[0].solid) return complete_solid(body, dimension);
   const bool single = body.contactors.size() == 1;

@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// Coulomb's law of one contact in space, for a symmetric positive definite block W and many right-hand sides: r with
+/// Coulomb's law of one contact in space, symmetric positive definite block W, many right-hand sides: finds r with
 ///     v = W r + free,   0 <= v_n,  0 <= r_n,  v_n r_n = 0,   |r_t| <= friction r_n,  opposite to v_t where equal.
 /// Where the contact slides, v_n = 0 and v_t = -lambda r_t leave
 ///     (S + lambda I) r_t = b,   r_n = -(free_n + W_nt . r_t) / W_nn,
@@ -17,7 +17,7 @@ namespace nscdd {
 /// A solution always exists: open if free_n >= 0; else at rest if that impulse lies in the cone; else a root between
 /// lambda = 0 and lambda -> infinity, where the equation changes sign. It is unique if free_n < 0 and
 /// friction |W_nt| / W_nn < 2 sqrt(k) / (1 + k), with the condition number k of S. Otherwise, and for free_n >= 0 if
-/// friction |W_nt| > W_nn, there may be several: open before rest, rest before sliding, of which the bracket has one.
+/// friction |W_nt| > W_nn, there may be several: open, else rest, else sliding; of three sliding ones the bracket's.
 class ConeContact {
  public:
   ConeContact() = default;
