@@ -268,6 +268,9 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
   override_case(one_subdomain, "solver.criterion", "gluing");
   override_case(one_subdomain, "partition.grid", "1,1");
   CHECK_NOTHROW(simulation_of({one_subdomain}));
+  one_subdomain.dynamics->solver.algorithm = StepAlgorithm::two_stage_newton;
+  one_subdomain.dynamics->solver.coarse_space = SystemCoarseSpace::geneo;
+  check_error([&] { check_dynamics(one_subdomain); }, {"solver.coarse_space", "expected none with one subdomain"});
 }
 
 TEST_CASE("moving case: flexibilities are numbers, multiples of W or optimal, and are written as they were read") {
