@@ -17,20 +17,14 @@ struct CoarseOptions {
 };
 
 void print_case(const CoarseResult& result) {
-  const CaseSummary& of_case = result.of_case;
-  const auto line = [](std::string_view name, const std::string& text) { fmt::print("{:<22}{}\n", name, text); };
-  line("case", of_case.name);
-  line("subdomains", fmt::format("{}", of_case.subdomains));
-  line("interface unknowns",
-       fmt::format("{} ({} velocities of shared grains)", of_case.interface_size, result.primal_size));
-  line("  rank of X_0", fmt::format("{}{}", result.rank, result.clear_ranks ? "" : " (in doubt)"));
-  line("  self-stresses", fmt::format("{} across the interface", result.self_stresses));
-  line("cross points", fmt::format("{}", result.cross_points));
-  const auto factor = [&](std::string_view name, const FactorWork& work) {
-    line(name, fmt::format("{:.3g} entries, {:.3g} flops", work.entries, work.flops));
-  };
-  factor("local factors", result.local);
-  factor("undivided factor", result.undivided);
+  fmt::print("case                  {}\nsubdomains            {}\n", result.of_case.name, result.of_case.subdomains);
+  fmt::print("interface unknowns    {} ({} velocities of shared grains)\n", result.of_case.interface_size,
+             result.primal_size);
+  fmt::print("  rank of X_0         {}{}\n", result.rank, result.clear_ranks ? "" : " (in doubt)");
+  fmt::print("  self-stresses       {} across the interface\n", result.self_stresses);
+  fmt::print("cross points          {}\n", result.cross_points);
+  for (const auto& [name, work] : {std::pair{"local factors", result.local}, {"undivided factor", result.undivided}})
+    fmt::print("{:<22}{:.3g} entries, {:.3g} flops\n", name, work.entries, work.flops);
 }
 
 void print_heading() {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/coarse_space.hpp"
 
-#include "core/disjoint_sets.hpp"
 #include "core/fail.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/sparse_entries.hpp"
@@ -51,28 +50,56 @@ Matrix independent_columns(const Matrix& columns) {
   return basis.leftCols(rank);
 }
 
-// Velocities of the shared grains of connected pieces of a subdomain that move as rigid bodies.
-Matrix rigid_motions_of(const CondensedSubdomain& one, const Subdomain& subdomain, Index d) {
-  DisjointSets sets(count(subdomain.grains));
-  for (Index c = 0; c < subdomain.h.cols(); ++c)
-    for (SparseMatrix::InnerIterator e(subdomain.h, c), first = e; e; ++e) sets.join(first.row() / d, e.row() / d);
-  std::vector<Index> piece;
-  for (Index i = 0; i < count(subdomain.grains); ++i) piece.push_back(sets.root(i));
-  piece = renumbered(piece);
-  const Index pieces = piece.empty() ? 0 : std::ranges::max(piece) + 1, motions = d * (d + 1) / 2;
-  Matrix centre = Matrix::Zero(d, pieces), velocities = Matrix::Zero(count(one.local), motions * pieces);
-  Vector grains = Vector::Zero(pieces);
-  for (Index i = 0; i < count(piece); ++i) {
-    centre.col(piece[at(i)]) += subdomain.centres.col(i);
-    grains[piece[at(i)]] += 1;
+// Connected pieces of a subdomain.
+struct Pieces {
+  std::vector<Index> of_grain;
+  Matrix places;                           // of grains, from the first one of their piece on
+  std::vector<std::array<bool, 3>> wraps;  // directions in which a piece touches its own image and cannot turn
+};
+
+Pieces pieces_of(const Subdomain& subdomain, Index d, const Period& period) {
+  const SparseMatrix touching = subdomain.h * subdomain.h.transpose();
+  const std::array cell{period.x, period.y};
+  Pieces all{std::vector<Index>(subdomain.grains.size(), -1), Matrix::Zero(d, count(subdomain.grains)), {}};
+  for (Index first = 0; first < count(all.of_grain); ++first) {
+    if (all.of_grain[at(first)] >= 0) continue;
+    const Index piece = all.of_grain[at(first)] = count(all.wraps);
+    all.wraps.push_back({});
+    for (std::vector<Index> open{first}; !open.empty();) {
+      const Index i = open.back();
+      open.pop_back();
+      for (Index column = d * i; column < d * (i + 1); ++column)
+        for (SparseMatrix::InnerIterator e(touching, column); e; ++e) {
+          const Index j = e.row() / d;
+          std::array<double, 3> step{};
+          for (Index k = 0; k < d; ++k) step[at(k)] = subdomain.centres(k, j) - subdomain.centres(k, i);
+          step = period.shortest(step);
+          const Vector place = all.places.col(i) + Eigen::Map<const Vector>(step.data(), d);
+          if (std::exchange(all.of_grain[at(j)], piece) < 0) {
+            all.places.col(j) = place;
+            open.push_back(j);
+          }
+          for (Index k = 0; k < 2; ++k)
+            all.wraps.back()[at(k)] |= cell[at(k)] > 0 && std::abs(place[k] - all.places(k, j)) > cell[at(k)] / 2;
+        }
+    }
   }
+  return all;
+}
+
+// Velocities of the shared grains of connected pieces of a subdomain that move as rigid bodies.
+Matrix rigid_motions_of(const CondensedSubdomain& one, const Subdomain& subdomain, Index d, const Period& period) {
+  const Pieces all = pieces_of(subdomain, d, period);
+  const Index motions = d * (d + 1) / 2;
+  Matrix velocities = Matrix::Zero(count(one.local), motions * count(all.wraps));
   for (Index i = 0; i < count(one.local); ++i) {
-    const Index grain = one.local[at(i)] / d, k = one.local[at(i)] % d, p = piece[at(grain)];
-    const Vector arm = subdomain.centres.col(grain) - centre.col(p) / grains[p];
+    const Index grain = one.local[at(i)] / d, k = one.local[at(i)] % d, p = all.of_grain[at(grain)];
     velocities(i, motions * p + k) = 1;
     Index rotation = motions * p + d;  // one in each plane (a, b): v_a = -x_b, v_b = x_a
     for (Index a = 0; a < d; ++a)
-      for (Index b = a + 1; b < d; ++b, ++rotation) velocities(i, rotation) = k == a ? -arm[b] : k == b ? arm[a] : 0.0;
+      for (Index b = a + 1; b < d; ++b, ++rotation)
+        if (!all.wraps[at(p)][at(a)] && !all.wraps[at(p)][at(b)])
+          velocities(i, rotation) = k == a ? -all.places(b, grain) : k == b ? all.places(a, grain) : 0.0;
   }
   return independent_columns(velocities);
 }
@@ -107,7 +134,7 @@ CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold) 
   return united(interface, std::move(local));
 }
 
-CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts) {
+CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts, const Period& period) {
   const Index d = interface.dofs_per_grain;
   std::vector<Matrix> local(interface.subdomains.size());
   for (std::size_t e = 0; e < local.size(); ++e) {
@@ -118,7 +145,7 @@ CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decompositio
       throw Error(
           "coarse space rigid: expected the centres of frictionless grains, met a network without; geneo needs "
           "none");
-    local[e] = one.weights * rigid_motions_of(one, parts.subdomains[e], d);
+    local[e] = one.weights * rigid_motions_of(one, parts.subdomains[e], d, period);
     local[e].conservativeResizeLike(Matrix::Zero(local[e].rows() + 1, local[e].cols()));
   }
   return united(interface, std::move(local));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "ddm/primal_interface.hpp"
+#include <nscdd/packing/packing.hpp>
 
 namespace nscdd {
 
@@ -28,8 +29,9 @@ inline double geneo_threshold(const PrimalInterface& interface, double kappa) {
   return static_cast<double>(interface.most_neighbours()) / kappa;
 }
 
-/// Needs the centres of the grains (Subdomain::centres), d per grain; throws Error without.
-CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts);
+/// Needs the centres of the grains (Subdomain::centres), d per grain; throws Error without. A piece that touches its
+/// own image in a periodic cell does not turn.
+CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts, const Period& period = {});
 
 /// The coarse spaces spanned by the first vectors of a list: vectors V, orthonormal in C, with the span of the first k
 /// for every k. A vector that depends on those before it to 10^-6 of its norm in C is left out.

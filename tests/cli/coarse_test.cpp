@@ -67,6 +67,18 @@ TEST_CASE_FIXTURE(Session, "coarse: rigid motions cure a lattice, in the plane a
   }
 }
 
+TEST_CASE_FIXTURE(Session, "coarse: in a periodic cell pieces turn that do not touch their own image") {
+  file("cell.toml",
+       "[packing]\ngenerator = \"hexagonal\"\ncolumns = 24\nrows = 24\n[contacts]\nperiod_x = 24\n[partition]\n"
+       "grid = [4, 4]\n");
+  const CsvTable table = read_table(answer("coarse cell.toml --coarse-space none,rigid --scaling deluxe --csv -"));
+  CHECK(table.number(0, "kappa") > 1e5);
+  CHECK(table.number(1, "kappa") < 10);
+  CHECK(table.number(1, "modes") == 48);
+  const CsvTable layers = read_table(answer("coarse cell.toml --subdomains 1x4 --coarse-space rigid --csv -"));
+  CHECK(layers.number(0, "modes") == 6);  // of 8, which two relations make dependent: layers do not turn
+}
+
 TEST_CASE_FIXTURE(Session, "coarse: X and X_eta are those of the sweep, and counts are those of the network") {
   const std::string line =
       "coarse hexagonal --epsilon 0.01,1 --preconditioner X,X_eta,lumped,dirichlet --scaling multiplicity ";

@@ -8,10 +8,14 @@
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "spectra/balanced_spectrum.hpp"
+#include "study/linear/coarse.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>
+
+#include <map>
+#include <numeric>
 
 using namespace nscdd;
 using namespace nscdd::testing;
@@ -118,16 +122,23 @@ TEST_CASE("FETI-Dirichlet and the balanced primal interface have one upper spect
   });
 }
 
-// sum_E B_E Q_E B_E^T with B_E = (sum A W^-1 A^T)^-1 A_E W_E^-1, W_E the weights of a copy [Rixen and Farhat].
-Matrix literal_preconditioner(const Model& model, const PrimalInterface& interface, bool lumped, bool stiffness) {
+// sum_E B_E Q_E B_E^T with B_E = (sum A W^-1 A^T)^-1 A_E W_E^-1, W_E the weights of a copy [Rixen and Farhat]: 1, the
+// diagonal of M_E + K_E / eps, or the blocks of S_E on grains of the same subdomains [Dohrmann and Widlund].
+Matrix literal_preconditioner(const Model& model, const PrimalInterface& interface, bool lumped, Scaling scaling) {
   const Index n = model.parts.interface_size();
   Matrix gram = Matrix::Zero(n, n), sum = gram;
   std::vector<Matrix> jumps;
   for (std::size_t e = 0; e < interface.subdomains.size(); ++e) {
     const CondensedSubdomain& one = interface.subdomains[e];
     const Matrix a = Matrix(model.parts.subdomains[e].a)(Eigen::all, one.local);
-    const Vector weight = stiffness ? Vector(one.block.diagonal()) : Vector::Ones(one.block.rows());
-    jumps.push_back(a * weight.cwiseInverse().asDiagonal());
+    Matrix weight = scaling == Scaling::deluxe      ? Matrix(Dense(one.flexibility).inverse())
+                    : scaling == Scaling::stiffness ? Matrix(one.block.diagonal().asDiagonal())
+                                                    : Matrix(Matrix::Identity(a.cols(), a.cols()));
+    const auto sharing = [&](Index i) { return interface.sharing[at(one.rows[at(i)] / interface.dofs_per_grain)]; };
+    for (Index i = 0; i < a.cols(); ++i)
+      for (Index j = 0; j < a.cols(); ++j)
+        if (sharing(i) != sharing(j)) weight(i, j) = 0;
+    jumps.push_back(a * Matrix(Dense(weight).inverse()));
     gram += jumps.back() * a.transpose();
   }
   for (std::size_t e = 0; e < jumps.size(); ++e) {
@@ -140,16 +151,92 @@ Matrix literal_preconditioner(const Model& model, const PrimalInterface& interfa
 
 TEST_CASE("lumped and Dirichlet preconditioners are the formulas of the literature") {
   on_every_interface([](const Model& model) {
-    for (const bool stiffness : {false, true})
+    for (const Scaling scaling : scalings)
       for (const bool lumped : {false, true}) {
-        const auto interface = weighted(model, 0.01, stiffness ? Scaling::stiffness : Scaling::multiplicity);
+        const auto interface = weighted(model, 0.01, scaling);
         const LinearMap p =
             local_preconditioner(interface, lumped ? LocalStiffness::lumped : LocalStiffness::dirichlet);
-        const Matrix literal = literal_preconditioner(model, *interface, lumped, stiffness);
+        const Matrix literal = literal_preconditioner(model, *interface, lumped, scaling);
         for (Index k = 0; k < literal.cols(); ++k)
           CHECK((p(Vector::Unit(literal.cols(), k)) - literal.col(k)).norm() < 1e-8 * literal.norm());
       }
   });
+}
+
+TEST_CASE("X, X_eta and X_eta_active have the condition numbers of their formulas") {
+  on_every_interface([](const Model& model) {
+    const auto literal = [](const Decomposition& parts, double flexibility) {  // sum A (M + H H^T / eta)^-1 A^T
+      Dense sum = zero(parts.interface_size(), parts.interface_size());
+      for (const Subdomain& e : parts.subdomains) {
+        const Dense a(e.a), h(e.h);
+        sum += a * (diagonal(e.inertia) + h * h.transpose() / flexibility).inverse() * a.transpose();
+      }
+      return sum;
+    };
+    const double epsilon = 0.01;
+    const Selection selection = select(model, ContactSet::active);
+    const Decomposition& active = selection.stage_one(model);
+    std::vector<double> kappas;
+    coarse_spaces(model, {.epsilon = {epsilon}, .contacts = ContactSet::active},
+                  {.preconditioners = {InterfacePreconditioner::inertia, InterfacePreconditioner::network,
+                                       InterfacePreconditioner::active}},
+                  [&](const CoarseResult& result) { kappas.push_back(result.kappa()); });
+    const Dense x = literal(active, epsilon);
+    const std::array stage_two{literal(active, 1e300), literal(model.parts, 10 * epsilon),
+                               literal(active, 10 * epsilon)};
+    REQUIRE(kappas.size() == stage_two.size());
+    for (std::size_t k = 0; k < kappas.size(); ++k) {
+      const Vector values = pencil_eigenvalues(x, stage_two[k]);
+      CHECK(kappas[k] == doctest::Approx(values.maxCoeff() / values.minCoeff()).epsilon(1e-7));
+    }
+  });
+}
+
+TEST_CASE("rigid vectors are all motions of the pieces of a subdomain that keep their distances") {
+  Index turning = 0;
+  on_every_interface([&](const Model& model) {
+    const Index d = model.problem.dimension;
+    if (model.problem.dofs_per_grain != d) return;
+    const auto interface = weighted(model, 1e-2, Scaling::multiplicity);
+    const CoarseVectors vectors = rigid_vectors(*interface, model.parts);
+    for (Index e = 0; e < count(interface->subdomains); ++e) {
+      const CondensedSubdomain& one = interface->subdomains[at(e)];
+      const Subdomain& subdomain = model.parts.subdomains[at(e)];
+      std::vector<Index> piece(subdomain.grains.size());
+      std::iota(piece.begin(), piece.end(), 0);
+      for (std::size_t pass = 0; pass < piece.size(); ++pass)
+        for (Index c = 0; c < subdomain.h.cols(); ++c)
+          for (SparseMatrix::InnerIterator i(subdomain.h, c); i; ++i)
+            for (SparseMatrix::InnerIterator j(subdomain.h, c); j; ++j)
+              piece[at(i.row() / d)] = std::min(piece[at(i.row() / d)], piece[at(j.row() / d)]);
+      std::vector<Index> own;
+      for (Index k = 0; k < count(vectors.subdomains); ++k)
+        if (vectors.subdomains[at(k)] == e) own.push_back(k);
+      Matrix moves = Matrix(vectors.u)(one.rows, own), centres(d, count(one.rows) / d);
+      std::map<Index, std::vector<Index>> shared;  // of each piece
+      for (Index i = 0; i < count(one.rows); i += d) {
+        const Index grain = one.local[at(i)] / d;
+        moves.middleRows(i, d) *= static_cast<double>(model.parts.interface.multiplicity(subdomain.grains[at(grain)]));
+        centres.col(i / d) = subdomain.centres.col(grain);
+        shared[piece[at(grain)]].push_back(i / d);
+      }
+      Index expected = 0;
+      for (const auto& [label, grains] : shared) {
+        const Matrix arms = centres(Eigen::all, grains).colwise() - centres.col(grains[0]).eval();
+        const Index line = rank(Dense(arms));  // 0: one grain, 1: grains in a line
+        expected += line == 0 ? d : d == 2 ? 3 : line == 1 ? 5 : 6;
+        for (const Index i : grains)
+          for (const Index j : grains)
+            CHECK(((moves.middleRows(d * i, d) - moves.middleRows(d * j, d)).transpose() *
+                   (centres.col(i) - centres.col(j)))
+                      .norm() <= 1e-9 * moves.norm() * centres.norm());
+      }
+      CHECK(count(own) == expected);
+      CHECK((own.empty() ? 0 : rank(Dense(moves))) == expected);
+      turning += expected > d;
+    }
+  });
+  CHECK(turning > 10);
 }
 
 TEST_CASE("spectra of preconditioners do not depend on gluing, numbering, or the unit of mass") {

@@ -44,7 +44,11 @@ class CoarseStudy {
  public:
   CoarseStudy(const Model& model, const Selection& selection, const SweepParameters& sweep,
               const CoarseParameters& parameters)
-      : parts_(selection.stage_one(model)), all_(model.parts), sweep_(sweep), parameters_(parameters) {
+      : parts_(selection.stage_one(model)),
+        all_(model.parts),
+        sweep_(sweep),
+        parameters_(parameters),
+        period_(model.network.period) {
     const Interface& glued = parts_.interface;
     const InterfaceOperator rigid = InterfaceFamily(parts_, 0, sweep.spectral.inertia).at(0);
     common_.of_case = selection.of_case;
@@ -156,7 +160,7 @@ class CoarseStudy {
       result.bound = std::max(1.0, static_cast<double>(interface_->most_neighbours()) / result.threshold);
       vectors = geneo_vectors(*interface_, std::max(result.threshold, geneo_threshold(*interface_, wanted_kappas[0])));
     } else if (result.method.space == CoarseSpace::rigid) {
-      vectors = rigid_vectors(*interface_, parts_);
+      vectors = rigid_vectors(*interface_, parts_, period_);
     }
     const CoarseProblem candidates(*interface_, vectors);
     const BalancedSpectrum spectrum(*interface_, candidates);
@@ -207,6 +211,7 @@ class CoarseStudy {
   const Decomposition& all_;    // contacts of X_eta
   const SweepParameters& sweep_;
   const CoarseParameters& parameters_;
+  const Period period_;
   CoarseResult common_;
   std::shared_ptr<const PrimalInterface> interface_;
   double epsilon_ = 0;
@@ -225,9 +230,6 @@ Index coarse_spaces(const Model& model, const SweepParameters& sweep, const Coar
   if (std::ranges::any_of(sweep.epsilon, [](double epsilon) { return epsilon == 0; }))
     fail("{}: expected epsilon > 0 for preconditioners of X_epsilon, met 0, where X_0 is singular", model.name);
   const std::vector<CoarseMethod> methods = methods_of(parameters);
-  for (const CoarseMethod& method : methods)
-    if (method.space == CoarseSpace::rigid && model.network.period.any())
-      fail("{}: expected no coarse space rigid in a periodic cell, which cannot turn, met it", model.name);
   const Selection selection = select(model, sweep.contacts);
   CoarseStudy study(model, selection, sweep, parameters);
   const Index total = count(sweep.epsilon) * count(methods);
