@@ -47,7 +47,8 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
                         : "",
                     advice(totals, dynamics));
   const double safe = 2 / static_cast<double>(totals.most_copies);
-  if (open > 0 && has_part(solver.algorithm, StepPart::whole_copies) && solver.interface_relaxation >= safe)
+  if (has_part(solver.algorithm, StepPart::whole_copies) &&
+      (solver.interface_relaxation > safe || (open > 0 && solver.interface_relaxation == safe)))
     text += fmt::format(
         "attention: up to {} subdomains share a body, and schwarz may diverge with an interface_relaxation of "
         "{:.3g} or more, met {}\n",

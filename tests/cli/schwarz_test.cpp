@@ -8,7 +8,8 @@
 using namespace nscdd::testing;
 
 TEST_CASE_FIXTURE(Session, "schwarz: 4 disks have 1/sqrt 5, and with sweeps what the prototype has") {
-  const CsvTable result = table("sweep disks4 --scheme schwarz --epsilon 0 --gauss-seidel-sweeps 1,10,inf");
+  const CsvTable result = read_table(
+      run("sweep disks4 --scheme schwarz --epsilon 0 --gauss-seidel-sweeps 1,10,inf --csv -").standard_output);
   CHECK(std::abs(result.number(0, "spectral_radius") - 0.453217) < 1e-6);
   CHECK(std::abs(result.number(1, "spectral_radius") - 0.447214) < 1e-6);
   CHECK(std::abs(result.number(2, "spectral_radius") - 1 / std::sqrt(5.0)) < 1e-12);
@@ -25,6 +26,15 @@ TEST_CASE_FIXTURE(Session,
   const Outcome met = run("sweep " + deposit + " --epsilon 0,0.01W --certify --csv radii.csv");
   CHECK(met.exit_code == 0);
   CHECK(contains(met.standard_error, "schwarz diverges with the relaxation 1"));
+  const std::string warning =
+      "3 subdomains share a body, and schwarz may not converge with a relaxation of 0.667 or more";
+  CHECK(contains(met.standard_error, warning + ", met 1\n"));
+  CHECK_FALSE(contains(run("sweep " + deposit + " --epsilon 0 --relaxation 0.66 --csv -").standard_error, warning));
+  const auto quiet = [&](const std::string& epsilon) {  // two copies, relaxation 1
+    return run("sweep disks8 --scheme schwarz --csv - --epsilon " + epsilon).standard_error.empty();
+  };
+  CHECK_FALSE(quiet("0"));
+  CHECK(quiet("0.1"));
   const CsvTable radii = csv("radii.csv");
   CHECK(std::abs(radii.number(0, "spectral_radius") - 1.477011) < 1e-6);
   CHECK(std::abs(radii.number(1, "spectral_radius") - 1.383058) < 1e-6);
@@ -40,7 +50,8 @@ TEST_CASE_FIXTURE(Session,
 TEST_CASE_FIXTURE(Session, "schwarz: a mode is a vector of resultants, whose shares add up to 1") {
   const std::string report = answer("modes hexagonal --scheme schwarz --epsilon 0.1 --output slow");
   CHECK(contains(report, "scheme               schwarz"));
-  const CsvTable impulses = csv("slow-impulses.csv"), radii = table("sweep hexagonal --scheme schwarz --epsilon 0.1");
+  const CsvTable impulses = csv("slow-impulses.csv"),
+                 radii = read_table(run("sweep hexagonal --scheme schwarz --epsilon 0.1 --csv -").standard_output);
   double share = 0;
   for (std::size_t row = 0; row < impulses.rows.size(); ++row) {
     share += impulses.number(row, "share");
