@@ -9,6 +9,9 @@ import style
 
 NETWORKS = [("none", "no contacts (generic)", style.GREY), ("all", "all contacts (enriched)", "#1f5f99"),
             ("active", "active contacts", "#b03a2e")]
+LOCAL = [("lumped", "lumped", style.GREY, "v"), ("dirichlet", "Dirichlet", "#1f5f99", "s"),
+         ("deluxe", "Dirichlet, deluxe", "#3d7a3d", "D"), ("geneo", r"the same, GenEO, $\kappa \leq 30$", "black", "o"),
+         ("active", r"$X_\eta$, active contacts", "#b03a2e", "^")]
 # Tables of a study and how they are drawn. Slices in space are what strips are in the plane.
 CUTS = {"blocks": {"marker": "s", "linestyle": "-"}, "strips": {"marker": "^", "linestyle": (0, (1, 1.3))},
         "slices": {"marker": "^", "linestyle": (0, (1, 1.3))}, "metis": {"marker": "o", "linestyle": (0, (4, 2))}}
@@ -18,7 +21,7 @@ PREDICTED = {"linestyle": "none", "marker": "x", "markersize": 4, "markeredgewid
 RIVALS = ["generic", "enriched", "admm"]
 NUMBERS = " ".join(["subdomains", "outer_steps", "outer_steps_undivided", "systems", "iterations_per_system",
                     *[f"{rival}_iterations" for rival in RIVALS],
-                    *[f"{kind}_{network}" for network, *_ in NETWORKS
+                    *[f"{kind}_{network}" for network, *_ in NETWORKS + LOCAL[:-1]
                       for kind in ("iterations", "predicted", "richardson")]])
 
 
@@ -68,6 +71,16 @@ def draw_fixed_size(axes, tables):
     axes.set(ylabel="iterations per linear system")
 
 
+def draw_local(axes, rows, key):
+    for name, label, colour, marker in LOCAL:
+        line(axes, rows, f"iterations_{name}", colour, {"marker": marker, "linestyle": "-", "label": label})
+        line(axes, rows, f"predicted_{name}", "black", PREDICTED)
+    style.log_axis(axes.yaxis, 1, max(1500, 1.5 * max(row["iterations_lumped"] for row in rows)))
+    axes.set(ylabel="iterations per linear system")
+    if key:
+        axes.legend(loc="lower right", fontsize=7)
+
+
 def draw_methods(axes, tables):
     """Richardson's iteration beside Krylov's for one system; then all iterations at the interface in the step."""
     rows = tables["blocks"]
@@ -95,14 +108,17 @@ def draw_study(results, output, formats, study, cuts, packing, grains):
     blocks are drawn where their tables are: in space they are run on demand only."""
     there = [cut for cut in cuts if cut == "blocks" or os.path.exists(os.path.join(results, study, f"{cut}.csv"))]
     tables = {name: rows_of(results, study, name) for name in (*there, "fixed-size")}
-    fig, ((outer, krylov), (fixed, methods)) = style.figure(style.COLUMN_AND_HALF, 130, 2, 2)
+    fig, ((outer, krylov), (fixed, methods), (local, local_fixed)) = style.figure(style.COLUMN_AND_HALF, 190, 3, 2)
     draw_outer(outer, tables)
     draw_krylov(krylov, tables)
     draw_fixed_size(fixed, tables)
     draw_methods(methods, tables)
+    draw_local(local, tables["blocks"], True)
+    draw_local(local_fixed, tables["fixed-size"], False)
     titles = (f"outer steps, {packing}", f"Krylov's method, {packing}", f"the same, 32 {grains} in each",
-              f"methods, {packing} in blocks")
-    for axes, letter, title in zip((outer, krylov, fixed, methods), "abcd", titles):
+              f"methods, {packing} in blocks", f"local preconditioners, {packing} in blocks",
+              f"the same, 32 {grains} in each")
+    for axes, letter, title in zip((outer, krylov, fixed, methods, local, local_fixed), "abcdef", titles):
         style.log_axis(axes.xaxis, 1.6, 82)
         axes.set_xticks([2, 4, 8, 16, 32, 64], labels=["2", "4", "8", "16", "32", "64"])
         axes.set_xticks([], minor=True)
