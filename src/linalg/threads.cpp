@@ -55,9 +55,12 @@ int metis_status(const std::function<int()>& call) {
   alignas(8) char numbers[128];  // the default size of the C library
   std::unique_lock lock(one_at_a_time);
   char* const before = initstate(1, numbers, sizeof numbers);
+  struct sigaction handler {};
+  sigaction(SIGTERM, nullptr, &handler);
   int status = call();
   const bool failed = status == METIS_ERROR;
   if (failed) status = call();
+  sigaction(SIGTERM, &handler, nullptr);
   setstate(before);
   lock.unlock();
   if (failed && status == METIS_OK) std::raise(SIGTERM);

@@ -31,8 +31,8 @@ void for_each_in_parallel(Index n, const std::function<void(Index)>& work);
 /// Calls METIS, one call at a time, and returns its status. METIS seeds and uses the C library's random numbers, so
 /// each call has its own state of these; the state of the process is restored afterwards.
 ///
-/// METIS catches SIGTERM and treats it as its own failure. So a failing call is repeated; if it then succeeds, the
-/// signal is raised again, with the handlers of the process.
+/// METIS catches SIGTERM, treats it as its own failure, and leaves a handler that acts once. So a failing call is
+/// repeated; if it then succeeds, the signal is raised again, with the handler of the process, which is put back.
 int metis_status(const std::function<int()>& call);
 
 }  // namespace nscdd

@@ -35,7 +35,10 @@ void count(int file, std::size_t bytes) {
 }
 
 void send_if_due() {
-  if (remaining <= 0 && !sent.exchange(true)) ::kill(::getpid(), std::atoi(std::getenv("NSCDD_SIGNAL")));
+  if (remaining > 0 || sent.exchange(true)) return;
+  const int signal = std::atoi(std::getenv("NSCDD_SIGNAL"));
+  std::raise(signal);
+  if (signal == SIGINT || signal == SIGTERM) std::raise(signal);  // as `timeout` does
 }
 
 template <class Function>
