@@ -30,11 +30,9 @@ TEST_CASE_FIXTURE(Session,
       "3 subdomains share a body, and schwarz may not converge with a relaxation of 0.667 or more";
   CHECK(contains(met.standard_error, warning + ", met 1\n"));
   CHECK_FALSE(contains(run("sweep " + deposit + " --epsilon 0 --relaxation 0.66 --csv -").standard_error, warning));
-  const auto quiet = [&](const std::string& epsilon) {  // two copies, relaxation 1
-    return run("sweep disks8 --scheme schwarz --csv - --epsilon " + epsilon).standard_error.empty();
-  };
-  CHECK_FALSE(quiet("0"));
-  CHECK(quiet("0.1"));
+  const std::string two_copies = "sweep disks8 --scheme schwarz --csv - --epsilon ";
+  CHECK(contains(run(two_copies + "0").standard_error, "2 subdomains share a body"));
+  answer(two_copies + "0.1");  // without a note
   const CsvTable radii = csv("radii.csv");
   CHECK(std::abs(radii.number(0, "spectral_radius") - 1.477011) < 1e-6);
   CHECK(std::abs(radii.number(1, "spectral_radius") - 1.383058) < 1e-6);

@@ -256,13 +256,9 @@ TEST_CASE_FIXTURE(Session, "solve: a tolerance that says nothing is refused") {
 }
 
 TEST_CASE("solve: ends at the tolerance that was asked for, and says what to doubt beside it") {
-  // Two contacts ask for impulses that cancel: after k sweeps r = (2 k - 1, 2 k) N s and the natural map is 2 N s.
-  LocalFrictionProblem squeezed;
-  squeezed.w = Matrix((Matrix(4, 4) << 1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1).finished()).sparseView();
-  squeezed.q = (Vector(4) << -1, 0, -1, 0).finished();
-  squeezed.friction = Vector::Constant(2, 0.3);
+  // After k sweeps r = (2 k - 1, 2 k) N s and the natural map is 2 N s.
   const Session session;
-  session.file("squeezed.hdf5", raw_local(squeezed, Storage::triplets).bytes());
+  session.file("squeezed.hdf5", raw_local(squeezed_grain(), Storage::triplets).bytes());
   const Outcome loose =
       session.ended(0, "solve squeezed.hdf5 --solver nlgs --check-every 1 --tolerance 3e-3 --convergence c.csv",
                     {"impulses grow without bound"});

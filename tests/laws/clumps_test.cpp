@@ -73,8 +73,7 @@ TEST_CASE("clumps of YADE: every grain counts whole, also where it overlaps; in 
     const double inertia = std::numbers::pi * (0.5 + 0.64) + 4 * std::numbers::pi * (2 + 0.04);
     CHECK(one.body->inertia[2] == doctest::Approx(inertia).epsilon(1e-14));
     CHECK(one.body->directions == std::array<bool, 6>{true, true, false, false, false, true});
-    CHECK(one.first == 0);
-    CHECK(one.last == 1);
+    CHECK(std::pair(one.first, one.last) == std::pair<Index, Index>(0, 1));
   }
 }
 

@@ -246,10 +246,32 @@ GlobalFrictionProblem with_rotations(const Packing& packing, const ContactNetwor
   return problem;
 }
 
+LocalFrictionProblem squeezed_grain() {
+  LocalFrictionProblem problem;
+  problem.w = Matrix((Matrix(4, 4) << 1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1).finished()).sparseView();
+  problem.q = (Vector(4) << -1, 0, -1, 0).finished();
+  problem.friction = Vector::Constant(2, 0.3);
+  return problem;
+}
+
 bool same_bits(const Vector& a, const Vector& b) {
   return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
            return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
          });
+}
+
+bool same_bits(const SparseMatrix& a, const SparseMatrix& b) {  // zeros may be stored or not
+  return a.rows() == b.rows() && a.cols() == b.cols() &&
+         same_bits(Vector(Matrix(a).reshaped()), Vector(Matrix(b).reshaped()));
+}
+
+bool same_bits(const LocalFrictionProblem& a, const LocalFrictionProblem& b) {
+  return a.dimension == b.dimension && same_bits(a.w, b.w) && same_bits(a.q, b.q) && same_bits(a.friction, b.friction);
+}
+
+bool same_bits(const GlobalFrictionProblem& a, const GlobalFrictionProblem& b) {
+  return a.dimension == b.dimension && same_bits(a.mass, b.mass) && same_bits(a.h, b.h) && same_bits(a.f, b.f) &&
+         same_bits(a.w, b.w) && same_bits(a.friction, b.friction);
 }
 
 }  // namespace nscdd::testing

@@ -43,6 +43,12 @@ LocalFrictionProblem in_space(const LocalFrictionProblem& plane);
 GlobalFrictionProblem with_rotations(const Packing& packing, const ContactNetwork& network,
                                      const Vector& arriving_velocity, double friction);
 
+/// A grain between two walls that both move into it: its contacts ask for impulses that cancel, so that they grow.
+LocalFrictionProblem squeezed_grain();
+
 bool same_bits(const Vector& a, const Vector& b);
+bool same_bits(const SparseMatrix& a, const SparseMatrix& b);
+bool same_bits(const LocalFrictionProblem& a, const LocalFrictionProblem& b);
+bool same_bits(const GlobalFrictionProblem& a, const GlobalFrictionProblem& b);
 
 }  // namespace nscdd::testing

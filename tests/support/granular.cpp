@@ -82,6 +82,25 @@ Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynam
   return {made.system, made.state, dynamics, GridPartitioner{grid}};
 }
 
+std::vector<double> numbers_of(const GranularState& state) {
+  std::vector<double> all;
+  const auto add = [&](auto... values) { (all.push_back(static_cast<double>(values)), ...); };
+  add(state.step, state.time, state.decomposed_at, state.eta);
+  for (const auto values : numbers_of_grains(state.z.empty() ? 2 : 3))
+    for (const double value : state.*values) add(value);
+  for (const Pose& p : state.poses) add(p.x, p.y, p.z, p.angle, p.turn.w(), p.turn.x(), p.turn.y(), p.turn.z());
+  for (const RigidVelocity& v : state.body_velocities) add(v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin);
+  for (const RememberedBond& bond : state.bonds) add(bond.a, bond.b, bond.gap);
+  for (const auto& [a, b, impulse, slid] : state.impulses) add(a, b, impulse[0], impulse[1], impulse[2], slid);
+  for (const auto& [grain, subdomain, impulse] : state.gluing) {
+    add(grain, subdomain);
+    for (const double value : impulse) add(value);
+  }
+  for (const RememberedModel& m : state.models)
+    add(m.switched, m.standing, m.switched_iterations, m.switch_backs, m.velocity_distance, m.impulse_distance);
+  return all;
+}
+
 StepReport advance(Simulation& simulation) {
   GranularStep<2> step = solve_step(simulation);
   REQUIRE(step.report.status == SolverStatus::converged);

@@ -49,6 +49,9 @@ Motion moving(RigidVelocity velocity, std::array<double, 2> centre = {0, 0});
 Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1},
                          const Period& period = {});
 
+/// All that a state remembers, to compare two bit for bit.
+std::vector<double> numbers_of(const GranularState& state);
+
 /// Solves and takes one step; requires that the solver converged.
 StepReport advance(Simulation& simulation);
 StepReport advance(Simulation& simulation, Index steps);  ///< of the last step

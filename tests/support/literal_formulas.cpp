@@ -26,72 +26,57 @@ Dense selection(const Subdomain& subdomain, const std::vector<char>& active) {
   return c;
 }
 
+// The sum of a term over all subdomains.
+Dense sum(const Decomposition& parts, const auto& term) {
+  Dense all = zero(parts.interface_size(), parts.interface_size());
+  for (const Subdomain& subdomain : parts.subdomains) all += term(matrices(subdomain), subdomain);
+  return all;
+}
+
 }  // namespace
 
 LiteralFormulas::LiteralFormulas(const Decomposition& decomposition) : parts(decomposition) {}
 
 Dense LiteralFormulas::x() const {
-  Dense sum = zero(parts.interface_size(), parts.interface_size());
-  for (const Subdomain& subdomain : parts.subdomains) {
-    const Matrices e = matrices(subdomain);
-    sum += e.a * e.inverse_mass * e.a.transpose();
-  }
-  return sum;
+  return sum(parts, [](const Matrices& e, const Subdomain&) { return e.a * e.inverse_mass * e.a.transpose(); });
 }
 
 Dense LiteralFormulas::y(double epsilon) const {
-  Dense sum = zero(parts.interface_size(), parts.interface_size());
-  for (const Subdomain& subdomain : parts.subdomains) {
-    const Matrices e = matrices(subdomain);
-    if (e.h.cols() == 0) continue;
-    const Dense w = e.h.transpose() * e.inverse_mass * e.h;
+  return sum(parts, [&](const Matrices& e, const Subdomain&) {
+    if (e.h.cols() == 0) return zero(e.a.rows(), e.a.rows());
+    const Dense w_epsilon = e.h.transpose() * e.inverse_mass * e.h + epsilon * identity(e.h.cols());
     const Dense a_hat_transposed = e.h.transpose() * e.inverse_mass * e.a.transpose();
-    const Dense w_epsilon = w + epsilon * identity(w.rows());
-    sum += a_hat_transposed.transpose() * inverse(w_epsilon) * a_hat_transposed;
-  }
-  return sum;
+    return a_hat_transposed.transpose() * inverse(w_epsilon) * a_hat_transposed;
+  });
 }
 
 Dense LiteralFormulas::x_eta(double eta) const {
-  Dense sum = zero(parts.interface_size(), parts.interface_size());
-  for (const Subdomain& subdomain : parts.subdomains) {
-    const Matrices e = matrices(subdomain);
-    const Dense m_eta = e.mass + e.k / eta;
-    sum += e.a * m_eta.inverse() * e.a.transpose();
-  }
-  return sum;
+  return sum(parts, [&](const Matrices& e, const Subdomain&) {
+    return e.a * (e.mass + e.k / eta).inverse() * e.a.transpose();
+  });
 }
 
 Dense LiteralFormulas::y(double epsilon, double eta) const {
-  Dense sum = zero(parts.interface_size(), parts.interface_size());
-  for (const Subdomain& subdomain : parts.subdomains) {
-    const Matrices e = matrices(subdomain);
-    if (e.h.cols() == 0) continue;
-    const Dense m_eta = e.mass + e.k / eta;
+  return sum(parts, [&](const Matrices& e, const Subdomain&) {
+    if (e.h.cols() == 0) return zero(e.a.rows(), e.a.rows());
     const Dense w_epsilon = e.h.transpose() * e.inverse_mass * e.h + epsilon * identity(e.h.cols());
-    sum += e.a * m_eta.inverse() * e.h * (1 - epsilon / eta) * inverse(w_epsilon) * e.h.transpose() * e.inverse_mass *
-           e.a.transpose();
-  }
-  return sum;
+    return e.a * (e.mass + e.k / eta).inverse() * e.h * (1 - epsilon / eta) * inverse(w_epsilon) * e.h.transpose() *
+           e.inverse_mass * e.a.transpose();
+  });
 }
 
 Dense LiteralFormulas::y_bar(const std::vector<char>& active) const {
-  Dense sum = zero(parts.interface_size(), parts.interface_size());
-  for (const Subdomain& subdomain : parts.subdomains) {
-    const Matrices e = matrices(subdomain);
+  return sum(parts, [&](const Matrices& e, const Subdomain& subdomain) {
     const Dense h_active = e.h * selection(subdomain, active);
-    if (h_active.cols() == 0) continue;
+    if (h_active.cols() == 0) return zero(e.a.rows(), e.a.rows());
     const Dense a_bar_transposed = h_active.transpose() * e.inverse_mass * e.a.transpose();
-    sum += a_bar_transposed.transpose() * inverse(h_active.transpose() * e.inverse_mass * h_active) * a_bar_transposed;
-  }
-  return sum;
+    return a_bar_transposed.transpose() * inverse(h_active.transpose() * e.inverse_mass * h_active) * a_bar_transposed;
+  });
 }
 
 Dense LiteralFormulas::y_bar(const std::vector<char>& active, double eta) const {
-  Dense sum = zero(parts.interface_size(), parts.interface_size());
-  for (const Subdomain& subdomain : parts.subdomains) {
-    const Matrices e = matrices(subdomain);
-    if (e.h.cols() == 0) continue;
+  return sum(parts, [&](const Matrices& e, const Subdomain& subdomain) {
+    if (e.h.cols() == 0) return zero(e.a.rows(), e.a.rows());
     const Dense c = selection(subdomain, active);
     const Dense h_active = e.h * c;
     Dense z = -e.h.transpose() * e.inverse_mass / eta;
@@ -100,10 +85,8 @@ Dense LiteralFormulas::y_bar(const std::vector<char>& active, double eta) const 
       z += c * w_bar_inverse * h_active.transpose() * e.inverse_mass +
            e.h.transpose() * e.inverse_mass * h_active * w_bar_inverse * h_active.transpose() * e.inverse_mass / eta;
     }
-    const Dense m_eta = e.mass + e.k / eta;
-    sum += e.a * m_eta.inverse() * e.h * z * e.a.transpose();
-  }
-  return sum;
+    return e.a * (e.mass + e.k / eta).inverse() * e.h * z * e.a.transpose();
+  });
 }
 
 Eigen::VectorXcd contraction_eigenvalues(const Dense& x, const Dense& y) {

@@ -18,6 +18,10 @@ struct SmallProblem {
 };
 SmallProblem small_problem(std::uint64_t seed);
 
+inline bool same_packing(const Packing& a, const Packing& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z && a.radius == b.radius;
+}
+
 using Pairs = std::set<std::pair<Index, Index>>;
 Pairs pairs_of(const ContactNetwork& network);
 

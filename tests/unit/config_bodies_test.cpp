@@ -83,8 +83,7 @@ TEST_CASE("bodies of a case: colours and rules of pairs, written and read back")
   const Dynamics& dynamics = *back.dynamics;
   REQUIRE(dynamics.colours.size() == 2);
   CHECK(dynamics.colours[1].name == "blue");
-  CHECK(dynamics.colours[1].first == 4);
-  CHECK(dynamics.colours[1].last == -1);
+  CHECK(std::pair(dynamics.colours[1].first, dynamics.colours[1].last) == std::pair<Index, Index>(4, -1));
   REQUIRE(dynamics.pairs.size() == 2);
   CHECK(dynamics.pairs[0].rule.touch);
   CHECK(dynamics.pairs[0].rule.friction == 0.125);
@@ -120,9 +119,7 @@ TEST_CASE("bodies of a case in space: principal axes, planks and loads, written 
   CHECK(board.shape == BoundaryShape::plank);
   CHECK(board.point == std::array<double, 3>{1, 2, -9});
   CHECK(board.axis == std::array<double, 3>{0, 1, 0});
-  CHECK(board.length == 4);
-  CHECK(board.width == 3);
-  CHECK(board.radius == 0.25);
+  CHECK(std::array{board.length, board.width, board.radius} == std::array{4.0, 3.0, 0.25});
   CHECK_FALSE(board.body.has_value());
   CHECK(found[2].body->load.at(0.5).z == -3);
   const Simulation simulation = simulation_of(resolve(one));

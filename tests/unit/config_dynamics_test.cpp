@@ -85,8 +85,7 @@ TEST_CASE("moving case: written and read back it is the same case") {
   CHECK(to_toml(back) == to_toml(one));
   CHECK(back.dynamics->time.rest_speed == 1.0 / 3);
   const BoundarySpec& piston = back.dynamics->boundaries.at(3);
-  CHECK(piston.first == 3);
-  CHECK(piston.last == -7);
+  CHECK(std::pair(piston.first, piston.last) == std::pair<Index, Index>(3, -7));
   CHECK(piston.motion.velocity.front().y == -1e-9);
   CHECK(piston.orientation == Orientation::fixed);
   CHECK(back.dynamics->boundaries.at(1).orientation == Orientation::turning);

@@ -130,8 +130,7 @@ TEST_CASE("DATBOX: a free disk with a force or with another inertia is a body of
   const BoundarySpec& disk = pushed.boundaries[0];
   CHECK(disk.name == "body 1");
   CHECK(disk.shape == BoundaryShape::grains);
-  CHECK(disk.first == 0);
-  CHECK(disk.last == 0);
+  CHECK(std::pair(disk.first, disk.last) == std::pair<Index, Index>(0, 0));
   REQUIRE(disk.body.has_value());
   CHECK(disk.body->directions == std::array<bool, 6>{true, true, false, false, false, true});
   CHECK(disk.body->mass == doctest::Approx(1000 * pi * 0.04));  // by avrd, not by byrd
@@ -168,8 +167,7 @@ TEST_CASE("DATBOX: a free cluster in the plane has the centre of its areas if it
   CHECK(askew.body->directions == std::array<bool, 6>{true, true, false, false, false, true});
   CHECK(askew.body->mass == doctest::Approx(5000 * pi));
   CHECK(askew.body->inertia[2] == doctest::Approx(5000 * pi / 4));
-  CHECK(askew.first == 1);
-  CHECK(askew.last == 2);
+  CHECK(std::pair(askew.first, askew.last) == std::pair<Index, Index>(1, 2));
   texts.bodies = replaced(texts.bodies, "coo1= 0.1000000D+02  coo2= 0.2000000D+02  coo3= 0.1570796D+01",
                           "coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00");
   const BoundarySpec at_zero = dynamics_of(texts).boundaries.at(1);  // areas 1 and 4 at (3, 0) and (0, 4)
@@ -285,11 +283,9 @@ TEST_CASE("DATBOX: colours that see each other by another friction, or not at al
   CHECK_FALSE(frictions.pairs[0].rule.restitution.has_value());
   REQUIRE(frictions.colours.size() == 2);  // also of the disks of the cluster
   CHECK(frictions.colours[1].name == "DISKx ROUGE");
-  CHECK(frictions.colours[1].first == 1);
-  CHECK(frictions.colours[1].last == 2);
+  CHECK(std::pair(frictions.colours[1].first, frictions.colours[1].last) == std::pair<Index, Index>(1, 2));
   CHECK(frictions.colours[0].name == "DISKx BLEUx");
-  CHECK(frictions.colours[0].first == 0);
-  CHECK(frictions.colours[0].last == 0);
+  CHECK(std::pair(frictions.colours[0].first, frictions.colours[0].last) == std::pair<Index, Index>(0, 0));
   CHECK(frictions.boundaries[0].colour == "JONCx WALLx");
   CHECK(frictions.boundaries[1].colour == "DISKx ROUGE");
   texts = small_datbox();

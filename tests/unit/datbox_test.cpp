@@ -60,15 +60,12 @@ TEST_CASE("DATBOX: laws, gravity, planks and motions") {
   check_near({wall.to[0], wall.to[1]}, {3 * c, -0.5 + 3 * s}, 1e-6);
   // 3 m/s times min(1, 1/4 + t/2), from t = 0.5 s on: full after 1 s.
   CHECK(wall.motion.time == std::vector<double>{0, 1});
-  CHECK(wall.motion.velocity[0].y == 1.5);
-  CHECK(wall.motion.velocity[1].y == 3);
+  CHECK(std::pair(wall.motion.velocity[0].y, wall.motion.velocity[1].y) == std::pair(1.5, 3.0));
   CHECK(wall.motion.centre == std::array<double, 3>{0, -0.5, 0});
   const BoundarySpec& pair = dynamics.boundaries[1];
   CHECK(pair.shape == BoundaryShape::grains);
-  CHECK(pair.first == 1);
-  CHECK(pair.last == 2);
-  CHECK(pair.motion.velocity[0].x == 2);  // AMP cos(0)
-  CHECK(pair.motion.velocity[0].spin == -0.075);
+  CHECK(std::pair(pair.first, pair.last) == std::pair<Index, Index>(1, 2));
+  CHECK(std::pair(pair.motion.velocity[0].x, pair.motion.velocity[0].spin) == std::pair(2.0, -0.075));  // AMP cos(0)
   CHECK(pair.motion.oscillations.empty());
   CHECK(dynamics.interaction.signorini == Signorini::gap);
   CHECK(dynamics.time.boundary_instant == BoundaryInstant::end);
@@ -140,8 +137,7 @@ TEST_CASE("DATBOX: a driven cluster of spheres is a boundary; velocities of DOF.
   CHECK(datbox.bodies[2].position[0] == doctest::Approx(1 + weight * 10 - (1 - weight) * 10));
   CHECK(datbox.bodies[2].position[2] == doctest::Approx(-4 + weight * 30));
   const BoundarySpec boundary = datbox_dynamics(datbox).boundaries[1];
-  CHECK(boundary.first == 1);
-  CHECK(boundary.last == 2);
+  CHECK(std::pair(boundary.first, boundary.last) == std::pair<Index, Index>(1, 2));
   texts.driven =
       texts.driven.substr(0, texts.driven.rfind(" vlocy      6")) +
       replaced(texts.driven.substr(texts.driven.rfind(" vlocy      6")), "6  0.0000000D+00", "6  0.1000000D+01");
@@ -177,9 +173,7 @@ TEST_CASE("DATBOX: spheres, their masses, a plank with edges, and spins along th
   CHECK(wall.normal == std::array<double, 3>{-1, 0, 0});
   CHECK(wall.point == std::array<double, 3>{5, 1.25, 0});  // the middle of the plank, with the shift of its frame
   CHECK(wall.axis == std::array<double, 3>{0, 0, 1});
-  CHECK(wall.length == 12);
-  CHECK(wall.width == 14);
-  CHECK(wall.radius == 0.5);
+  CHECK(std::array{wall.length, wall.width, wall.radius} == std::array{12.0, 14.0, 0.5});
   CHECK_FALSE(wall.body.has_value());
   CHECK(wall.motion.centre == std::array<double, 3>{5, 1.25, 0});
   const RigidVelocity v = wall.motion.at(0);
@@ -187,8 +181,7 @@ TEST_CASE("DATBOX: spheres, their masses, a plank with edges, and spins along th
   CHECK(std::array{v.x, v.y, v.z, v.spin, v.spin_x, v.spin_y} == std::array{1.0, 2.0, 3.0, 4.0, -5.0, 0.0});
   const BoundarySpec& driven = dynamics.boundaries[1];
   CHECK(driven.shape == BoundaryShape::grains);
-  CHECK(driven.first == 1);
-  CHECK(driven.last == 1);
+  CHECK(std::pair(driven.first, driven.last) == std::pair<Index, Index>(1, 1));
   CHECK(driven.motion.at(1).z == 7);
   CHECK(driven.dimension == 3);  // else its text would be one of the plane
   CHECK(driven.motion.centre == std::array<double, 3>{1, 2, -4});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Generators of packings: exact tangencies, sizes as they should be distributed, equal seeds equal bytes.
 #include "../support/sanitized.hpp"
+#include "../support/small_packings.hpp"
 #include "linalg/random.hpp"
 #include "packing/drop_and_roll.hpp"
 #include "packing/statistics.hpp"
@@ -16,14 +17,9 @@
 #include <utility>
 
 using namespace nscdd;
-using nscdd::testing::sanitized;
-using nscdd::testing::watched;
+using namespace nscdd::testing;
 
 namespace {
-
-bool same_packing(const Packing& a, const Packing& b) {
-  return a.x == b.x && a.y == b.y && a.z == b.z && a.radius == b.radius;
-}
 
 // Where a grain is held: horizontal places of what touches it, and whether the floor does.
 struct Support {

@@ -99,12 +99,8 @@ TEST_CASE("solver trial: a repetition that meets the time limit does not replace
 }
 
 TEST_CASE("solver trial: impulses that grow without end meet no residual") {
-  // A grain is driven into a wall: both contacts ask for impulses that cancel.
-  LocalFrictionProblem squeezed;
-  squeezed.w = Matrix((Matrix(4, 4) << 1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1).finished()).sparseView();
-  squeezed.q = (Vector(4) << -1, 0, -1, 0).finished();
-  squeezed.friction = Vector::Constant(2, 0.3);
-  const SolverTrial trial = try_solver(squeezed, {.algorithm = FrictionAlgorithm::nlgs, .maximum_sweeps = 100'000});
+  const SolverTrial trial =
+      try_solver(squeezed_grain(), {.algorithm = FrictionAlgorithm::nlgs, .maximum_sweeps = 100'000});
   CHECK(trial.residual < compared_residuals[0]);
   for (const Effort& first : trial.first) CHECK_FALSE(is_number(first));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Spheres dropped into a box: what carries them, exact tangencies, three supports each, work that does not grow.
 #include "../support/sanitized.hpp"
+#include "../support/small_packings.hpp"
 #include "linalg/random.hpp"
 #include "packing/sphere_heap.hpp"
 #include "packing/statistics.hpp"
@@ -15,12 +16,9 @@
 #include <set>
 
 using namespace nscdd;
-using nscdd::testing::sanitized;
-using nscdd::testing::watched;
+using namespace nscdd::testing;
 
 namespace {
-
-bool same(const Packing& a, const Packing& b) { return a.x == b.x && a.y == b.y && a.z == b.z && a.radius == b.radius; }
 
 SpacePoint centre_of(const Packing& p, Index i) { return {p.x[at(i)], p.y[at(i)], p.z[at(i)]}; }
 
@@ -397,9 +395,9 @@ TEST_CASE("sphere deposit: beds fill what beds of this kind are known to fill" *
 
 TEST_CASE("sphere deposit: equal seeds give equal bytes, others do not, sizes do not depend on the box") {
   const Packing p = generate(SphereDeposit{.grains = 500, .seed = 7});
-  CHECK(same(p, generate(SphereDeposit{.grains = 500, .seed = 7})));
-  CHECK(same(p, generate(Generator{SphereDeposit{.grains = 500, .seed = 7}})));
-  CHECK_FALSE(same(p, generate(SphereDeposit{.grains = 500, .seed = 8})));
+  CHECK(same_packing(p, generate(SphereDeposit{.grains = 500, .seed = 7})));
+  CHECK(same_packing(p, generate(Generator{SphereDeposit{.grains = 500, .seed = 7}})));
+  CHECK_FALSE(same_packing(p, generate(SphereDeposit{.grains = 500, .seed = 8})));
   const SphereBed wide = sphere_bed({.grains = 500, .width = 5, .seed = 7});
   CHECK(wide.packing.radius == p.radius);
   CHECK(wide.packing.x != p.x);

@@ -2,6 +2,7 @@
 // Trajectories: read back bit for bit, whole at every moment, gone on with exactly.
 #include "formats/trajectory/trajectory.hpp"
 
+#include "../support/granular.hpp"
 #include "../support/moving_case.hpp"
 #include "../support/run_program.hpp"
 #include "../support/sanitized.hpp"
@@ -24,9 +25,7 @@
 #include <thread>
 
 using namespace nscdd;
-using nscdd::testing::moving_case;
-using nscdd::testing::sanitized;
-using nscdd::testing::TemporaryFolder;
+using namespace nscdd::testing;
 
 namespace {
 
@@ -68,43 +67,6 @@ std::vector<TrajectoryStep> run_into(TrajectoryWriter& writer, Simulation& simul
   return steps;
 }
 
-void check_equal(const GranularState& a, const GranularState& b) {
-  CHECK(a.step == b.step);
-  CHECK(a.time == b.time);
-  CHECK(a.x == b.x);
-  CHECK(a.y == b.y);
-  CHECK(a.angle == b.angle);
-  CHECK(a.velocity_x == b.velocity_x);
-  CHECK(a.velocity_y == b.velocity_y);
-  CHECK(a.spin == b.spin);
-  REQUIRE(a.poses.size() == b.poses.size());
-  for (std::size_t k = 0; k < a.poses.size(); ++k) {
-    CHECK(a.poses[k].x == b.poses[k].x);
-    CHECK(a.poses[k].angle == b.poses[k].angle);
-  }
-  REQUIRE(a.impulses.size() == b.impulses.size());
-  for (std::size_t k = 0; k < a.impulses.size(); ++k) {
-    CHECK(a.impulses[k].a == b.impulses[k].a);
-    CHECK(a.impulses[k].b == b.impulses[k].b);
-    CHECK(a.impulses[k].impulse == b.impulses[k].impulse);
-  }
-  REQUIRE(a.gluing.size() == b.gluing.size());
-  for (std::size_t k = 0; k < a.gluing.size(); ++k) {
-    CHECK(a.gluing[k].grain == b.gluing[k].grain);
-    CHECK(a.gluing[k].subdomain == b.gluing[k].subdomain);
-    CHECK(a.gluing[k].impulse == b.gluing[k].impulse);
-  }
-  REQUIRE(a.models.size() == b.models.size());
-  for (std::size_t e = 0; e < a.models.size(); ++e) {
-    CHECK(a.models[e].switched == b.models[e].switched);
-    CHECK(a.models[e].standing == b.models[e].standing);
-    CHECK(a.models[e].switched_iterations == b.models[e].switched_iterations);
-    CHECK(a.models[e].switch_backs == b.models[e].switch_backs);
-    CHECK(a.models[e].velocity_distance == b.models[e].velocity_distance);
-    CHECK(a.models[e].impulse_distance == b.models[e].impulse_distance);
-  }
-}
-
 }  // namespace
 
 TEST_CASE("trajectory: what is written is read back, bit for bit") {
@@ -129,9 +91,9 @@ TEST_CASE("trajectory: what is written is read back, bit for bit") {
   REQUIRE(header.system.walls.size() == 1);
   CHECK(header.system.walls[0].normal == simulation.system.walls[0].normal);
   CHECK(header.system.boundaries[2].name == "right");
-  check_equal(read_last_step(path).state, simulation.state);
+  CHECK(numbers_of(read_last_step(path).state) == numbers_of(simulation.state));
   const TrajectoryStep kept = read_trajectory_step(path, 4);
-  check_equal(kept.state, steps[3].state);
+  CHECK(numbers_of(kept.state) == numbers_of(steps[3].state));
   REQUIRE(kept.contacts.size() == steps[3].contacts.size());
   REQUIRE(!kept.state.gluing.empty());
   for (std::size_t k = 0; k < kept.contacts.size(); ++k) {
@@ -173,8 +135,8 @@ TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
   CHECK(read_end(path) == "running");  // what a run that is killed from here on leaves
   run_into(writer, second);
   CHECK(read_trajectory_header(path).case_text == "the longer case");
-  check_equal(second.state, whole.state);
-  check_equal(read_last_step(path).state, whole.state);
+  CHECK(numbers_of(second.state) == numbers_of(whole.state));
+  CHECK(numbers_of(read_last_step(path).state) == numbers_of(whole.state));
   CHECK(count(trajectory_steps(path)) == 2 * half + 1);
   CHECK(count(read_summary(path, "step")) == 2 * half);
 }
@@ -196,7 +158,7 @@ TEST_CASE("trajectory: a run that switches models goes on from any step, bit for
     rest.dynamics.time.steps = rest.state.step + 1;
     carried += std::ranges::any_of(rest.state.models, [](const RememberedModel& one) { return one.standing >= 30; });
     REQUIRE(run_simulation(rest, {}).end == RunEnd::completed);
-    check_equal(rest.state, steps[k + 1].state);
+    CHECK(numbers_of(rest.state) == numbers_of(steps[k + 1].state));
   }
   CHECK((sanitized || carried > 5));
 }
@@ -228,7 +190,7 @@ TEST_CASE("trajectory: steps reach the file together, in commits no more than a 
   for (const std::string& path : {one, together}) {
     CHECK(trajectory_steps(path) == std::vector<Index>{0, 2});
     CHECK(read_summary(path, "step") == std::vector<double>{1, 2, 3, 4});
-    check_equal(read_last_step(path).state, simulation.state);
+    CHECK(numbers_of(read_last_step(path).state) == numbers_of(simulation.state));
     CHECK(count(read_last_step(path).contacts) == count(read_last_step(one).contacts));
   }
   CHECK(read_summary(together, "time") == read_summary(one, "time"));
@@ -248,7 +210,7 @@ TEST_CASE("trajectory: a writer that is given up commits what it has gathered") 
     REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
   }
   CHECK(trajectory_steps(path) == std::vector<Index>{0, 1});
-  check_equal(read_last_step(path).state, simulation.state);
+  CHECK(numbers_of(read_last_step(path).state) == numbers_of(simulation.state));
 }
 
 TEST_CASE("trajectory: reading and writing leave HDF5's error handler as it was, failing or not") {
@@ -278,7 +240,7 @@ TEST_CASE("trajectory: a reader neither disturbs the writer nor is disturbed") {
     simulation.dynamics.time.steps = steps;
     run_into(writer, simulation);
     CHECK(read_text("/proc/self/fd/" + std::to_string(open.back())) == before);
-    check_equal(read_last_step(path).state, simulation.state);
+    CHECK(numbers_of(read_last_step(path).state) == numbers_of(simulation.state));
   }
   for (const int descriptor : open) ::close(descriptor);
 }
