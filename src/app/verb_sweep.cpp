@@ -54,7 +54,7 @@ int work_through(const Model& model, const StudyTable& work, SharedTable& csv, I
     if ((!radius.converged || (certify && !radius.certified)) && told++ < most_told)
       note("epsilon = {}, eta = {}: {}: {}", result.point.epsilon, result.point.eta,
            radius.converged ? "not certified" : "not converged", radius.failure);
-    // At -1 the iteration rings. Next to 1 it converges slowly; eigenvalue_min is nan for an inexact Stage 1.
+    // At -1 the error does not decay. Next to 1 it does, slowly; eigenvalue_min is nan for an inexact Stage 1.
     if (work.sweep.schwarz() && radius.subdominant >= 1 - 1e-9 && !(radius.eigenvalue_min > -1 + 1e-9)) {
       exact += !result.point.gauss_seidel_sweeps;
       if (diverging++ == 0)
@@ -150,7 +150,7 @@ int run_sweep(const SweepOptions& options, const Context& context) {
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
   Interruption interruption(machine.processes);
-  // Outputs are opened before the work and named after it: a run that fails leaves none.
+  // Outputs are opened before the work and get their names after it: a run that fails leaves none.
   SharedTable csv(machine, options.csv, rows, options.how);
   CountsTable counts(options.counts, options.how.force, machine);
   std::optional<OutputFile> hdf5;
@@ -169,7 +169,7 @@ int run_sweep(const SweepOptions& options, const Context& context) {
     return interrupted("{}: interrupted: a table of curves is not resumed{}", name_of_output(options.csv),
                        is_stream(options.csv) ? "" : ", and nothing is left of it");
   if (interruption.stopped()) return leave(*csv, options.csv);
-  csv->finish();  // first: no other output that fails takes the rows with it
+  csv->finish();  // first, so that a failure of another output does not delete the rows
   if (hdf5) hdf5->bytes(to_hdf5(provenance(context, work.cases), {{"sweep", table}}));
   counts.finish();
   if (hdf5) hdf5->finish();

@@ -13,7 +13,7 @@ constexpr double fixed_share = 0.001;
 
 std::mutex one_call_at_a_time;  // ARPACK's Fortran SAVE variables are shared by the whole process
 
-// The same vector for the same size, with a component along every eigenvector of practice.
+// The same vector for the same size, in practice not orthogonal to any eigenvector.
 Vector start_vector(Index n) {
   Vector v(n);
   std::uint64_t state = 0x9e3779b97f4a7c15ULL;
@@ -102,7 +102,7 @@ LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const Lin
 
 ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options, double unit_tolerance) {
   ArnoldiResult result;
-  // With six wanted, a complex pair cut at the last one does no harm.
+  // Six are requested, so that cutting a complex pair after the sixth does not affect the first.
   Workspace w(n, std::min<Index>(6, n - 3), options, 1);
   while (true) {
     arpack::naupd(w.ido, arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev, options.tolerance,

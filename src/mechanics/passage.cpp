@@ -6,7 +6,7 @@
 namespace nscdd {
 namespace {
 
-// The least height over a convex body on a straight path, along which heights are convex.
+// The least distance of a straight path from a convex body. The distance is convex along the path.
 double least_height(const Wall& wall, const Place& from, const Place& move) {
   double low = 0, high = 1;
   const auto height = [&](double part) { return nearest_point(wall, moved_along(from, part, move)).height; };
@@ -20,7 +20,7 @@ double least_height(const Wall& wall, const Place& from, const Place& move) {
   return height((low + high) / 2);
 }
 
-// Grain a and body b at each place of a path; in a periodic cell an image of a, the same all along: its steps from a.
+// Grain a and body b at each place of a path. `steps`: periods from a to the image that is followed.
 class Pair {
  public:
   Pair(const Path& path, Index a, Index b, const Place& steps)

@@ -100,7 +100,7 @@ double fastest_of(const StepStart& start, const std::vector<RigidVelocity>& moti
     const GrainMotion v = velocity(i);
     for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], v[k]), high[k] = std::max(high[k], v[k]);
   }
-  double boundaries = 0, second = 0;  // the fastest, and of free bodies the next: they may meet
+  double boundaries = 0, second = 0;  // the two largest speeds: two free bodies may meet head-on
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const double arm = spin_of(motions[k]) > 0 ? farthest(start, k) : 0;
     const double speed = std::hypot(motions[k].x, motions[k].y, motions[k].z) + spin_of(motions[k]) * arm;

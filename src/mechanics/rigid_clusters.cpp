@@ -13,7 +13,7 @@ namespace {
 
 constexpr double least_hold = 0.05;  // the least singular value that counts as held
 
-// Whether rows, one per bar, with this Gram matrix R^T R leave none of the unknowns free.
+// Whether bars with the Gram matrix R^T R fix all unknowns.
 bool gram_holds(const Matrix& gram) {
   return symmetric_eigen(gram, Eigenvectors::not_wanted).values[0] > least_hold * least_hold;
 }

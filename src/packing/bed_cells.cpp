@@ -33,7 +33,7 @@ BedCells::BedCells(double width, double depth, double largest_radius, std::vecto
   while (true) {
     const double largest = levels_.back().largest;
     radii.erase(std::lower_bound(radii.begin(), radii.end(), largest / 2), radii.end());
-    // More than 4 (in space 8) smaller grains per cell of the largest get their own level; 4 to 16 serve equally.
+    // A finer level, where a cell of the largest would hold more than 4 smaller grains (8 in space). 16 are as fast.
     const double square = static_cast<double>(radii.size()) * largest * largest;
     if (radii.empty() || (in_space ? square * largest : square) <= room) return;
     // Slightly larger, so that rounding hides no grain behind a border of cells; wider if there are few grains.

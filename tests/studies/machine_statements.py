@@ -33,11 +33,11 @@ def radius(rows):
     check(all(memory[2 * p] < memory[p] for p in (1, 2, 4, 8)), f"less memory with more processes: met {memory}")
     path = by_processes(rows, "path_flops", **million)
     check(all(path[2 * p] < path[p] for p in (1, 2, 4, 8)), f"less work one after the other up to 16: met {path}")
-    # Fronts of several processes are each of one: they are what is left.
+    # One rank eliminates each shared front, so that shared fronts bound the critical path.
     path = by_processes(rows, "path_flops", **{**million, "grains": 99_856})
     check(path[64] > 0.8 * path[32] and path[64] > path[1] / 8, f"no gain from 32 to 64 processes: met {path}")
     check(path[16] > path[8], f"a longer way on 16 processes than on 8: met {path}")
-    # What all processes have of the whole decides the memory from 16 processes on.
+    # From 16 ranks on replicated data dominates the memory.
     memory = by_processes(rows, "memory", **{**million, "grains": 250_000})
     check(memory[64] > 0.95 * memory[16], f"no less memory on 64 processes than on 16: met {memory}")
     for row in style.where(rows, work="radius", program="nscdd-mpi"):
@@ -55,13 +55,13 @@ def iteration(rows):
             messages = by_processes(rows, "messages", **bed)
             check(all(messages[p] <= min(p - 1, 8) for p in messages), f"one message to each neighbour: met {messages}")
             check(by_processes(rows, "sums", **bed) == {p: float(p > 1) for p in own}, "one sum in an iteration")
-    # Memory is shared but for what all have, which is less than a tenth; the first process writes.
+    # Memory is distributed except replicated data, less than a tenth. Rank 0 writes and needs more.
     bed = {"series": "strong", "work": "iteration", "grains": 100_000, "subdomains": "8x8"}
     first, others = by_processes(rows, "memory", **bed), by_processes(rows, "memory_others", **bed)
     program = by_processes(rows, "memory_others", **{**bed, "grains": 780})[4]
     check(all(others[2 * p] < others[p] for p in (2, 4, 8, 16, 32)), f"less memory with more processes: met {others}")
     check(all(first[p] > others[p] for p in others if p > 1), f"more memory where it is written: met {first}")
-    all_have = 2 * others[64] - others[32] - program  # where another half of the share is gone
+    all_have = 2 * others[64] - others[32] - program  # doubling the ranks halves the distributed part
     check(0 < all_have < 0.1 * (first[1] - program), f"a tenth of {first[1] - program} B at most: met {all_have}")
 
 
@@ -111,7 +111,7 @@ def geometry():
 
 
 def prediction(rows):
-    """More processes never take longer one after the other, and memory keeps 10^7 grains off full nodes."""
+    """More ranks never lengthen the critical path, and 10^7 grains leave cores of a node idle for lack of memory."""
     law = model.Model("radius", model.rows_of(rows, "radius"))
     found = [model.predict_radius(law, processes, model.ARCHER2, None) for processes in model.PROCESSES]
     check(all(a["path_flops"] >= 0.95 * b["path_flops"] for a, b in zip(found[1:], found)), "fronts are what is left")

@@ -25,8 +25,8 @@ struct InterfaceIterations {
   StepReport report;
   Index subdomains = 0;
   Index stick = 0, slide = 0;  // contacts at the end
-  // At these statuses: X, X_eta, and on the active contacts as stiff as in the system, lumped with weights by
-  // multiplicity, Dirichlet with these, with deluxe ones, and with a coarse space of GenEO besides.
+  // Preconditioners at these statuses: X, X_eta of all and of active contacts, then, of the active contacts with the
+  // stiffness of the system, lumped and Dirichlet (multiplicity), Dirichlet (deluxe), the same with GenEO.
   FrozenInterface none, all, active, lumped, dirichlet, deluxe, geneo;
   Index undivided_factorisations = 0;  // of the same step on one subdomain
   // The same step by other methods, with the limit solver.maximum_iterations; of ADMM in hundreds.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Line charts as SVG. Lines differ in dash and mark as well as in colour.
 
-// Powers of ten some way apart; where there are fewer than three, multiples of them too.
+// Ticks at powers of ten that are not too close together. With fewer than three of them, also at their multiples.
 function logTicks(low, high, length) {
   const [a, b] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
   const fitting = Math.max(1, Math.ceil((b - a + 1) / (length / 48)));
