@@ -248,6 +248,7 @@ std::string find_study(const std::string& name) {
 
 Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs) {
   require_no_input(outputs, files_behind(spec));
+  for (const auto& [parameter, remark] : spec.remarks) note("{}: {}", spec.name, remark);
   Case one = resolve_nested(spec, {});
   one.made = [partitioner = spec.partition, told = std::make_shared<std::set<std::string>>()](const Model& model) {
     for (const std::string& remark : remarks_on(model, partitioner))

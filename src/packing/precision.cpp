@@ -140,6 +140,7 @@ std::string Precision::text() const {
   const auto counted = [](int digits, const char* what) {
     return fmt::format("{} {}{}", digits, what, digits == 1 ? "" : "s");
   };
+  if (half_digit > 0) return fmt::format("an error of up to {:.1g} m in their file", half_digit);
   if (coordinates.decimals) return counted(*coordinates.decimals, "decimal");
   if (coordinates.significant) return counted(*coordinates.significant, "significant digit");
   return coordinates.single ? "single precision" : "double precision";

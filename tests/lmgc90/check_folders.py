@@ -7,7 +7,7 @@ datbox.tar.xz (corpus/NAME/BODIES.DAT ...). The default is ../shared/lmgc90, fro
 reference.tar.xz of the same folder, if there, has outputs of LMGC90 (reference/RUN/DOF.OUT.1.of_1 ...), with which runs
 are compared. Without folders the test is skipped.
 
-usage: check_folders.py PROGRAM SOURCE
+usage: check_folders.py PROGRAM SOURCE UNIT_TESTS
 Exit code 0: as expected; 1: not; 77: no folders."""
 import math
 import os
@@ -22,8 +22,8 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "studies" / "paper-samples"))
 from lmgc90_files import velocities  # noqa: E402
 
-# The folders of disks or spheres, and how many steps of them are solved. Time steps are those of
-# COMMAND.DAT in the folder; folders without it have command files with 0.005 s, the default.
+# The folders of disks or spheres, and how many steps of them are solved; with NSCDD_THOROUGH=1 (tools/nightly) 20 of
+# each. Time steps are those of COMMAND.DAT in the folder, or those of command.py in LMGC90's tree.
 RUN = {"2.Rigide_1.Thermique_0.MiseEnCharge": 20, "2.Rigide_1.Thermique_0.MiseEnCharge_SOLUCE": 20,
        "2.Rigide_1.Thermique_1.Conduction_SOLUCE": 20, "2.Rigide_1.Thermique_2.ConductionGeneration_SOLUCE": 20,
        "2.Rigide_2.Electrique_0.MiseEnCharge_SOLUCE": 20, "2.Rigide_2.Electrique_2.NonLinearModel_SOLUCE": 20,
@@ -36,6 +36,13 @@ RUN = {"2.Rigide_1.Thermique_0.MiseEnCharge": 20, "2.Rigide_1.Thermique_0.MiseEn
        "Ddm_exemple100000": 2,  # 10 807 disks: 20 steps take minutes
        "RIGID_3D_thermal3D": 1,  # a step of 17 151 contacts without friction takes 10 s
        "Tutorials_gauss_seidel": 2}  # some steps take seconds
+SETTINGS = {"2.Rigide_1.Thermique_0.MiseEnCharge": ["dynamics.step=1e-2"],
+            "2.Rigide_1.Thermique_0.MiseEnCharge_SOLUCE": ["dynamics.step=4e-4"],
+            "2.Rigide_1.Thermique_1.Conduction_SOLUCE": ["dynamics.step=1e-2"],
+            "2.Rigide_1.Thermique_2.ConductionGeneration_SOLUCE": ["dynamics.step=4e-4", "contacts.period_x=0.1"],
+            "2.Rigide_2.Electrique_0.MiseEnCharge_SOLUCE": ["dynamics.step=4e-4"],
+            "2.Rigide_2.Electrique_2.NonLinearModel_SOLUCE": ["dynamics.step=2e-4"],
+            "DDM_DDM_3D_rough_box": ["dynamics.step=1e-3"]}
 # What `simulate` refuses of others.
 REFUSED = {"RIGID_2D_200DK_BoxJC_MD": ["TACT_BEHAV.DAT:2:", "MD_JKRs"],
            "RIGID_2D_WallPL_GroundJC": ["BODIES.DAT:27:", "POLYG"],
@@ -54,7 +61,7 @@ def distance(one, other):
     return math.hypot(*(a - b for k in other for a, b in zip(one[k], other[k]))) / norm
 
 
-def main(program, source):
+def main(program, source, unit_tests):
     home = Path(os.environ.get("NSCDD_LMGC90") or Path(source).parent / "shared" / "lmgc90")
     packed_folders = (home / "datbox.tar.xz").is_file()
     if not packed_folders and not (home / next(iter(RUN))).is_dir():
@@ -73,8 +80,12 @@ def main(program, source):
             return subprocess.run([program, "simulate", folder, "-o", work / f"{name}.h5", *options],
                                   capture_output=True, text=True)
 
+        if packed_folders:  # tests of networks that need the folders
+            failed = subprocess.run([unit_tests, "--test-case=vloc_rloc: *LMGC90's *"],
+                                    env=dict(os.environ, NSCDD_LMGC90=str(work / "corpus"))).returncode != 0
         for name, steps in RUN.items():
-            done = simulate(name, "--steps", str(steps))
+            steps = 20 if os.environ.get("NSCDD_THOROUGH") else steps
+            done = simulate(name, "--steps", str(steps), *[f"--set={setting}" for setting in SETTINGS.get(name, [])])
             if done.returncode != 0 or f"steps: {steps} converged" not in done.stdout:
                 failed = True
                 print(f"{name}: expected {steps} steps that converge, met exit code {done.returncode}\n"

@@ -116,9 +116,7 @@ TEST_CASE("DATBOX: a force oscillates from the time of DOF.INI on, and may be a 
     return std::string("0 0\n1 10\n2 10\n");
   };
   const Motion table = dynamics_of(texts).boundaries.at(0).body->load;
-  CHECK(table.at(0).y == doctest::Approx(5));
-  CHECK(table.at(0.25).y == doctest::Approx(7.5));
-  CHECK(table.at(9).y == doctest::Approx(10));
+  for (const auto& [t, y] : {std::pair(0.0, 5.0), {0.25, 7.5}, {9.0, 10.0}}) CHECK(table.at(t).y == doctest::Approx(y));
 }
 
 TEST_CASE("DATBOX: a free disk with a force or with another inertia is a body of one grain") {

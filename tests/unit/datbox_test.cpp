@@ -46,15 +46,12 @@ TEST_CASE("DATBOX: laws, gravity, planks and motions") {
   CHECK(dynamics.time.penetration_correction == 0);
   CHECK(dynamics.time.alert == doctest::Approx(0.4));  // 0.1 m by the smallest radius
   REQUIRE(dynamics.boundaries.size() == 2);
-  CHECK(dynamics.pairs.empty());
-  CHECK(dynamics.colours.empty());
+  CHECK((dynamics.pairs.empty() && dynamics.colours.empty()));
   const BoundarySpec& wall = dynamics.boundaries[0];
   CHECK(wall.name == "body 2");
-  CHECK(wall.colour.empty());
-  CHECK_FALSE(wall.body.has_value());
+  CHECK((wall.colour.empty() && !wall.body));
   // All points within 0.5 m of the segment of +-3 m about (0, -0.5), at 30 degrees.
-  CHECK(wall.shape == BoundaryShape::plank);
-  CHECK(wall.radius == 0.5);
+  CHECK((wall.shape == BoundaryShape::plank && wall.radius == 0.5));
   const double c = std::sqrt(3.0) / 2, s = 0.5;
   check_near({wall.from[0], wall.from[1]}, {-3 * c, -0.5 - 3 * s}, 1e-6);
   check_near({wall.to[0], wall.to[1]}, {3 * c, -0.5 + 3 * s}, 1e-6);

@@ -131,7 +131,9 @@ struct Datbox {
   std::map<std::string, DatboxLaw> laws;
   std::vector<DatboxSight> sights;
   DatboxCommand command{};
-  double start = 0;  ///< s, time of DOF.INI and origin of the time of drives
+  double start = 0;                              ///< s, time of DOF.INI and origin of the time of drives
+  std::map<std::string, std::string> remarks{};  ///< on data that are not used, see CaseSpec
+  std::optional<double> mean_step{};  ///< s, of the steps before DOF.INI: the time step where COMMAND.DAT has none
 
   bool space() const { return dimension == 3; }
   const char* grain() const { return space() ? "SPHER" : "DISKx"; }

@@ -119,7 +119,7 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
   dynamics.time.gravity = datbox.space() ? Components<double>{x, y, z} : Components<double>{x, y};
   dynamics.time.alert = std::min(10.0, alert / *std::ranges::min_element(packing.radius));
   dynamics.time.boundary_instant = BoundaryInstant::end;
-  dynamics.time.step = datbox.command.step.value_or(dynamics.time.step);
+  dynamics.time.step = datbox.command.step.value_or(datbox.mean_step.value_or(dynamics.time.step));
   dynamics.time.theta = datbox.command.theta.value_or(dynamics.time.theta);
   return dynamics;
 }
@@ -142,7 +142,13 @@ CaseSpec case_of_datbox(const std::string& path, bool moving) {
   spec.prescribed = moving_grains(datbox, moving ? DatboxGrains::all : DatboxGrains::free);
   spec.contacts.period_x = datbox.command.period_x.value_or(0);
   spec.contacts.period_y = datbox.command.period_y.value_or(0);
-  if (moving) spec.dynamics = datbox_dynamics(datbox);
+  spec.remarks = datbox.remarks;
+  if (!moving) return spec;
+  spec.dynamics = datbox_dynamics(datbox);
+  if (!datbox.command.step)
+    spec.remarks["dynamics.step"] =
+        fmt::format("COMMAND.DAT has no time step: {} s ({}); --set dynamics.step=SECONDS", spec.dynamics->time.step,
+                    datbox.mean_step ? "as before DOF.INI" : "the default");
   return spec;
 }
 

@@ -83,7 +83,11 @@ void read_drives(FixedColumns lines, Datbox& datbox, const DatboxTexts& texts, c
 void read_initial(FixedColumns lines, Datbox& datbox) {
   std::set<Index> met;
   while (lines.next()) {
-    if (lines.key() == "$steps") datbox.start = lines.number(35, "time");
+    if (lines.key() == "$steps") {
+      datbox.start = lines.number(35, "time");
+      const Index steps = lines.integer(7, 16, "$steps");
+      if (steps > 0 && datbox.start > 0) datbox.mean_step = datbox.start / static_cast<double>(steps);
+    }
     if (lines.key() != "$bdyty") continue;
     DatboxBody& body = numbered_body(lines, datbox, met);
     while (lines.next() && lines.key() != "$nodty")
@@ -124,8 +128,11 @@ void read_bulk(FixedColumns lines, Datbox& datbox) {
       lines.require_next("a bulk law");
       const std::string name(lines.text(2, 6));
       require_first(name, "expected each bulk law once");
-      if (lines.text(9, 38).ends_with("RIGID"))  // THERMO_RIGID and others have further data
-        datbox.density[name] = lines.positive_number(46, "Umas");
+      const std::string kind(lines.text(9, 38));
+      if (!kind.ends_with("RIGID")) continue;
+      datbox.density[name] = lines.positive_number(46, "Umas");
+      if (kind != "RIGID")
+        datbox.remarks[name] = fmt::format("BULK_BEHAV.DAT: of {} '{}' only the density is used", kind, name);
     }
   }
 }

@@ -35,6 +35,7 @@ std::string where(const CaseSpec& spec, std::string_view key) { return place(spe
 Error located(const CaseSpec& spec, const Error& error) { return Error(place(spec, error.key()) + error.what()); }
 
 void override_case(CaseSpec& spec, std::string_view path, std::string_view value) {
+  spec.remarks.erase(std::string(path));
   const auto dot = path.find('.');
   const std::string_view section = path.substr(0, dot);
   const std::string_view key = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);

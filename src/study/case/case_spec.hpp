@@ -40,6 +40,8 @@ struct CaseSpec {
   std::optional<Dynamics> dynamics;  ///< none for a case that does not move
   /// The line of each key of the case file ("solver.eta", "prescribed[0].grain"), for errors.
   std::map<std::string, Index, std::less<>> lines;
+  /// On what a folder of LMGC90 does not state, or states in vain, by the parameter that states it instead.
+  std::map<std::string, std::string> remarks = {};
 };
 
 /// The place of a key for an error: "file:line: key", as far as file and line are known.
