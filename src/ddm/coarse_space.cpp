@@ -11,7 +11,7 @@
 namespace nscdd {
 namespace {
 
-constexpr double independent_pivot = 1e-12;  // smallest pivot of U^T C U, whose diagonal is 1
+constexpr double least_distance = 1e-12;  // squared distance in C from the vectors before, of a vector of norm 1
 
 // Sorts by lambda, and within it by subdomain, and scales to norm 1 in C. `local`: columns of each subdomain of this
 // rank, on its shared unknowns, with lambda as the last entry.
@@ -104,12 +104,6 @@ Matrix rigid_motions_of(const CondensedSubdomain& one, const Subdomain& subdomai
   return independent_columns(velocities);
 }
 
-// U L^-T.
-Matrix over(Matrix u, const Matrix& lower) {
-  lower.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(u);
-  return u;
-}
-
 }  // namespace
 
 CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold) {
@@ -151,44 +145,37 @@ CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decompositio
   return united(interface, std::move(local));
 }
 
-// Left-looking, column by column: row j of L is the right-hand side of the vectors kept before.
+// Block Gram-Schmidt in C. It is repeated: a vector that nearly depends on others loses digits, and no product of a
+// triangular factor gives them back.
 CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVectors& vectors) {
   const OneBlasThread serial_blas;
-  const Index m = vectors.u.cols();
+  constexpr Index width = 32;
   const SparseMatrix c = interface.sparse();
-  const Matrix gram = Matrix(SparseMatrix(vectors.u.transpose() * SparseMatrix(c * vectors.u)));
-  const Vector squares = vectors.u.cwiseAbs2().transpose() * Vector::Ones(interface.size());
-  const double rounding = m > 0 ? 1e-14 * c.diagonal().maxCoeff() * squares.maxCoeff() : 0;  // of the Gram matrix
+  const Index n = interface.size(), m = vectors.u.cols();
   std::vector<Index> kept;
-  Matrix l(m, m), lower(m, m);  // row j, column i: of vector j along the i-th kept one; those of kept ones alone
-  for (Index j = 0; j < m; ++j) {
-    const Index r = count(kept);
-    if (r >= interface.size()) break;
-    Vector column = gram.col(j).tail(m - j);
-    column.noalias() -= l.block(j, 0, m - j, r) * l.row(j).head(r).transpose();
-    if (column[0] < std::max(1e-4, rounding)) {  // digits may be lost: measured on what is left of the vector
-      const auto own = lower.topLeftCorner(r, r);
-      Vector left = vectors.u.col(j), along(r), parts = Vector::Zero(m);
-      for (int pass = 0; pass < 3; ++pass) {
-        along = Vector(vectors.u.transpose() * (c * left))(kept);
-        own.triangularView<Eigen::Lower>().solveInPlace(along);
-        own.transpose().triangularView<Eigen::Upper>().solveInPlace(along);
-        parts(kept) = along;
-        left -= vectors.u * parts;
-      }
-      column = vectors.u.rightCols(m - j).transpose() * (c * left);
-      column[0] = left.dot(c * left);
+  v_.resize(n, std::min(m, n));
+  const auto reduce = [&](auto& vector, Index from) {  // by the vectors of V kept so far, from one on
+    const auto of_v = v_.middleCols(from, count(kept) - from);
+    for (int pass = 0; pass < 2; ++pass) vector -= of_v * Matrix(of_v.transpose() * Matrix(c * vector));
+  };
+  for (Index first = 0; first < m; first += width) {
+    Matrix block = vectors.u.middleCols(first, std::min(width, m - first));
+    const Index before = count(kept);
+    reduce(block, 0);
+    for (Index j = 0; j < block.cols() && count(kept) < n; ++j) {
+      Matrix left = block.col(j);
+      reduce(left, before);
+      const auto square = [&] { return left.col(0).dot(c * left.col(0)); };
+      const double distance = square();
+      if (!(distance > least_distance)) continue;
+      left /= std::sqrt(distance);
+      if (distance < 1e-4) reduce(left, 0);
+      v_.col(count(kept)) = left / std::sqrt(square());
+      kept.push_back(first + j);
     }
-    if (!(column[0] > independent_pivot)) continue;
-    l.col(r).tail(m - j) = column / std::sqrt(column[0]);
-    lower.row(r).head(r + 1) = l.row(j).head(r + 1);
-    kept.push_back(j);
   }
-  const Index r = count(kept);
+  v_.conservativeResize(n, count(kept));
   u_ = selected_columns(vectors.u, kept);
-  v_ = over(Matrix(u_), lower.topLeftCorner(r, r));
-  const Matrix again = v_.transpose() * (c * v_);  // nearly I: vectors that nearly depend on others have lost digits
-  v_ = over(std::move(v_), Eigen::LLT<Matrix>(again).matrixL());
   lambda_ = vectors.lambda(kept);
   for (const Index j : kept) subdomains_.push_back(vectors.subdomains[at(j)]);
 }

@@ -281,6 +281,23 @@ TEST_CASE("GenEO keeps its bound, Lanczos and inertia agree with the dense spect
   });
 }
 
+TEST_CASE("a coarse problem is orthonormal in C, however nearly its vectors depend on each other") {
+  on_every_interface([](const Model& model) {
+    const auto interface = weighted(model, 1e-6, Scaling::multiplicity);
+    const Index n = interface->size();
+    RandomStream random(7);
+    Matrix u(n, n);
+    for (Index j = 0; j < n; ++j) {
+      u.col(j) = random.normal_vector(n);
+      if (j > 0) u.col(j) = u.col(j - 1) + 1e-4 * u.col(j);
+      u.col(j) /= std::sqrt(u.col(j).dot(interface->apply(u.col(j))));
+    }
+    const CoarseProblem coarse(*interface, {u.sparseView(), Vector::Zero(n), std::vector<Index>(at(n), 0)});
+    const Matrix v = coarse.orthonormal(), c = interface->sparse();
+    CHECK((v.transpose() * c * v - Matrix::Identity(v.cols(), v.cols())).norm() < 1e-8);
+  });
+}
+
 TEST_CASE("deluxe is exact for two subdomains") {
   int problems = 0;
   for (const Case& one : with_interface(every_problem())) {
