@@ -34,6 +34,8 @@ def read_tables(prefix):
     if met not in ({(True, True, True)}, {(False, False, False)}):
         raise style.DataError(f"{prefix}: expected two tables of one packing, in space with impulse_z, z and "
                               "velocity_z, met some of these columns alone")
+    if any(np.isnan(row["x"]) for row in copies):
+        raise style.DataError(f"{prefix}: expected places of grains, met a contact problem, which has none to draw")
     return rows, copies
 
 

@@ -36,16 +36,12 @@ void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings, Gi
   }
 }
 
-void CaseOptions::declare(Command& command, bool contact_problems) {
-  command.required(
-      "CASE", name,
-      fmt::format(
-          "case or packing file{}, or a known case; case files end in .toml, packing files in .csv or .h5 with "
-          "x,y,radius[,mass], or in .txt with lines x y radius, or are a folder DATBOX of LMGC90{}",
-          contact_problems ? ", contact problem" : "",
-          contact_problems
-              ? ", contact problems of FCLIB in .hdf5, of Siconos in .dat, of LMGC90 in Vloc_Rloc.INI or lmgc90.h5:ID_3"
-              : ""));
+void CaseOptions::declare(Command& command) {
+  command.required("CASE", name,
+                   "case or packing file, contact problem, or a known case; case files end in .toml, packing files in "
+                   ".csv or .h5 with x,y,radius[,mass], or in .txt with lines x y radius, or are a folder DATBOX of "
+                   "LMGC90, contact problems of FCLIB in .hdf5, of Siconos in .dat, of LMGC90 in Vloc_Rloc.INI or "
+                   "lmgc90.h5:ID_3");
   declare_options(command);
 }
 

@@ -29,7 +29,7 @@ struct CaseOptions {
   std::optional<double> density, tolerance, overlap_tolerance;
   std::vector<std::string> settings;
 
-  void declare(Command& command, bool contact_problems = true);
+  void declare(Command& command);
   void declare_options(Command& command);  ///< all but CASE
 
   /// The case with all options applied, see resolve_case.

@@ -108,7 +108,6 @@ int run_modes(const ModesOptions& options, const Machine& machine) {
   const std::string velocities_name = options.output + "-velocities.csv";
   const Case what = options.one.resolve({impulses_name, velocities_name});
   const Model model = build(what);
-  require_geometry(model, "modes");
   const ResultColumns<ModeImpulse>& impulse_columns = mode_impulse_columns(model.problem.dimension);
   const ResultColumns<ModeVelocity>& velocity_columns = mode_velocity_columns(model.problem.dimension);
   // Files are opened before the work and named after it: a run that fails leaves none.
@@ -133,7 +132,7 @@ int run_modes(const ModesOptions& options, const Machine& machine) {
 
 Action declare_modes(Command& command) {
   auto options = std::make_shared<ModesOptions>();
-  options->one.declare(command, false);
+  options->one.declare(command);
   command.required("--epsilon NUMBER[W]", options->epsilon,
                    "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   command.preset("--eta NUMBER[W]", options->eta,
@@ -149,7 +148,7 @@ Action declare_modes(Command& command) {
   command.footer = R"(The mode is the error that the iteration is left with in the end: interface impulses F with
 B F = (eigenvalue) F, and the velocities that Stage 1 answers them with. Draw it with
   plots/modes.py PREFIX mode.svg
-A contact problem has no geometry to place a mode in and is refused.
+A contact problem has no places of bodies: its tables have nan there, and no picture.
 Examples:
   nscdd modes hexagonal --epsilon 1e-3 --output slow
   nscdd modes mine.csv --subdomains 3x2 --epsilon 1e-3 --eta 0.3 --end low --output low)";

@@ -72,6 +72,24 @@ TEST_CASE_FIXTURE(NetworkSession,
           2 * unpacked<std::uint32_t>(data["copies"]["subdomain"]).size());
 }
 
+TEST_CASE_FIXTURE(NetworkSession, "modes: of a contact problem, with the radius of the sweep and without places") {
+  const std::string line = "step.hdf5 --subdomains metis:3 --epsilon 0.1W ";
+  answer("modes " + line + "--output slow");
+  const CsvTable impulses = csv("slow-impulses.csv"), velocities = csv("slow-velocities.csv"),
+                 radius = table("sweep " + line);
+  CHECK(impulses.number(0, "eigenvalue") == doctest::Approx(radius.number(0, "spectral_radius")).epsilon(1e-9));
+  CHECK(velocities.text(0, "x") == "nan");
+  for (std::size_t k = 0; k < impulses.rows.size(); ++k) {
+    double jump = impulses.number(k, "jump_x");
+    for (std::size_t i = 0; i < velocities.rows.size(); ++i)
+      for (const auto& [side, sign] : {std::pair("subdomain_first", 1), {"subdomain_second", -1}})
+        if (velocities.text(i, "grain") == impulses.text(k, "grain") &&
+            velocities.text(i, "subdomain") == impulses.text(k, side))
+          jump -= sign * velocities.number(i, "velocity_x");
+    CHECK(std::abs(jump) < 1e-9);
+  }
+}
+
 TEST_CASE_FIXTURE(NetworkSession,
                   "report: a contact problem without points has no places; one without bodies is refused") {
   answer("report step.hdf5 --subdomains metis:2 --epsilon 1 --eta inf --no-optimum -o page.html");

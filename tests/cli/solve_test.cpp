@@ -243,7 +243,6 @@ TEST_CASE_FIXTURE(Session, "a global problem goes through sweep, optimum and ins
                 {"masses.density: this case is a contact problem"});
   CHECK(table("network p.hdf5 --subdomains metis:3").text(0, "subdomain") == "0");
   check_refused("inspect p.hdf5 --histogram h.csv", {"sizes of grains: expected a packing"});
-  check_refused("modes p.hdf5 --subdomains metis:3 --epsilon 1 --output m", {"modes: expected a packing"});
   check_refused("generate p.hdf5 -o g.csv", {"p.hdf5: expected a packing"});
 }
 

@@ -44,12 +44,17 @@ void derive_schwarz(Mode& mode, const Contraction& b) {
   for (Index k = 0; k < shares.size() / d; ++k) mode.shares.push_back(shares.segment(d * k, d).sum());
 }
 
+// The k-th coordinate of a grain, m; of a body of a contact problem unknown.
+double place_of(const Model& model, Index grain, Index k) {
+  return model.has_geometry() ? coordinate(model.packing, grain, k) : not_a_number;
+}
+
 using Velocity = std::array<double, 3>;
 
 Velocity velocity_of(const Mode& mode, const GrainCopy& copy, Index dimension) {
   Velocity velocity{};
   const Vector& v = mode.velocities[at(copy.subdomain)];
-  for (Index k = 0; k < dimension; ++k) velocity[at(k)] = v[dimension * copy.grain + k];
+  for (Index k = 0; k < dimension; ++k) velocity[at(k)] = v[mode.rows.dofs_per_grain() * copy.grain + k];
   return velocity;
 }
 
@@ -163,8 +168,8 @@ ResultColumns<ModeImpulse> mode_impulse_columns(Index dimension) {
         {"subdomain_second", "1",
          "subdomain of the copy that feels the impulse; -1 with schwarz, whose rows are copies",
          [](const One& r) { return r.gluing().second.subdomain; }}},
-       vector_columns<One>(dimension, "{}", "m", "centre",
-                           [](const One& r, Index k) { return coordinate(r.model.packing, r.gluing().grain, k); }),
+       vector_columns<One>(dimension, "{}", "m", "centre; nan of a contact problem",
+                           [](const One& r, Index k) { return place_of(r.model, r.gluing().grain, k); }),
        vector_columns<One>(dimension, "impulse_{}", "kg m/s",
                            "interface impulse F of the mode, F^T P F = 1 J; with schwarz the resultant on the copy",
                            of(&Mode::impulses)),
@@ -177,7 +182,6 @@ ResultColumns<ModeImpulse> mode_impulse_columns(Index dimension) {
 
 void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,
                    const Sink<ModeImpulse>& sink) {
-  require_geometry(model, "mode");
   if (!mode.found()) return;
   for (Index k = 0; k < count(mode.rows.gluing()); ++k) sink({model, parameters, mode, k});
 }
@@ -188,9 +192,10 @@ ResultColumns<ModeVelocity> mode_velocity_columns(Index dimension) {
       {{{"case", "", "name of the case", [](const One& r) { return r.model.name; }},
         {"grain", "1", "number of the grain", &One::grain},
         {"subdomain", "1", "subdomain of this copy", &One::subdomain}},
-       vector_columns<One>(dimension, "{}", "m", "centre",
-                           [](const One& r, Index k) { return coordinate(r.model.packing, r.grain, k); }),
-       {{"radius", "m", "radius", [](const One& r) { return r.model.packing.radius[at(r.grain)]; }},
+       vector_columns<One>(dimension, "{}", "m", "centre; nan of a contact problem",
+                           [](const One& r, Index k) { return place_of(r.model, r.grain, k); }),
+       {{"radius", "m", "radius; nan of a contact problem",
+         [](const One& r) { return r.model.has_geometry() ? r.model.packing.radius[at(r.grain)] : not_a_number; }},
         {"multiplicity", "1", "subdomains that share the grain",
          [](const One& r) { return r.model.parts.interface.multiplicity(r.grain); }}},
        vector_columns<One>(dimension, "velocity_{}", "m/s",
@@ -201,7 +206,6 @@ ResultColumns<ModeVelocity> mode_velocity_columns(Index dimension) {
 }
 
 void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVelocity>& sink) {
-  require_geometry(model, "mode");
   if (!mode.found()) return;
   for (Index i = 0; i < model.parts.interface.grains(); ++i) {
     const auto copies = model.parts.interface.copies(i);

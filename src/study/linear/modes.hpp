@@ -102,8 +102,8 @@ std::vector<InterfaceShare> shares_by_interface(const Mode& mode);
 /// The number of row blocks over which the mode spreads: (sum |s_k|)^2 / sum s_k^2.
 double spread(const Mode& mode);
 
-/// A gluing row block of a mode: its impulse and jump. This table and the next one are empty without a mode
-/// (Mode::found), and throw Error for a contact problem, which has no geometry.
+/// A gluing row block of a mode: its impulse and jump, of bodies that turn without the part of rotations. This table
+/// and the next one are empty without a mode (Mode::found).
 struct ModeImpulse {
   const Model& model;
   const ModeParameters& parameters;
