@@ -20,7 +20,7 @@ struct OptimumOptions {
 void print_report(const OptimumResult& result, DecompositionScheme scheme) {
   for (const auto& [heading, value] : optimum_columns({.relative_epsilon = true, .scheme = scheme})) {
     const std::string unit = heading.unit == "1" || heading.unit.empty() ? "" : " " + heading.unit;
-    fmt::print("{:<26}{:<30}{}\n", heading.name, to_text(value(result)) + unit, heading.description);
+    fmt::print("{:<26}{:<29} {}\n", heading.name, to_text(value(result)) + unit, heading.description);
   }
 }
 

@@ -29,8 +29,7 @@ struct SimulateOptions {
        "of the interface of two_stage_newton and "
        "two_stage_admm",
        all_names<SystemPreconditioner>()},
-      {"--verdict", "WORD", "solver.verdict", "steps of which it is decided whether they have a solution",
-       all_names<VerdictSteps>()},
+      {"--verdict", "WORD", "solver.verdict", "steps that get a verdict", all_names<VerdictSteps>()},
       {"--steps", "N", "dynamics.steps", "number of time steps"}};
   std::vector<std::string> settings;
   Limits limits;
@@ -108,6 +107,12 @@ int close(const SimulateOptions& options, const Simulation& simulation, const Ru
   if (!failed(outcome.end)) return 0;
   note("{}: {}{}; it holds the last good state", options.files.output,
        outcome.end == RunEnd::broke_down ? "broke down in " : "", outcome.reason);
+  const StepSolver& solver = simulation.dynamics.solver;
+  if (outcome.end == RunEnd::broke_down && has_part(solver.algorithm, StepPart::whole_copies))
+    note(
+        "schwarz may diverge with an interface_relaxation of 2 / q or more, q the most subdomains that share a body, "
+        "met {}",
+        solver.interface_relaxation);
   return 1;
 }
 
@@ -228,8 +233,7 @@ Action declare_simulate(Command& command) {
   command.footer =
       R"(Prints how the run went; layout of the trajectory in docs/formats.md. A run that is killed, interrupted or
 finished goes on with --restart, bit for bit as in one piece.
-Exit codes: 0 done, 1 a step broke down or has no solution (the last good state is kept), 2 bad input,
-130 interrupted.
+Exit codes: 0 done, 1 broken down or without a solution (the last state is kept), 2 bad input, 130 stopped.
 Examples:
   nscdd simulate shear-1k -o shear.h5
   nscdd simulate shear-1k --algorithm enriched --eta 30W --gauss-seidel-sweeps 100 -o e.h5

@@ -69,13 +69,6 @@ TEST_CASE_FIXTURE(Session,
   CHECK(failed.text(0, "relaxed_status") == "not_converged");
 }
 
-TEST_CASE_FIXTURE(Session, "coarse: a piece of a periodic cell has no rotations") {
-  file("c.toml",
-       "[packing]\ngenerator = \"hexagonal\"\ncolumns = 6\nrows = 4\n[contacts]\nperiod_x = 6\n"
-       "[partition]\nmetis = 3\n");
-  check_refused("coarse c.toml --coarse-space none,rigid --epsilon 1e-6W", {"rigid", "periodic"});
-}
-
 TEST_CASE_FIXTURE(Session, "sweep: an error keeps the rows before it for --resume") {
   file("study/c.toml", "[packing]\ngenerator = \"hexagonal\"\n[partition]\ngrid = [2, 1]\n");
   file("study/study.toml",

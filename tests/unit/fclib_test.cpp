@@ -11,9 +11,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-using nscdd::testing::same_bits;
-
-bool same_bits(const FclibSolution& a, const FclibSolution& b) {
+bool same_solution(const FclibSolution& a, const FclibSolution& b) {
   return same_bits(a.v, b.v) && same_bits(a.u, b.u) && same_bits(a.r, b.r);
 }
 
@@ -47,9 +45,9 @@ TEST_CASE("what is written reads back bit for bit, local and global") {
     CHECK_FALSE(back.info.description);
     CHECK(back.info.math_info == "\xCF\x81 < 1");
     REQUIRE(back.solution);
-    CHECK(same_bits(*back.solution, *file.solution));
+    CHECK(same_solution(*back.solution, *file.solution));
     REQUIRE(back.guesses.size() == 2);
-    CHECK(same_bits(back.guesses[1], file.guesses[1]));
+    CHECK(same_solution(back.guesses[1], file.guesses[1]));
     CHECK(to_hdf5(back) == to_hdf5(file));
   }
   SUBCASE("local, without solution, guesses and texts") {
@@ -96,7 +94,7 @@ TEST_CASE("problems in space read back bit for bit, and their bodies have six ro
   const FclibFile back = fclib_from_hdf5(to_hdf5(file), "p.hdf5");
   CHECK(back.dimension() == 3);
   CHECK(back.contacts() == 9);
-  CHECK(same_bits(*back.solution, *file.solution));
+  CHECK(same_solution(*back.solution, *file.solution));
   CHECK(same_bits(std::get<GlobalFrictionProblem>(back.problem), global));
   file.problem = local;
   file.solution->v = {};

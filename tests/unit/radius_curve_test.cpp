@@ -205,24 +205,20 @@ TEST_CASE("curve: the bounds of a single mode hold, and its deviations are not l
   }
 }
 
-TEST_CASE("curve: an uncertain end widens both bounds by its error") {
+TEST_CASE("curve: an uncertain end widens both bounds by its error; what is not known never makes the band narrower") {
   const CurveLaw law{.axis = CurveAxis::epsilon, .stiffest = 2};
   CurvePoint first = single_mode(1, 2), last = single_mode(1.2, 2);
   const Deviation sharp = deviation(law, first, last);
-  for (CurvePoint* point : {&first, &last})
-    for (CurveEnd& end : *point->ends) end.error = 1e-3;
-  const Deviation wide = deviation(law, first, last);
+  const auto with = [&](double CurveEnd::*number, double value) {
+    for (CurvePoint* point : {&first, &last})
+      for (CurveEnd& end : *point->ends) end.*number = value;
+    return deviation(law, first, last);
+  };
+  const Deviation wide = with(&CurveEnd::error, 1e-3);
   CHECK(std::abs(wide.below - sharp.below - 1e-3) < 5e-5);
   CHECK(std::abs(wide.above - sharp.above - 1e-3) < 5e-5);
-}
-
-TEST_CASE("curve: what is not known makes the band wider, never narrower") {
-  const CurveLaw law{.axis = CurveAxis::epsilon, .stiffest = 2};
-  CurvePoint first = single_mode(1, 2), last = single_mode(1.2, 2);
-  const Deviation sharp = deviation(law, first, last);
-  for (CurvePoint* point : {&first, &last})
-    for (CurveEnd& end : *point->ends) end.slope = not_a_number;
-  const Deviation without_slopes = deviation(law, first, last);
+  with(&CurveEnd::error, 0);
+  const Deviation without_slopes = with(&CurveEnd::slope, not_a_number);
   CHECK(without_slopes.above == sharp.above);
   CHECK(without_slopes.below == doctest::Approx(first.radius).epsilon(1e-12));  // no bound but 0
   (*last.ends)[1].lambda = not_a_number;

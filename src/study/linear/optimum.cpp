@@ -17,7 +17,7 @@ ResultColumns<OptimumResult> relaxation_columns() {
         {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1, left out of every radius of this table",
          of(&Optimum::unit_multiplicity)},
         {"radius", "1", "radius without relaxation", of(&Optimum::generic_radius)},
-        {"status", "", "interior, no_interface, already_exact, all_unit or not_converged", of(&Optimum::status)},
+        {"status", "", "interior, no_interface, already_exact or not_converged", of(&Optimum::status)},
         {"convergent_below", "1", "the iteration converges for every relaxation below this",
          of(&Optimum::convergent_from)},
         {"best_relaxation", "1", "relaxation of the smallest radius", of(&Optimum::generic_relaxation)},
@@ -40,8 +40,6 @@ Optimum best_relaxation(const Decomposition& stage_one, double epsilon, const Sp
                .failure = found.failure};
   if (!found.converged)
     best.status = OptimumStatus::not_converged;
-  else if (found.unit_multiplicity == stage_one.interface_size())
-    best.status = OptimumStatus::all_unit;
   else if (!(found.subdominant > std::max(1e-14, found.residual)))
     best.status = OptimumStatus::already_exact;
   return best;
