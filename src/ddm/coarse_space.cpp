@@ -145,8 +145,8 @@ CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decompositio
   return united(interface, std::move(local));
 }
 
-// Block Gram-Schmidt in C. It is repeated: a vector that nearly depends on others loses digits, and no product of a
-// triangular factor gives them back.
+// Block Gram-Schmidt in C, repeated for a vector that has lost digits because it nearly depends on others. A triangular
+// factor of U^T C U does not give them back.
 CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVectors& vectors) {
   const OneBlasThread serial_blas;
   constexpr Index width = 32;
@@ -154,9 +154,9 @@ CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVecto
   const Index n = interface.size(), m = vectors.u.cols();
   std::vector<Index> kept;
   v_.resize(n, std::min(m, n));
-  const auto reduce = [&](auto& vector, Index from) {  // by the vectors of V kept so far, from one on
+  const auto reduce = [&](Matrix& block, Index from) {  // by the vectors of V kept so far, from one on
     const auto of_v = v_.middleCols(from, count(kept) - from);
-    for (int pass = 0; pass < 2; ++pass) vector -= of_v * Matrix(of_v.transpose() * Matrix(c * vector));
+    for (int pass = 0; pass < 2; ++pass) block -= of_v * Matrix(of_v.transpose() * Matrix(c * block));
   };
   for (Index first = 0; first < m; first += width) {
     Matrix block = vectors.u.middleCols(first, std::min(width, m - first));
@@ -178,6 +178,8 @@ CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVecto
   u_ = selected_columns(vectors.u, kept);
   lambda_ = vectors.lambda(kept);
   for (const Index j : kept) subdomains_.push_back(vectors.subdomains[at(j)]);
+  const Matrix gram = v_.transpose() * Matrix(c * v_);
+  orthonormal_ = gram.isIdentity(1e-6);
 }
 
 CoarseProblem CoarseProblem::first(Index k) const {

@@ -41,6 +41,7 @@ class CoarseProblem {
 
   Index size() const { return v_.cols(); }                              ///< independent vectors
   const Matrix& orthonormal() const { return v_; }                      ///< V
+  bool is_orthonormal() const { return orthonormal_; }                  ///< to 1e-6, in spite of rounding
   const SparseMatrix& vectors() const { return u_; }                    ///< U, the independent ones
   const std::vector<Index>& subdomains() const { return subdomains_; }  ///< that each comes from
   /// Index one past the last vector with lambda < threshold.
@@ -56,6 +57,7 @@ class CoarseProblem {
   Matrix v_;
   Vector lambda_;
   std::vector<Index> subdomains_;
+  bool orthonormal_ = true;
 };
 
 }  // namespace nscdd

@@ -176,7 +176,7 @@ class CoarseStudy {
       eigenvalues.tail(1)[0] = 1;
     }
     result.lambda_min = eigenvalues.size() > 0 ? eigenvalues.minCoeff() : 1;
-    result.certified = spectrum.holds(result.lambda_min, result.lambda_max, modes);
+    result.certified = candidates.is_orthonormal() && spectrum.holds(result.lambda_min, result.lambda_max, modes);
     for (std::size_t k = 0; k < wanted_kappas.size(); ++k) {
       if (one_level_.size() > 0) result.any[k] = static_cast<double>(fewest_deflated(one_level_, wanted_kappas[k]));
       if (const auto fewest = geneo ? spectrum.fewest(wanted_kappas[k]) : std::nullopt)
