@@ -26,9 +26,7 @@ struct SimulateOptions {
       {"--tolerance", "NUMBER", "solver.tolerance", "of the criterion"},
       {"--iterations", "N", "solver.maximum_iterations", "of a step at the most"},
       {"--preconditioner", "WORD", "solver.interface_preconditioner",
-       "of the interface of two_stage_newton and "
-       "two_stage_admm",
-       all_names<SystemPreconditioner>()},
+       "of the interface of two_stage_newton and two_stage_admm", all_names<SystemPreconditioner>()},
       {"--verdict", "WORD", "solver.verdict", "steps that get a verdict", all_names<VerdictSteps>()},
       {"--steps", "N", "dynamics.steps", "number of time steps"}};
   std::vector<std::string> settings;

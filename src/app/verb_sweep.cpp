@@ -21,10 +21,8 @@ struct SweepOptions {
 // With q copies of a body, eigenvalues of Schwarz at relaxation 1 are above 1 - q; at epsilon = 0 one may be 1 - q.
 void warn_of_relaxation(const Model& model, const SweepParameters& sweep) {
   if (!sweep.schwarz()) return;
-  Index q = 1;
-  for (const Gluing& row : model.parts.interface.gluing())
-    q = std::max(q, model.parts.interface.multiplicity(row.grain));
-  q = model.parts.interface.processes().maximum(q);
+  const Interface& glued = model.parts.interface;
+  const Index q = glued.processes().maximum(largest_multiplicity(glued.of_copies()));
   const bool rigid = std::ranges::find(sweep.epsilon, 0.0) != sweep.epsilon.end();
   for (const std::optional<double>& relaxation : sweep.relaxation)
     if (const double product = relaxation.value_or(0) * static_cast<double>(q); product > 2 || (product == 2 && rigid))
