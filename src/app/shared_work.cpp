@@ -187,6 +187,7 @@ void declare_resume(Command& command, bool& resume) {
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, const TableWork& work, Reopening how,
                        const Machine& machine) {
   const Processes& all = machine.processes;
+  if (csv.empty() && how.resume) fail("--resume: expected --csv FILE with it, met none");
   return all.any(all.together([&] {
     if (!all.first() || !how.resume || how.force || !is_complete(csv)) return false;
     if (!hdf5.empty() && !std::filesystem::exists(hdf5))

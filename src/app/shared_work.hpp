@@ -95,8 +95,8 @@ class CountsTable {
 /// Declares --resume.
 void declare_resume(Command& command, bool& resume);
 
-/// Whether --resume finds a complete table, for all ranks as rank 0 sees it; if so, prints a note. Throws Error if the
-/// table is known to be of other work, or if the HDF5 file is missing, which cannot be made of a table.
+/// Whether --resume finds a complete table, for all ranks as rank 0 sees it; if so, prints a note. Throws Error without
+/// a table, if the table is known to be of other work, or if the HDF5 file is missing, which cannot be made of a table.
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, const TableWork& work, Reopening how,
                        const Machine& machine);
 

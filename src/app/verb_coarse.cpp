@@ -66,7 +66,6 @@ int run_coarse(const CoarseOptions& options, const Context& context) {
   options.limits.limit_memory(machine.processes_here);
   if (options.work.coarse.counts) require_one_process(machine, "--counts");
   const StudyTable work = in_turn(machine.processes, [&] { return table_of(options, machine); });
-  if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
   if (nothing_to_resume(options.csv, "", table_work(work), options.how, machine)) return 0;
   const ThreadLimit limit = options.limits.limit_threads(machine);
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);

@@ -37,7 +37,6 @@ int run_optimum(const OptimumOptions& options, const Context& context) {
   const Machine& machine = context.machine;
   options.limits.limit_memory(machine.processes_here);
   const StudyTable work = in_turn(machine.processes, [&] { return table_of(options, machine); });
-  if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
   if (nothing_to_resume(options.csv, "", table_work(work), options.how, machine)) return 0;
   const ThreadLimit limit = options.limits.limit_threads(machine);  // packings are settled with all threads
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);

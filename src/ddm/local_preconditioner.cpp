@@ -5,12 +5,12 @@
 
 namespace nscdd {
 
-LinearMap local_preconditioner(std::shared_ptr<const PrimalInterface> interface, LocalStiffness stiffness,
+LinearMap local_preconditioner(std::shared_ptr<const PrimalInterface> interface, InterfacePreconditioner kind,
                                std::shared_ptr<const CoarseProblem> coarse) {
   if (coarse && coarse->size() == 0) coarse.reset();
-  if (coarse && stiffness == LocalStiffness::lumped)
-    throw Error("coarse space: expected the preconditioner dirichlet with it, met lumped");
-  return [interface, stiffness, coarse](const Vector& g) {
+  const bool lumped = kind == InterfacePreconditioner::lumped;
+  if (coarse && lumped) throw Error("coarse space: expected the preconditioner dirichlet with it, met lumped");
+  return [interface, lumped, coarse](const Vector& g) {
     const OneBlasThread serial_blas;
     const std::vector<CondensedSubdomain>& subdomains = interface->subdomains;
     std::vector<Vector> copies = interface->glued.copies_apart(g);
@@ -29,8 +29,7 @@ LinearMap local_preconditioner(std::shared_ptr<const PrimalInterface> interface,
     Vector mean = sum([&](std::size_t e) -> Vector { return subdomains[e].weights * copies[e]; });
     if (coarse) mean -= coarse->solve(interface->apply(mean));
     shift(mean);
-    for (const std::size_t e : shared)
-      copies[e] = (stiffness == LocalStiffness::lumped ? subdomains[e].block : subdomains[e].stiffness) * copies[e];
+    for (const std::size_t e : shared) copies[e] = (lumped ? subdomains[e].block : subdomains[e].stiffness) * copies[e];
     const Vector unbalanced = sum([&](std::size_t e) -> const Vector& { return copies[e]; });
     for (const std::size_t e : shared) copies[e] -= subdomains[e].weights.transpose() * unbalanced(subdomains[e].rows);
     return interface->glued.collect(std::move(copies));

@@ -141,10 +141,9 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   std::optional<CutContacts<D>> cut;
   if (has_part(solver.algorithm, StepPart::cut_systems))
     cut.emplace(linear_decomposition(simulation, step),
-                CutOptions{.network = solver.interface_network,
+                CutOptions{.preconditioner = solver.interface_preconditioner,
                            .flexibility = admm ? 1 : solver.interface_flexibility,
                            .tolerance = tolerance,
-                           .preconditioner = solver.interface_preconditioner,
                            .scaling = solver.interface_scaling,
                            .coarse_space = solver.coarse_space,
                            .kappa = solver.coarse_kappa,

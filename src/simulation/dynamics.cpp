@@ -38,13 +38,11 @@ void add_needs(std::vector<Need>& needs, const StepSolver& solver) {
   add("solver.network", "solver.enrichment", solver.enrichment, is_not(Enrichment::semi_implicit));
   for (const char* path : {"solver.interface_relaxation", "solver.switch"})
     add(path, "solver.interface_method", solver.interface_method, is(InterfaceMethod::richardson));
-  add("solver.interface_flexibility", "solver.interface_network", solver.interface_network,
-      is_not(InterfaceNetwork::none));
-  add_for_preconditioner("solver.interface_flexibility", is(SystemPreconditioner::network));
-  add_for_preconditioner("solver.interface_scaling", is_not(SystemPreconditioner::network));
-  add_for_preconditioner("solver.coarse_space", is(SystemPreconditioner::dirichlet, SystemPreconditioner::bddc));
-  add_for_preconditioner("solver.interface_network", is_not(SystemPreconditioner::bddc));
-  add("solver.coarse_kappa", "solver.coarse_space", solver.coarse_space, is(SystemCoarseSpace::geneo));
+  using enum InterfacePreconditioner;
+  add_for_preconditioner("solver.interface_flexibility", is(network, active));
+  add_for_preconditioner("solver.interface_scaling", is(lumped, dirichlet, bddc));
+  add_for_preconditioner("solver.coarse_space", is(dirichlet, bddc));
+  add("solver.coarse_kappa", "solver.coarse_space", solver.coarse_space, is(CoarseSpace::geneo));
   add("solver.impossible", "solver.verdict", solver.verdict, is_not(VerdictSteps::never));
   for (const char* path : {"solver.switch_after", "solver.switch_flexibility"})
     add(path, "solver.switch", solver.model, is_not(SwitchedModel::none));
@@ -212,9 +210,10 @@ void check(const StepSolver& solver) {
   if (is_contact_solver(solver.algorithm) && solver.tolerance == 0)
     refuse("tolerance", fmt::format("a number > 0 with solver.algorithm {}", to_string(solver.algorithm)), "0");
   if (solver.algorithm == StepAlgorithm::two_stage_newton &&
-      solver.interface_preconditioner == SystemPreconditioner::bddc)
-    refuse("interface_preconditioner",
-           "network, lumped or dirichlet with two_stage_newton, whose systems are not symmetric", "bddc");
+      solver.interface_preconditioner == InterfacePreconditioner::bddc)
+    refuse("interface_preconditioner", "another one with two_stage_newton, whose systems are not symmetric", "bddc");
+  if (solver.coarse_space == CoarseSpace::rigid)
+    refuse("coarse_space", "none or geneo in a step, whose contacts slide and whose bodies turn", "rigid");
   if (solver.criterion != Criterion::gluing) return;
   if (!has_part(solver.algorithm, StepPart::exchanges))
     refuse("criterion", fmt::format("solver.algorithm {} with criterion gluing", algorithms_with(StepPart::exchanges)),

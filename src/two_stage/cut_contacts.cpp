@@ -37,19 +37,13 @@ CutContacts<D>::CutContacts(Decomposition parts, const CutOptions& options)
     own_.push_back(subdomain.contacts);
     for (Index& column : own_.back()) column -= parts_.first_contact;
   }
-  if (options_.preconditioner == SystemPreconditioner::bddc) {
+  if (options_.preconditioner == InterfacePreconditioner::bddc) {
     if (!options_.bddc)
-      throw Error("solver.interface_preconditioner",
-                  "expected network, lumped or dirichlet with nscdd, met bddc, which nscdd-mpi has");
+      throw Error("solver.interface_preconditioner", "expected another one with nscdd, met bddc, which nscdd-mpi has");
     own_subdomain(parts_);  // one for each rank
     return;
   }
-  const bool local = options_.preconditioner != SystemPreconditioner::network;
-  if (local && options_.network == InterfaceNetwork::none)
-    throw Error("solver.interface_network",
-                fmt::format("expected all or active with solver.interface_preconditioner {}, met none",
-                            to_string(options_.preconditioner)));
-  if (parts_.interface_size() > 0 && options_.network == InterfaceNetwork::none)
+  if (parts_.interface_size() > 0 && options_.preconditioner == InterfacePreconditioner::inertia)
     preconditioner_ = InterfaceFamily(parts_, 0).at(infinity);  // X, for all relations
 }
 
@@ -70,7 +64,7 @@ SparseMatrix CutContacts<D>::blocks_of(Index subdomain, const Blocks& blocks, Ze
 // The contacts of Stage 2 as links of flexibility 1: columns of H times the roots of their conductances.
 template <int D>
 Decomposition CutContacts<D>::stage_two() const {
-  const bool all = options_.network == InterfaceNetwork::all;
+  const bool all = options_.preconditioner == InterfacePreconditioner::network;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(2, count(own_));  // sum and number, of contacts that carry
   for (Index i = 0; i < count(own_); ++i)
     for (Index k = 0; k < count(own_[at(i)]); k += D)
@@ -94,13 +88,11 @@ LinearMap CutContacts<D>::local_map() const {
   const auto interface = std::make_shared<PrimalInterface>(condense(stage_two(), 1));
   if (!interface->definite()) return {};
   weigh(*interface, options_.scaling);
-  if (options_.preconditioner == SystemPreconditioner::lumped)
-    return local_preconditioner(interface, LocalStiffness::lumped);
   std::shared_ptr<const CoarseProblem> coarse;
-  if (options_.coarse_space == SystemCoarseSpace::geneo)
+  if (options_.coarse_space == CoarseSpace::geneo)
     coarse = std::make_shared<const CoarseProblem>(
         *interface, geneo_vectors(*interface, geneo_threshold(*interface, options_.kappa)));
-  return local_preconditioner(interface, LocalStiffness::dirichlet, coarse);
+  return local_preconditioner(interface, options_.preconditioner, coarse);
 }
 
 // Stored zeros give all matrices one pattern. Driven directions of a free body have rows without entries of H.
@@ -120,11 +112,11 @@ bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
   e_.clear();
   for (const ContactRelation<D>& relation : relations_) e_.push_back(relation.p.inverse() * relation.q);
   symmetric_ = !processes().any(!std::ranges::all_of(e_, [](const auto& block) { return block == block.transpose(); }));
-  if (options_.preconditioner == SystemPreconditioner::bddc) {
+  if (options_.preconditioner == InterfacePreconditioner::bddc) {
     bddc_ = options_.bddc(
         parts_, system_of(own_subdomain(parts_)),
         {.scaling = options_.scaling,
-         .threshold = options_.coarse_space == SystemCoarseSpace::geneo ? std::optional(options_.kappa) : std::nullopt,
+         .threshold = options_.coarse_space == CoarseSpace::geneo ? std::optional(options_.kappa) : std::nullopt,
          .tolerance = options_.tolerance,
          .maximum_iterations = options_.maximum_iterations});
     bddc_flops_ += bddc_.setup_flops;
@@ -137,9 +129,9 @@ bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
     if (!lu_[at(i)]) lu_[at(i)].emplace(k);
     regular[at(i)] = lu_[at(i)]->factorise(k);
   });
-  const bool local = parts_.interface_size() > 0 && options_.preconditioner != SystemPreconditioner::network;
-  if (local && !(local_ = local_map())) return false;
-  if (!local && parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
+  const bool glued = parts_.interface_size() > 0;
+  if (glued && is_local(options_.preconditioner) && !(local_ = local_map())) return false;
+  if (glued && is_enriched(options_.preconditioner))
     preconditioner_ = InterfaceFamily(stage_two(), 0, options_.inertia).at(options_.flexibility);
   return !processes().any(std::ranges::count(regular, 0) > 0);
 }

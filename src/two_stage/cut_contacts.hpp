@@ -2,7 +2,6 @@
 #pragma once
 
 #include "contact_solvers/contact_matrix.hpp"
-#include "ddm/local_preconditioner.hpp"
 #include "linalg/linear_iteration.hpp"
 #include "two_stage/step_solver.hpp"
 #include <nscdd/ddm/bddc.hpp>
@@ -11,13 +10,12 @@
 namespace nscdd {
 
 struct CutOptions {
-  InterfaceNetwork network = InterfaceNetwork::active;
-  double flexibility = 10;  ///< c: links of Stage 2 are c times as flexible as those of Stage 1
+  InterfacePreconditioner preconditioner = InterfacePreconditioner::active;
+  double flexibility = 10;  ///< c: links of X_eta are c times as flexible as those of Stage 1
   double tolerance = 1e-6;  ///< largest jump of a solution, relative to jumps without interface impulses
   Index maximum_iterations = 500;
-  SystemPreconditioner preconditioner = SystemPreconditioner::network;
   Scaling scaling = Scaling::deluxe;
-  SystemCoarseSpace coarse_space = SystemCoarseSpace::none;
+  CoarseSpace coarse_space = CoarseSpace::none;
   double kappa = 30;           ///< that GenEO shall keep
   InertiaMethod inertia = {};  ///< factorises P, see InterfaceOperator::solve
   Bddc bddc = {};              ///< takes the place of Stage 1 and Stage 2, for symmetric systems

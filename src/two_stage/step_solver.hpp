@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/coarse_space.hpp"
+#include "ddm/local_preconditioner.hpp"
 #include "mechanics/flexibility.hpp"
 #include "two_stage/step_algorithm.hpp"
 
@@ -43,29 +43,6 @@ enum class StageTwoNetwork {
   active,  ///< those that carried an impulse in the last step
 };
 constexpr auto names_of(StageTwoNetwork) { return std::to_array<std::string_view>({"all", "active"}); }
-
-/// The contact network in Stage 2 of the linear systems of the two-stage Newton method or ADMM.
-enum class InterfaceNetwork {
-  none,    ///< X: only inertia, as in the generic algorithm
-  all,     ///< X_eta of every contact considered, in both directions, as in the enriched algorithm
-  active,  ///< X_eta of both directions of contacts that stick and of the normal one of those that slide
-};
-constexpr auto names_of(InterfaceNetwork) { return std::to_array<std::string_view>({"none", "all", "active"}); }
-
-/// The preconditioner of these systems.
-enum class SystemPreconditioner {
-  network,    ///< X or X_eta, by InterfaceNetwork
-  lumped,     ///< see local_preconditioner: of the contacts of InterfaceNetwork, as stiff as in the system
-  dirichlet,  ///< the same
-  bddc,       ///< of PETSc, see BddcParameters: symmetric systems, solved in velocities
-};
-constexpr auto names_of(SystemPreconditioner) {
-  return std::to_array<std::string_view>({"network", "lumped", "dirichlet", "bddc"});
-}
-
-/// Its coarse space, with dirichlet or bddc (geneo: its adaptive constraints).
-enum class SystemCoarseSpace { none, geneo };
-constexpr auto names_of(SystemCoarseSpace) { return std::to_array<std::string_view>({"none", "geneo"}); }
 
 /// In which iterations an enriched Stage 2 acts.
 enum class Enrichment {
@@ -147,11 +124,10 @@ struct StepSolver {
   Choice<Enrichment> enrichment = Enrichment::every_iteration;
   Choice<InterfaceMethod> interface_method = InterfaceMethod::richardson;
   double interface_relaxation = 1;  ///< omega
-  Choice<InterfaceNetwork> interface_network = InterfaceNetwork::active;
+  Choice<InterfacePreconditioner> interface_preconditioner = InterfacePreconditioner::active;
   double interface_flexibility = 10;  ///< c, eta / alpha
-  Choice<SystemPreconditioner> interface_preconditioner = SystemPreconditioner::network;
   Choice<Scaling> interface_scaling = Scaling::deluxe;
-  Choice<SystemCoarseSpace> coarse_space = SystemCoarseSpace::none;
+  Choice<CoarseSpace> coarse_space = CoarseSpace::none;
   double coarse_kappa = 30;
   Index redecompose = 1;
   Choice<SwitchedModel> model = SwitchedModel::none;  ///< key `switch`
@@ -204,15 +180,13 @@ struct StepSolver {
           Field{.description = "relaxation omega of Stage 2, or of the resultants that Schwarz's method exchanges",
                 .above = 0,
                 .maximum = 1000});
-    visit(cut_systems, "interface_network", self.interface_network,
-          Field{.description = "contacts that precondition the interface of the two-stage Newton method and ADMM"});
+    visit(cut_systems, "interface_preconditioner", self.interface_preconditioner,
+          Field{.description = "preconditioner of the interface of the two-stage Newton method and ADMM"});
     visit(softer_network, "interface_flexibility", self.interface_flexibility,
           Field{.description = "c: flexibility of the preconditioning contacts, relative to that of the contacts in "
                                "the linear systems",
                 .above = 0,
                 .maximum = 1e6});
-    visit(cut_systems, "interface_preconditioner", self.interface_preconditioner,
-          Field{.description = "preconditioner of the interface of the two-stage Newton method and ADMM"});
     visit(cut_systems, "interface_scaling", self.interface_scaling,
           Field{.description = "weights of the copies of shared grains in this preconditioner"});
     visit(cut_systems, "coarse_space", self.coarse_space,

@@ -29,7 +29,7 @@ TEST_CASE_FIXTURE(MovingSession, "simulate: a value without effect is refused, n
   refused("--set solver.interface_relaxation=0.5 --algorithm nlgs",
           {"--set solver.interface_relaxation: expected solver.algorithm generic, enriched or schwarz", "met nlgs"});
   for (const std::string key : {"eta=30W", "network=active", "enrichment=first_iteration", "switch=linear",
-                                "interface_method=conjugate_gradient", "interface_network=all"})
+                                "interface_method=conjugate_gradient", "coarse_kappa=10"})
     refused("--algorithm schwarz --set solver." + key,
             {"--set solver." + key.substr(0, key.find('=')) + ": expected solver.algorithm ", "met schwarz"});
   for (const std::string omega : {"0", "-0.5"})

@@ -73,27 +73,28 @@ TEST_CASE("steps cut into subdomains end as undivided ones do, with any law and 
 TEST_CASE("every network of Stage 2 leads to the same answer") {
   Simulation simulation = shaken_lattice(10, 8, newton("coulomb"), {3, 2});
   const GranularStep<2> expected = undivided(simulation);
-  for (const std::string network : {"none", "all", "active"}) {
-    CAPTURE(network);
-    simulation.dynamics.solver.interface_network = network;
+  using enum InterfacePreconditioner;
+  for (const InterfacePreconditioner stage_two : {inertia, network, active}) {
+    CAPTURE(stage_two);
+    simulation.dynamics.solver.interface_preconditioner = stage_two;
     check_solved(simulation, solve_step(simulation), expected);
   }
 }
 
 TEST_CASE("two-stage ADMM takes the iterations of undivided ADMM, and one at the interface for each with X_rho") {
   for (const std::string law : {"coulomb", "frictionless", "cohesive"})
-    for (const std::string network : {"active", "none"}) {
-      INFO("law = ", law, ", network = ", network);
+    for (const std::string stage_two : {"X_eta_active", "X"}) {
+      INFO("law = ", law, ", Stage 2 by ", stage_two);
       Simulation simulation = shaken_lattice(10, 8, newton(law), {4, 2});
       simulation.dynamics.solver.algorithm = "two_stage_admm";
-      simulation.dynamics.solver.interface_network = network;
+      simulation.dynamics.solver.interface_preconditioner = stage_two;
       const GranularStep<2> found = solve_step(simulation), expected = undivided(simulation, "admm");
       check_solved(simulation, found, expected);
       const Index iterations = expected.report.last.sweeps;
-      CHECK(std::abs(found.report.last.sweeps - iterations) <= (network == "active" ? 0 : iterations / 20));
+      CHECK(std::abs(found.report.last.sweeps - iterations) <= (stage_two == "X_eta_active" ? 0 : iterations / 20));
       CHECK(found.report.factorisations == expected.report.factorisations);
       CHECK(found.report.interface_systems == found.report.last.sweeps);
-      if (network == "active")
+      if (stage_two == "X_eta_active")
         CHECK(found.report.interface_iterations == found.report.interface_systems);
       else  // conjugate gradients, preconditioned by X
         CHECK(found.report.interface_iterations > 5 * found.report.interface_systems);

@@ -388,7 +388,7 @@ def same_runs(folder):
     simulate(0, "conjugate", "2", *conjugate)
     simulate(3, "conjugate-3", "2", *conjugate)
     check_same("conjugate", "conjugate-3")
-    for name, more in {"lumped": ["two_stage_newton", "--set", "solver.interface_network=all"],
+    for name, more in {"lumped": ["two_stage_newton"],
                        "dirichlet": ["two_stage_admm", "--set", "solver.coarse_space=geneo"]}.items():
         local = ["simulate", "settle-1k", "--subdomains", "3x2", "--tolerance", "1e-6", "--set",
                  f"solver.interface_preconditioner={name}", "--algorithm", *more]
@@ -414,7 +414,7 @@ def same_runs(folder):
     simulate(2, "spheres-3", "80", "--restart", start=spheres)
     check_same("spheres", "spheres-3")
     newton = ["simulate", "settle-1k", "--subdomains", "3x2", "--algorithm", "two_stage_newton", "--tolerance", "1e-11",
-              "--iterations", "1000", "--set", "solver.interface_network=none", "--set", "interaction.law=coulomb",
+              "--iterations", "1000", "--preconditioner", "X", "--set", "interaction.law=coulomb",
               "--set", "interaction.friction=0.3"]
     simulate(0, "newton", "1", start=newton)
     for processes in (2, 3):
@@ -452,7 +452,7 @@ def close_runs(folder):
         "accelerated": ["--algorithm", "accelerated", "--tolerance", "1e-6", "--iterations", "1000"],
         "newton": ["--algorithm", "two_stage_newton", "--tolerance", "1e-10", "--iterations", "1000"],
         "newton-all": ["--algorithm", "two_stage_newton", "--tolerance", "1e-10", "--iterations", "1000",
-                       "--set", "solver.interface_network=all"],
+                       "--preconditioner", "X_eta"],
         "admm": ["--algorithm", "two_stage_admm", "--tolerance", "1e-6"],
     }
     for name, more in methods.items():

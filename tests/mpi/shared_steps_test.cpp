@@ -19,7 +19,7 @@ Dynamics dynamics_of(const std::string& algorithm) {
   Dynamics dynamics = tight();
   dynamics.solver.algorithm = algorithm;
   dynamics.solver.tolerance = algorithm == "generic" || algorithm == "schwarz" ? dynamics.solver.tolerance : 1e-9;
-  dynamics.solver.interface_network = "none";  // the bits of one process
+  dynamics.solver.interface_preconditioner = "X";  // the bits of one process
   dynamics.solver.redecompose = 3;
   return dynamics;
 }
@@ -204,7 +204,7 @@ TEST_CASE("shared steps: two-stage ADMM with BDDC has the solutions of one proce
   Dynamics newton = dynamics_of("two_stage_newton");
   newton.solver.interface_preconditioner = "bddc";
   CHECK_THROWS_WITH_AS(solve_step(shaken_lattice(9, 6, newton, grid)),
-                       doctest::Contains("expected network, lumped or dirichlet with two_stage_newton"), Error);
+                       doctest::Contains("expected another one with two_stage_newton"), Error);
   newton.solver.algorithm = "two_stage_admm";
   CHECK_THROWS_WITH_AS(solve_step(shaken_lattice(9, 6, newton, grid)), doctest::Contains("which nscdd-mpi has"), Error);
 }
@@ -220,7 +220,7 @@ TEST_CASE("shared steps: processes without contacts, and steps without any") {
     if (algorithm == "generic" || algorithm == "schwarz") continue;
     // With a network in Stage 2 the shared factor takes processes without unknowns.
     Simulation active = apart(algorithm);
-    active.dynamics.solver.interface_network = "active";
+    active.dynamics.solver.interface_preconditioner = "X_eta_active";
     active.processes = world();
     CHECK(solve_step(active).report.status == SolverStatus::converged);
   }

@@ -157,6 +157,9 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
   check_dynamics(one);  // of no effect
   one.dynamics->solver.algorithm = "two_stage_newton";
   CHECK_THROWS_WITH_AS(check_dynamics(one), doctest::Contains("not symmetric"), Error);
+  one.dynamics->solver.interface_preconditioner = "dirichlet";
+  one.dynamics->solver.coarse_space = "rigid";
+  check_error([&] { check_dynamics(one); }, {"solver.coarse_space", "expected none or geneo", "met rigid"});
   one = parse_moving(good);
   one.dynamics->solver.eta = "3";
   CHECK(to_toml(one) == to_toml(parse_moving(good)));
@@ -268,7 +271,7 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
   override_case(one_subdomain, "partition.grid", "1,1");
   CHECK_NOTHROW(simulation_of({one_subdomain}));
   one_subdomain.dynamics->solver.algorithm = StepAlgorithm::two_stage_newton;
-  one_subdomain.dynamics->solver.coarse_space = SystemCoarseSpace::geneo;
+  one_subdomain.dynamics->solver.coarse_space = CoarseSpace::geneo;
   check_error([&] { check_dynamics(one_subdomain); }, {"solver.coarse_space", "expected none with one subdomain"});
 }
 

@@ -167,14 +167,15 @@ TEST_CASE("linear systems of contacts in space: whole, with bodies as unknowns, 
     CHECK(of_bodies.determinant_sign() == (determinant(dense) < 0 ? -1 : 1));
     const Decomposition parts = decompose(reference_problem(global), partition);
     REQUIRE(parts.interface_size() > 0);
-    for (const InterfaceNetwork network : {InterfaceNetwork::none, InterfaceNetwork::all, InterfaceNetwork::active}) {
-      CutContacts<3> cut(parts, {.network = network, .tolerance = 1e-13});
+    using enum InterfacePreconditioner;
+    for (const InterfacePreconditioner stage_two : {inertia, network, active}) {
+      CutContacts<3> cut(parts, {.preconditioner = stage_two, .tolerance = 1e-13});
       REQUIRE(cut.factorise(all));
       CHECK((cut.solve(b) - expected).norm() < 1e-7 * expected.norm());
       CHECK(cut.work().failures == 0);
       // The same problem by Newton's method on systems that are cut.
       const FrictionSolution whole = solve_friction(problem, {.tolerance = 1e-10});
-      CutContacts<3> of_newton(parts, {.network = network, .tolerance = 1e-12});
+      CutContacts<3> of_newton(parts, {.preconditioner = stage_two, .tolerance = 1e-12});
       StoredContacts<3> stored(problem);
       OtherMaker<3, CutContacts<3>> of_cut{stored, of_newton};
       const FrictionSolverOptions options{.tolerance = 1e-10, .maximum_sweeps = 0};

@@ -117,7 +117,7 @@ void check_dynamics(const CaseSpec& spec) {
     throw Error("solver.algorithm", fmt::format("expected {} with law {}, met {}{}", algorithms_with(StepPart::sweeps),
                                                 to_string(interaction.law), to_string(solver.algorithm),
                                                 solver.algorithm == StepSolver{}.algorithm ? ", the default" : ""));
-  if (decomposes(solver.algorithm) && solver.coarse_space != SystemCoarseSpace::none && subdomains(spec.partition) == 1)
+  if (decomposes(solver.algorithm) && solver.coarse_space != CoarseSpace::none && subdomains(spec.partition) == 1)
     throw Error("solver.coarse_space", fmt::format("expected none with one subdomain, which has no interface, met {}",
                                                    to_string(solver.coarse_space)));
   check(solver);

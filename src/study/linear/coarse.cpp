@@ -85,7 +85,7 @@ class CoarseStudy {
       const bool active = method.preconditioner == Preconditioner::active;
       solve_stage_two(result, parts_, active ? parts_ : all_, sweep_.spectral);
     };
-    const bool local = *method.preconditioner >= Preconditioner::lumped;
+    const bool local = is_local(*method.preconditioner);
     if (!local && !processes().alone()) return stage_two(), result;
     condense_at(epsilon);
     result.interface = interface_work_;
@@ -125,7 +125,7 @@ class CoarseStudy {
   }
 
   void lumped(CoarseResult& result) const {
-    const LinearMap p = local_preconditioner(interface_, LocalStiffness::lumped);
+    const LinearMap p = local_preconditioner(interface_, Preconditioner::lumped);
     const Index n = parts_.interface_size();
     Vector eigenvalues;
     if (n <= most_lumped) {
@@ -189,7 +189,7 @@ class CoarseStudy {
       result.coarse =
           factor_work(u.transpose() * SparseMatrix(interface_->sparse() * u), renumbered(coarse->subdomains()));
     }
-    iterate(result, local_preconditioner(interface_, LocalStiffness::dirichlet, coarse),
+    iterate(result, local_preconditioner(interface_, Preconditioner::dirichlet, coarse),
             known ? eigenvalues : Vector());
   }
 

@@ -111,15 +111,14 @@ InterfaceIterations by_newton(const Simulation& simulation) {
       decompose(reference_problem(step.problem, simulation.system.bodies()), partition_of_columns(step.partition, D));
   const FrozenSystem<D> system = frozen_system(step);
   const auto with = [&](const CutOptions& options) { return frozen_interface(parts, system, options); };
-  using enum SystemPreconditioner;
-  result.none = with({.network = InterfaceNetwork::none});
-  result.all = with({.network = InterfaceNetwork::all, .flexibility = flexibility});
-  result.active = with({.network = InterfaceNetwork::active, .flexibility = flexibility});
+  using enum InterfacePreconditioner;
+  result.none = with({.preconditioner = inertia});
+  result.all = with({.preconditioner = network, .flexibility = flexibility});
+  result.active = with({.preconditioner = active, .flexibility = flexibility});
   result.lumped = with({.preconditioner = lumped, .scaling = Scaling::multiplicity});
   result.dirichlet = with({.preconditioner = dirichlet, .scaling = Scaling::multiplicity});
   result.deluxe = with({.preconditioner = dirichlet, .scaling = Scaling::deluxe});
-  result.geneo =
-      with({.preconditioner = dirichlet, .scaling = Scaling::deluxe, .coarse_space = SystemCoarseSpace::geneo});
+  result.geneo = with({.preconditioner = dirichlet, .scaling = Scaling::deluxe, .coarse_space = CoarseSpace::geneo});
   return result;
 }
 

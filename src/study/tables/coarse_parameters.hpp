@@ -1,23 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/coarse_space.hpp"
+#include "ddm/local_preconditioner.hpp"
 #include <nscdd/ddm/bddc.hpp>
 
 namespace nscdd {
-
-/// Preconditioners of the interface problem X_eps F = g.
-enum class InterfacePreconditioner {
-  inertia,    ///< X, Stage 2 of the generic algorithm
-  network,    ///< X_eta of all contacts with eta = 10 eps, Stage 2 of the enriched algorithm
-  active,     ///< the same of the contacts of X_eps
-  lumped,     ///< see local_preconditioner
-  dirichlet,  ///< the same; it alone takes each coarse space
-  bddc,       ///< of PETSc, in velocities, see BddcParameters; geneo means its adaptive constraints
-};
-constexpr auto names_of(InterfacePreconditioner) {
-  return std::to_array<std::string_view>({"X", "X_eta", "X_eta_active", "lumped", "dirichlet", "bddc"});
-}
 
 /// What is computed at each epsilon of a sweep: X, X_eta, lumped with each scaling, and Dirichlet with each scaling and
 /// coarse space, as far as listed. Empty lists stand for defaults.
