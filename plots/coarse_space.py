@@ -7,8 +7,8 @@ import numpy as np
 import style
 
 NUMBERS = "interface_dofs primal_dofs rank_x0 epsilon_relative modes_30 subdomains kappa"
-PLANE = [("lattice", "lattices, vacancies", "#1f5f99", "s"), ("deposit", "deposits of disks", "#b03a2e", "o"),
-         ("space", "spheres", "#3d7a3d", "^")]
+NETWORKS = [("lattice", "lattices, vacancies", "#1f5f99", "s"), ("deposit", "deposits of disks", "#b03a2e", "o"),
+            ("lattice-in-space", "lattices in space", "#3d7a3d", "D"), ("space", "deposit of spheres", "#8a5a9e", "^")]
 EPSILONS = (1e-6, 1e-4, 1e-3, 1e-2)
 CROSSINGS = [("2,2", 1, "o"), ("4,2", 3, "v"), ("4,4", 9, "s"), ("8,4", 21, "D"), ("8,8", 49, "^")]
 
@@ -16,7 +16,8 @@ CROSSINGS = [("2,2", 1, "o"), ("4,2", 3, "v"), ("4,4", 9, "s"), ("8,4", 21, "D")
 def rows_of(results, table, texts="", **where):
     name = f"coarse-space/{table}.csv"
     rows = style.read_table(results, name, numbers=NUMBERS, texts="case scaling coarse_space " + texts)
-    return style.need(results, name, [row for row in rows if row["coarse_space"] == "geneo"], **where)
+    rows = [row for row in rows if row["coarse_space"] == "geneo" and (table != "space" or row["case"] == "spheres")]
+    return style.need(results, name, rows, **where)
 
 
 def near(rows, epsilon):
@@ -25,7 +26,7 @@ def near(rows, epsilon):
 
 def law_1(axes, results):
     axes.plot([1, 2000], [1, 2000], color=style.GREY, linewidth=0.6, zorder=0.5)
-    for table, label, colour, marker in PLANE:
+    for table, label, colour, marker in NETWORKS:
         rows = near(rows_of(results, table, scaling="multiplicity"), 1e-6)
         limit = np.minimum(style.column(rows, "rank_x0"), style.column(rows, "primal_dofs"))
         axes.plot(limit, style.column(rows, "modes_30"), linestyle="none", marker=marker, color=colour,
@@ -39,11 +40,10 @@ def law_1(axes, results):
 def against_hyperstaticity(axes, results):
     """Vectors over interface unknowns against the share of the interface that self-stresses hold."""
     for scaling, face in (("multiplicity", "full"), ("deluxe", "none")):
-        rows = near(rows_of(results, "lattice", scaling=scaling), 1e-6)
-        deposits = near(rows_of(results, "deposit", scaling=scaling), 1e-6)
-        for some, colour, marker in ((rows, "#1f5f99", "s"), (deposits, "#b03a2e", "o")):
-            unknowns = style.column(some, "interface_dofs")
-            axes.plot(1 - style.column(some, "rank_x0") / unknowns, style.column(some, "modes_30") / unknowns,
+        for table, _, colour, marker in NETWORKS:
+            rows = near(rows_of(results, table, scaling=scaling), 1e-6)
+            unknowns = style.column(rows, "interface_dofs")
+            axes.plot(1 - style.column(rows, "rank_x0") / unknowns, style.column(rows, "modes_30") / unknowns,
                       linestyle="none", marker=marker, color=colour, fillstyle=face)
     axes.set(xlim=(-0.03, 0.85), ylim=(0, 1), xlabel=r"self-stresses over $n_\Gamma$",
              ylabel=r"vectors over $n_\Gamma$")
