@@ -82,10 +82,7 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
     observing += seconds() - before;
   };
   const auto observer = [&](const FrictionSolution& check) {
-    report.last = {.iteration = report.last.iteration + 1,
-                   .sweeps = check.sweeps,
-                   .zeta = not_a_number,
-                   .impulses = held.data.sums.squared_norm(check.impulses - pulls)};
+    report.last = {.iteration = report.last.iteration + 1, .sweeps = check.sweeps, .zeta = not_a_number};
     report.factorisations = check.factorisations;
     if (sink.observes(report.last.iteration)) observe(check.impulses);
     return !sink.goes_on || sink.goes_on();
