@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Periodic cells: near pairs against all pairs, and a cell whose beginning lies elsewhere.
-#include "../support/granular.hpp"
+#include "../support/spheres.hpp"
 #include "linalg/random.hpp"
 #include "packing/grain_grid.hpp"
 
@@ -150,6 +150,58 @@ TEST_CASE("a clump leaves a cell at one end and enters it at the other, with its
   CHECK(simulation.state.poses[0].x == doctest::Approx(4.5 + 2 * 0.5 - 5).epsilon(1e-12));
   CHECK(simulation.state.x[1] - simulation.state.x[0] == doctest::Approx(0.6).epsilon(1e-12));
   CHECK(simulation.state.x[0] == doctest::Approx(simulation.state.poses[0].x - 0.3).epsilon(1e-12));
+}
+
+TEST_CASE("a layer that is sheared in a periodic cell rolls at half the speed of its plate, or slides until it does") {
+  // The plate is pressed on the layer, and moves on, in space askew to a cell that is periodic in x and y.
+  constexpr double speed = 0.8, load = 8000, h = 1e-3, mass = 2;
+  constexpr int steps = 3000;
+  for (const bool space : {false, true})
+    for (const double friction : {1.0, 0.01}) {
+      CAPTURE(space);
+      CAPTURE(friction);
+      const Vector3 up = space ? Vector3(0, 0, 1) : Vector3(0, 1, 0), along(space ? 0.6 : 1, space ? 0.8 : 0, 0);
+      BoundarySpec top = space ? plane("top", up, -up) : wall("top", {1, 1}, {0, 1});
+      top.motion = moving_in_space(speed * along, Vector3::Zero());
+      top.body.emplace().directions[space ? 2 : 1] = true;
+      top.body->mass = 3;
+      top.body->load = moving_in_space(-load * up, Vector3::Zero());
+      Dynamics dynamics = tight({space ? plane("floor", Vector3::Zero(), up) : floor_wall(), top});
+      dynamics.time.gravity = {0, 0, 0};
+      dynamics.time.step = h;
+      dynamics.interaction.friction = friction;
+      if (space) dynamics.solver.algorithm = "generic";  // cut across the end of the cell
+      Packing layer{{0.5, 1.7, 3.1}, {0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {mass, mass, mass}, {}};
+      if (space) std::tie(layer.y, layer.z) = std::pair(std::vector{0.6, 1.9, 3.4}, layer.y);
+      const GranularScene made = scene(layer, dynamics, {.x = 4, .y = space ? 4.0 : 0.0});
+      Simulation simulation{made.system, made.state, dynamics, GridPartitioner{{2, 1, 1}}};
+      const GranularState& state = simulation.state;
+      const auto velocity = [&](std::size_t i) {
+        return along[0] * state.velocity_x[i] + along[1] * state.velocity_y[i];
+      };
+      const auto step = [&] { return space ? advance_in_space(simulation) : advance(simulation); };
+      const double c = space ? 0.4 : 0.5;  // the inertia is c m R^2
+      if (friction == 1) {
+        // p_top + p_floor = m v and p_top - p_floor = c m v, v = speed / 2, on each grain; half of the work is lost.
+        const double work = 3 * (1 + c) / 4 * mass * speed * speed;
+        const StepReport first = step();
+        CHECK(first.energy.boundary_work == doctest::Approx(work).epsilon(1e-9));
+        CHECK(first.energy.dissipation == doctest::Approx(work / 2).epsilon(1e-9));
+      } else {  // slides on the plate, rolls on the floor: v = 2 p_top / (m (1 + c)), of all grains together
+        for (int k = 1; k <= 5; ++k) {
+          step();
+          CHECK(velocity(0) + velocity(1) + velocity(2) ==
+                doctest::Approx(2 * friction * load * h * k / (mass * (1 + c))).epsilon(1e-9));
+        }
+        for (int k = 0; k < 60; ++k) step();
+      }
+      const std::vector<double> x = state.x;
+      for (int k = 0; k < steps; ++k) CHECK(std::abs(step().energy.dissipation) < 1e-9);
+      for (std::size_t i = 0; i < 3; ++i) {
+        CHECK(velocity(i) == doctest::Approx(speed / 2).epsilon(1e-9));
+        CHECK(std::abs(std::remainder(state.x[i] - x[i] - along[0] * speed / 2 * steps * h, 4)) < 1e-8);
+      }
+    }
 }
 
 TEST_CASE("a plank holds grains beyond the ends of its cell, and a chute keeps the energy balance") {
