@@ -293,38 +293,6 @@ TEST_CASE_FIXTURE(Session, "space: a study has the spheres and the force chains 
   }
 }
 
-TEST_CASE_FIXTURE(Session, "space: a study has the rate of Algorithm 1 on spheres that slide, predicted and observed") {
-  file("study/box.toml",
-       case_text("sphere_deposit\ngrains = 60\nwidth = 1.2", "2, 1, 1",
-                 "[masses]\ndensity = 2500\n[interaction]\nfriction = 0.3\n"
-                 "[dynamics]\nstep = 0.005\nsteps = 10\nmaximum_push_speed = 1e9\n"
-                 "[solver]\nalgorithm = \"generic\"\ncriterion = \"none\"\nmaximum_iterations = 10000\n") +
-           wall_text("floor", "[0, 0, 0]", "[0, 0, 1]") +
-           wall_text("left", "[0, 0, 0]", "[1, 0, 0]", "spin = [0, 0.075, 0]\n") +
-           wall_text("right", "[1.2, 0, 0]", "[-1, 0, 0]", "centre = [1.2, 0, 0]\nspin = [0, 0.075, 0]\n") +
-           wall_text("front", "[0, 0, 0]", "[0, 1, 0]") + wall_text("back", "[0, 1.2, 0]", "[0, -1, 0]"));
-  file("study/study.toml",
-       "title = \"rates\"\n"
-       "[[table]]\nname = \"run\"\nobservable = \"predicted_observed\"\ncases = [\"box.toml\"]\nsteps = [10]\n"
-       "[table.vary]\n\"solver.gauss_seidel_sweeps\" = [1, 10]\n"
-       "[[table]]\nname = \"solution\"\nobservable = \"rate_at_solution\"\ncases = [\"box.toml\"]\n"
-       "steps = [3]\n[table.vary]\n\"solver.gauss_seidel_sweeps\" = [1, 10]\n"
-       "\"solver.algorithm\" = [\"generic\", \"enriched\"]\n");
-  answer("run study");
-  for (const std::string name : {"run", "solution"}) {
-    const CsvTable rates = read_table(read("results/study/" + name + ".csv"));
-    REQUIRE(rates.rows.size() == (name == "run" ? 2 : 4));
-    for (std::size_t row = 0; row < rates.rows.size(); ++row) {
-      INFO("name = ", name, ", row = ", row);
-      CHECK(rates.number(row, "stick") > 20);
-      CHECK(rates.number(row, "slide") > 20);
-      CHECK(rates.number(row, "predicted") > 0.9);
-      CHECK(rates.number(row, "predicted_exact") < 1);
-      CHECK(rates.number(row, "relative_gap") < 1e-3);
-    }
-  }
-}
-
 TEST_CASE_FIXTURE(Session, "space: a step of spheres is a contact problem for solve, inspect, sweep, optimum and run") {
   file("drum.toml", drum);
   answer("simulate drum.toml -o run.h5");

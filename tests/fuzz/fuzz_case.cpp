@@ -13,14 +13,10 @@
 namespace {
 
 using namespace nscdd;
-using fuzzing::require;
+using namespace fuzzing;
 
 std::optional<CaseSpec> parse(std::string_view text) {
-  try {
-    return parse_case(text, "fuzz.toml");
-  } catch (const Error&) {
-    return std::nullopt;
-  }
+  return unless_error([&] { return parse_case(text, "fuzz.toml"); });
 }
 
 Index grains(const Generator& generator) {

@@ -11,7 +11,7 @@
 namespace {
 
 using namespace nscdd;
-using fuzzing::require;
+using namespace fuzzing;
 
 // The files one behind the other, parted by the character %; the last one is every table that they name.
 DatboxTexts parted(std::string_view text) {
@@ -25,28 +25,13 @@ DatboxTexts parted(std::string_view text) {
   return texts;
 }
 
-std::optional<Datbox> parse(std::string_view text) {
-  try {
-    return parse_datbox(parted(text), "fuzz");
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
-
-std::optional<Packing> packing_in(const Datbox& datbox) {
-  try {
-    return datbox_packing(datbox, DatboxGrains::all);
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::optional<Datbox> datbox = parse({reinterpret_cast<const char*>(data), size});
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const std::optional<Datbox> datbox = unless_error([&] { return parse_datbox(parted(text), "fuzz"); });
   if (!datbox) return 0;
-  const std::optional<Packing> packing = packing_in(*datbox);
+  const auto packing = unless_error([&] { return datbox_packing(*datbox, DatboxGrains::all); });
   if (!packing) return 0;
   check(*packing);  // throws, and so ends the program, for a packing that should not have passed
   require(count(packing->mass) == packing->size(), "every grain has a mass");

@@ -18,23 +18,7 @@
 namespace {
 
 using namespace nscdd;
-using fuzzing::require;
-
-std::optional<Packing> parse(std::string_view text) {
-  try {
-    return parse_packing(text, "fuzz.csv");
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
-
-std::optional<ContactNetwork> detect(const Packing& packing, const ContactDetection& detection) {
-  try {
-    return detect_contacts(packing, detection);
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
+using namespace fuzzing;
 
 // Every pair looked at; empty where two grains overlap.
 std::optional<std::vector<std::pair<Index, Index>>> brute_force(const Packing& p, const ContactDetection& detection) {
@@ -75,7 +59,7 @@ bool beyond_last_places(const Packing& p) {
 
 // Pairs that touch within the tolerances are contacts. Those beyond are counted: there the worth of digits decides.
 void require_same(const Packing& packing, const ContactDetection& detection) {
-  const auto network = detect(packing, detection);
+  const auto network = unless_error([&] { return detect_contacts(packing, detection); });
   const auto expected = brute_force(packing, detection);
   require(network.has_value() || !expected || beyond_last_places(packing),
           "nothing is refused but an overlap and coordinates that cannot tell");
@@ -97,7 +81,8 @@ void require_same(const Packing& packing, const ContactDetection& detection) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::optional<Packing> packing = parse({reinterpret_cast<const char*>(data), size});
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const std::optional<Packing> packing = unless_error([&] { return parse_packing(text, "fuzz.csv"); });
   if (!packing) return 0;
   check(*packing);  // throws, and so ends the program, for a packing that should not have passed
   require(count(packing->y) == packing->size() && count(packing->radius) == packing->size(),

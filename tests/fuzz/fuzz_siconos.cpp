@@ -9,14 +9,10 @@
 namespace {
 
 using namespace nscdd;
-using fuzzing::require;
+using namespace fuzzing;
 
 std::optional<FclibFile> parse(std::string_view text) {
-  try {
-    return siconos_from_text(text, "fuzz.dat");
-  } catch (const Error&) {
-    return std::nullopt;
-  }
+  return unless_error([&] { return siconos_from_text(text, "fuzz.dat"); });
 }
 
 void require_sound(const LocalFrictionProblem& problem) {

@@ -87,9 +87,7 @@ TEST_CASE("renumbering of grains, contacts and subdomains") {
 }
 
 TEST_CASE("another full-rank gluing: star in place of chain, and any regular combination of the rows") {
-  for (const Case& one : with_interface(every_problem())) {
-    CAPTURE(one.spec.name);
-    const Model model = build(one);
+  on_every_interface([&](const Model& model) {
     const std::vector<double> expected = ends(model.problem, model.parts);
     require_equal(ends(model.problem, decompose(model.problem, model.partition, GluingShape::star)), expected);
 
@@ -98,17 +96,15 @@ TEST_CASE("another full-rank gluing: star in place of chain, and any regular com
     const Dense t = random_matrix(n, n, 3) + 3.0 * static_cast<double>(n) * identity(n);
     for (Subdomain& subdomain : mixed.subdomains) subdomain.a = (t * subdomain.a).entries().sparseView();
     require_equal(ends(model.problem, mixed), expected);
-  }
+  });
 }
 
 TEST_CASE("masses times a factor: flexibilities divided by it") {
-  for (const Case& one : with_interface(every_problem())) {
-    CAPTURE(one.spec.name);
-    const Model model = build(one);
+  on_every_interface([&](const Model& model) {
     ReferenceProblem heavy = model.problem;
     heavy.inertia *= 250.0;
     require_equal(ends(heavy, decompose(heavy, model.partition), 250.0), ends(model.problem, model.parts));
-  }
+  });
 }
 
 TEST_CASE("a grain that touches nothing, and a contact-free subdomain, change nothing") {

@@ -101,15 +101,13 @@ Index check_curve(const Model& model, const CurveParameters& curve, double slack
 
 TEST_CASE("curves: the band holds all samples on every problem, along epsilon and along eta") {
   int curves = 0;
-  for (const Case& one : with_interface(every_problem())) {
-    CAPTURE(one.spec.name);
-    const Model model = build(one);
+  on_every_interface([&](const Model& model) {
     check_curve(model, along_epsilon(1e-4, 1e4, infinity));
     check_curve(model, along_epsilon(1e-4, 1e4, 0.3));
     check_curve(model, along_eta(1e-4, 1e4, 1));
     check_curve(model, along_eta(1e-3, 1e4, 0));
     ++curves;
-  }
+  });
   CHECK(curves >= 7);
 }
 

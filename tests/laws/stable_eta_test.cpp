@@ -43,9 +43,8 @@ Simulation sheared_box(const std::string& algorithm, const std::string& eta, Ind
 TEST_CASE("stable eta: no set of contacts diverges from there up, some do below") {
   std::mt19937 random(7);
   int below = 0;
-  for (const Case& one : with_interface(every_problem())) {
-    CAPTURE(one.spec.name);
-    const Decomposition parts = build(one).parts;
+  on_every_interface([&](const Model& model) {
+    const Decomposition& parts = model.parts;
     const std::vector<char> none(at(parts.contacts), 0);
     for (const double relaxation : {1.0, 1.5}) {
       const double eta = stable_eta(parts, relaxation);
@@ -63,7 +62,7 @@ TEST_CASE("stable eta: no set of contacts diverges from there up, some do below"
         CHECK(largest(parts, 3 * eta, relaxation, kept) <= 2);
       }
     }
-  }
+  });
   CHECK(below > 5);
 }
 

@@ -50,9 +50,7 @@ Vector state_with(const TwoStageIteration& iteration, const Vector& f) {
 }  // namespace
 
 TEST_CASE("one iteration is the paper's Stage 1 and Stage 2, generic and enriched, under loads") {
-  for (const Case& one : with_interface(every_problem())) {
-    CAPTURE(one.spec.name);
-    const Model model = build(one);
+  on_every_interface([&](const Model& model) {
     const std::vector<Vector> loads = impact_loads(model.parts, model.problem.arriving_velocity);
     const InterfaceFamily family(model.parts);
     for (const double eta : {0.4, 2.0, infinity}) {
@@ -62,13 +60,11 @@ TEST_CASE("one iteration is the paper's Stage 1 and Stage 2, generic and enriche
       const Vector met = iteration.iterate(state_with(iteration, f), &loads).tail(f.size());
       CHECK((met - expected).norm() < 1e-10 * expected.norm());
     }
-  }
+  });
 }
 
 TEST_CASE("without loads one iteration is the contraction operator, rigid and relaxed included") {
-  for (const Case& one : with_interface(every_problem())) {
-    CAPTURE(one.spec.name);
-    const Model model = build(one);
+  on_every_interface([&](const Model& model) {
     const InterfaceFamily family(model.parts);
     for (const double epsilon : {0.0, 0.2, 5.0})
       for (const double eta : {0.7, infinity})
@@ -81,7 +77,7 @@ TEST_CASE("without loads one iteration is the contraction operator, rigid and re
           const Vector met = iteration.iterate(state_with(iteration, f)).tail(f.size());
           CHECK((met - expected).norm() < 1e-9 * f.norm());
         }
-  }
+  });
 }
 
 TEST_CASE("at convergence the undivided problem is solved: same impulses, glued velocities") {
