@@ -25,8 +25,8 @@ struct SimulateOptions {
       {"--criterion", "WORD", "solver.criterion", names_where<Criterion>(), all_names<Criterion>()},
       {"--tolerance", "NUMBER", "solver.tolerance", "of the criterion"},
       {"--iterations", "N", "solver.maximum_iterations", "of a step at the most"},
-      {"--preconditioner", "WORD", "solver.interface_preconditioner", names_where<InterfacePreconditioner>(),
-       all_names<InterfacePreconditioner>()},
+      {"--preconditioner", "WORD", "solver.interface_preconditioner",
+       names_where<InterfacePreconditioner>() + ", of two-stage methods", all_names<InterfacePreconditioner>()},
       {"--verdict", "WORD", "solver.verdict", "steps that get a verdict", all_names<VerdictSteps>()},
       {"--steps", "N", "dynamics.steps", "number of time steps"}};
   std::vector<std::string> settings;

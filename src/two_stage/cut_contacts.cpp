@@ -89,7 +89,7 @@ LinearMap CutContacts<D>::local_map() const {
   if (!interface->definite()) return {};
   weigh(*interface, options_.scaling);
   std::shared_ptr<const CoarseProblem> coarse;
-  if (options_.coarse_space == CoarseSpace::geneo)
+  if (options_.coarse_space == CoarseSpace::geneo && options_.preconditioner == InterfacePreconditioner::dirichlet)
     coarse = std::make_shared<const CoarseProblem>(
         *interface, geneo_vectors(*interface, geneo_threshold(*interface, options_.kappa)));
   return local_preconditioner(interface, options_.preconditioner, coarse);

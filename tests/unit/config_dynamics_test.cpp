@@ -157,6 +157,7 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
   check_dynamics(one);  // of no effect
   one.dynamics->solver.algorithm = "two_stage_newton";
   CHECK_THROWS_WITH_AS(check_dynamics(one), doctest::Contains("not symmetric"), Error);
+  CHECK_NOTHROW(parse_case(replaced(good, "warm_start = true", "interface_network = \"all\""), "old.toml", true));
   one.dynamics->solver.interface_preconditioner = "dirichlet";
   one.dynamics->solver.coarse_space = "rigid";
   check_error([&] { check_dynamics(one); }, {"solver.coarse_space", "expected none or geneo", "met rigid"});

@@ -121,7 +121,10 @@ std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
   Dynamics dynamics;
   const StrictTable interaction = root.read_section("interaction", dynamics.interaction);
   const StrictTable time = root.read_section("dynamics", dynamics.time);
-  const StrictTable solver = root.read_section("solver", dynamics.solver);
+  StrictTable solver = root.section("solver", false);
+  if (!effects_wanted) solver.node("interface_network");  // of version 0.2.0, see interface_preconditioner
+  solver.read_fields(dynamics.solver);
+  solver.finish();
   if (effects_wanted) {
     require_effects(interaction, dynamics, dynamics.interaction);
     require_effects(time, dynamics, dynamics.time);
