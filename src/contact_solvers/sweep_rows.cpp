@@ -31,14 +31,16 @@ std::vector<Index> colours_of(const LocalFrictionProblem& problem, Index block) 
   if (const auto blocks = BodyBlocks<D>::of(problem, natural_order(problem.contacts()))) {
     GreedyColours taken(blocks->bodies());
     for (Index c = 0; c < problem.contacts(); ++c) {
+      if (c % block == 0) taken.next_block();
       const std::vector<Index> own = blocks->bodies_of(c);
-      colours.push_back(taken.take_least(own, own, c / block));
+      colours.push_back(taken.take_least(own, own));
     }
     return colours;
   }
   GreedyColours taken(problem.contacts());
   for (Index c = 0; const std::vector<Index>& coupled : coupled_contacts<D>(problem)) {
-    colours.push_back(taken.take_least(coupled, std::array{c}, c / block));
+    if (c % block == 0) taken.next_block();
+    colours.push_back(taken.take_least(coupled, std::array{c}));
     ++c;
   }
   return colours;
@@ -116,8 +118,8 @@ void sweep(const SweepRows<D>& rows, const Coupling& coupling, double relaxation
 template <int D>
 SweepRows<D>::SweepRows(const LocalFrictionProblem& problem, SweepOrder sweep_order, Index seed) : order(sweep_order) {
   const Index contacts = problem.contacts();
-  contact =
-      order == SweepOrder::random ? random_order(contacts, static_cast<std::uint64_t>(seed)) : natural_order(contacts);
+  contact = order == SweepOrder::random ? shuffled(natural_order(contacts), static_cast<std::uint64_t>(seed))
+                                        : natural_order(contacts);
   if (order == SweepOrder::reverse) std::ranges::reverse(contact);
   if (order == SweepOrder::interleaved)
     sort_by_colour(contact, colours_of<D>(problem, interleaved_block), interleaved_block);

@@ -74,21 +74,6 @@ double natural_map_scale(double maps, double impulses, double alone, double mome
   return scale > 0 ? scale : maps;  // 0 if cohesion alone closes contacts
 }
 
-template <int D>
-ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& c, GrainVelocities<D> free,
-                           const std::vector<double>& speeds) {
-  const double speed = speeds[at(c.a)] + speeds[at(c.b)];
-  return with_delassus(c, [&](const auto& w) {
-    const LocalVector<D> stop = -1.0 * w.solve(relative_velocity(c, free) + c.bias);
-    const LocalVector<D> alone = law_impulse(law, c, stop, w);
-    const double mass = w.inverse_normal();
-    return ImpulseScale{.alone = squared(LocalVector<D>{alone.n + c.pull, alone.t}),
-                        .momenta = speed * speed * mass * mass,
-                        .speeds = speed * speed,
-                        .energies = speed * speed * mass};
-  });
-}
-
 double ContactResidual::relative_natural_map() const {
   if (natural_map == 0) return 0;
   return std::sqrt(natural_map / natural_map_scale(natural_map, impulses, scale.alone, scale.momenta, true));
@@ -130,10 +115,6 @@ ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& c) {
   return std::visit([&](const auto& one) { return status_under(one, c); }, law);
 }
 
-template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>,
-                                    const std::vector<double>&);
-template ImpulseScale impulse_scale(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>,
-                                    const std::vector<double>&);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<2>&, GrainVelocities<2>);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<3>&, GrainVelocities<3>);
 template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<2>>&, GrainVelocities<2>);

@@ -32,7 +32,18 @@ double natural_map_scale(double maps, double impulses, double alone, double mome
 /// The terms of a contact in the scale of a step, at the velocities V_free; `speeds`: speeds_of these.
 template <int D>
 ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& c, GrainVelocities<D> free,
-                           const std::vector<double>& speeds);
+                           const std::vector<double>& speeds) {
+  const double speed = speeds[at(c.a)] + speeds[at(c.b)];
+  return with_delassus(c, [&](const auto& w) {
+    const LocalVector<D> stop = -1.0 * w.solve(relative_velocity(c, free) + c.bias);
+    const LocalVector<D> alone = law_impulse(law, c, stop, w);
+    const double mass = w.inverse_normal();
+    return ImpulseScale{.alone = squared(LocalVector<D>{alone.n + c.pull, alone.t}),
+                        .momenta = speed * speed * mass * mass,
+                        .speeds = speed * speed,
+                        .energies = speed * speed * mass};
+  });
+}
 
 /// How well impulses and velocities obey the contact law: sums over contacts, which add up over subdomains.
 struct ContactResidual {

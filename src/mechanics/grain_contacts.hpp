@@ -64,6 +64,7 @@ inline double squared_rim(const GrainVelocity<3>& v) {
 template <int D>
 std::vector<double> speeds_of(std::span<const GrainVelocity<D>> v) {
   std::vector<double> speeds;
+  speeds.reserve(v.size());
   for (const auto& one : v) speeds.push_back(std::sqrt(squared_velocity(one)) + std::sqrt(squared_rim(one)));
   return speeds;
 }

@@ -62,6 +62,7 @@ template <class Remembered>
 std::vector<const Remembered*> remembered(const std::vector<Remembered>& last,
                                           const std::vector<StepContact>& contacts) {
   std::vector<const Remembered*> result;
+  result.reserve(contacts.size());
   auto old = last.begin();
   for (const StepContact& c : contacts) {
     while (old != last.end() && body_pair(*old) < body_pair(c)) ++old;

@@ -68,21 +68,20 @@ class CellGrid {
   void visit_cell(Index column, Index row, Index layer, auto& visit) const {
     const auto here = cell(column, row, layer);
     for (std::size_t a = 0; a < here.size(); ++a)
-      for (std::size_t b = a + 1; b < here.size(); ++b) ordered(here[a], here[b], visit);
+      for (std::size_t b = a + 1; b < here.size(); ++b) visit(here[a], here[b]);
     constexpr Index ahead[13][3] = {{1, 0, 0},  {-1, 1, 0}, {0, 1, 0}, {1, 1, 0},  {-1, -1, 1}, {0, -1, 1}, {1, -1, 1},
                                     {-1, 0, 1}, {0, 0, 1},  {1, 0, 1}, {-1, 1, 1}, {0, 1, 1},   {1, 1, 1}};
     for (const auto& step : std::span(ahead).first(layers_ == 1 ? 4 : 13)) {
       const Index c = column + step[0], r = row + step[1], l = layer + step[2];
       if (c < 0 || c >= columns_ || r < 0 || r >= rows_ || l >= layers_) continue;
       for (const Index i : here)
-        for (const Index j : cell(c, r, l)) ordered(i, j, visit);
+        for (const Index j : cell(c, r, l)) visit(std::min(i, j), std::max(i, j));
     }
   }
   // The cell at an offset from the lower end of the table; clamped to the first or last one.
   Index along(double offset, Index cells) const {
     return static_cast<Index>(std::clamp(offset / side_, 0.0, static_cast<double>(cells - 1)));
   }
-  static void ordered(Index i, Index j, auto& visit) { i < j ? visit(i, j) : visit(j, i); }
   std::span<const Index> cell(Index column, Index row, Index layer) const {
     const Index c = (layer * rows_ + row) * columns_ + column;
     return std::span(points_).subspan(at(start_[at(c)]), at(start_[at(c + 1)] - start_[at(c)]));
@@ -117,7 +116,7 @@ class GrainGrid {
           const Index i = grains.number[at(a)];
           other.grid.for_each_near(grains.places()[at(a)], distance, [&](Index b) {
             const Index j = other.grains.number[at(b)];
-            i < j ? visit(i, j) : visit(j, i);
+            visit(std::min(i, j), std::max(i, j));
           });
         }
       }
@@ -163,10 +162,14 @@ std::vector<AnyContact> sorted_by_bodies(const std::vector<AnyContact>& contacts
   std::vector<Index> next(at(bodies) + 1, 0);  // place of the next contact of a, finally the end of its contacts
   for (const AnyContact& contact : contacts) ++next[at(contact.a) + 1];
   std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<AnyContact> result(contacts.size());
-  for (const AnyContact& contact : contacts) result[at(next[at(contact.a)]++)] = contact;
+  std::vector<std::int32_t> order(contacts.size());
+  for (std::size_t k = 0; k < contacts.size(); ++k) order[at(next[at(contacts[k].a)]++)] = static_cast<std::int32_t>(k);
   for (Index a = 0, first = 0; a < bodies; first = next[at(a)], ++a)
-    std::ranges::sort(result.begin() + first, result.begin() + next[at(a)], {}, &AnyContact::b);
+    std::ranges::sort(order.begin() + first, order.begin() + next[at(a)], {},
+                      [&](std::int32_t k) { return contacts[at(k)].b; });
+  std::vector<AnyContact> result;
+  result.reserve(contacts.size());
+  for (const std::int32_t k : order) result.push_back(contacts[at(k)]);
   return result;
 }
 

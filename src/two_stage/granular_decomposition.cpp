@@ -12,23 +12,16 @@ namespace {
 // Puts the contacts in sweep order and numbers bodies as the sweep meets them: neighbours are near in memory.
 template <int D>
 void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice<ContactOrder> order,
-          std::uint64_t seed, std::vector<std::int32_t>& local) {
-  std::vector<GrainContact<D>> natural;
-  std::vector<std::array<double, 3>> points;
-  natural.reserve(subdomain.numbers.size());
-  points.reserve(subdomain.numbers.size());
-  for (const Index c : subdomain.numbers) {
-    natural.push_back(problem.contacts[at(c)]);
-    points.push_back(problem.geometry[at(c)].point);
-  }
-  const std::vector<Index> numbers = std::exchange(subdomain.numbers, {});
+          std::uint64_t seed, GreedyColours& taken, std::vector<std::int32_t>& local) {
+  subdomain.numbers = contact_order(order, problem, std::move(subdomain.numbers), seed, taken);
   ContactRows<D>& rows = subdomain.contacts;
   rows.friction = problem.friction;
   rows.boundary_friction = problem.boundary_friction;
-  rows.rows.reserve(natural.size());
-  rows.impulses.reserve(natural.size());
-  const bool others =
-      problem.own_frictions || std::ranges::any_of(natural, [](const auto& c) { return c.levers != nullptr; });
+  rows.rows.reserve(subdomain.numbers.size());
+  rows.impulses.reserve(subdomain.numbers.size());
+  const bool others = problem.own_frictions || std::ranges::any_of(subdomain.numbers, [&](Index c) {
+                        return problem.contacts[at(c)].levers != nullptr;
+                      });
   const auto number = [&](std::int32_t body) {
     std::int32_t& known = local[at(body)];
     if (known < 0) {
@@ -37,15 +30,14 @@ void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice
     }
     return known;
   };
-  for (const Index k : contact_order(order, natural, problem.free, seed, points)) {
-    const GrainContact<D>& c = natural[at(k)];
+  for (const Index k : subdomain.numbers) {
+    const GrainContact<D>& c = problem.contacts[at(k)];
     const std::int32_t a = number(c.a), b = number(c.b);
     rows.rows.push_back({a, b, c.normal, c.bias.n});
     rows.impulses.push_back(swept(c.normal, c.impulse));
     if (problem.tangential_bias) rows.bias_t.push_back(swept(c.normal, c.bias).t);
     if (problem.pulls) rows.pull.push_back(c.pull);
     if (others) rows.others.push_back({c.levers, c.friction});
-    subdomain.numbers.push_back(numbers[at(k)]);
   }
   for (const Index i : subdomain.bodies) {
     subdomain.velocities.push_back(problem.free[at(i)]);
@@ -128,7 +120,7 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
                                    const std::vector<Index>& process_of_subdomain, const Processes& processes,
                                    CopyMass mass) {
   check(partition, count(problem.contacts));
-  // Number, row and impulse of each contact; copies and points are made for one subdomain at a time.
+  // Number, row and impulse of each contact.
   constexpr double of_contact = sizeof(Index) + sizeof(ContactRow<D>) + sizeof(SweptVector<D>);
   require_memory(of_contact * static_cast<double>(problem.contacts.size()) +
                      sizeof(GrainVelocity<D>) * static_cast<double>(problem.free.size()),
@@ -141,7 +133,8 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
   for (Index c = 0; c < count(problem.contacts); ++c)
     parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);
   std::vector<std::int32_t> local(problem.free.size(), -1);
-  for (GranularSubdomain<D>& subdomain : parts.subdomains) fill(subdomain, problem, order, seed, local);
+  GreedyColours taken(count(problem.free));
+  for (GranularSubdomain<D>& subdomain : parts.subdomains) fill(subdomain, problem, order, seed, taken, local);
   parts.interface = interface_of(parts, problem, process_of_subdomain, processes);
   for (GranularSubdomain<D>& subdomain : parts.subdomains)
     for (std::size_t i = 0; i < subdomain.bodies.size() && mass == CopyMass::shares; ++i)

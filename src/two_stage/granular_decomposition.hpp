@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact_solvers/contact_problem.hpp"
+#include "contact_solvers/contact_turns.hpp"
 #include "mechanics/step_problem.hpp"
 #include "two_stage/step_solver.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
@@ -107,11 +108,10 @@ struct GranularDecomposition {
   void apply_interface_impulses(const Vector& change);
 };
 
-/// The order of contacts in memory and in a sweep. `points`: of the contacts, m; needed for `interleaved` only.
+/// Puts the numbers of contacts, which ascend, in their order in memory and in a sweep. `taken`: of the bodies.
 template <int D>
-std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
-                                 const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,
-                                 std::span<const std::array<double, 3>> points);
+std::vector<Index> contact_order(Choice<ContactOrder> order, const StepProblem<D>& problem, std::vector<Index> numbers,
+                                 std::uint64_t seed, GreedyColours& taken);
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses at those of the step. `order`,
 /// `seed`: see contact_order. Ranks that share the step pass the contacts of their own subdomains and get these and the

@@ -112,9 +112,9 @@ void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<GrainCo
 GranularStep<2> swept_by_hand(const GranularStep<2>& step, const Dynamics& dynamics, int sweeps) {
   const StepProblem<2>& problem = step.problem;
   const ContactLaw law = problem.law;
-  std::vector<std::array<double, 3>> points;
-  for (const StepContact& c : problem.geometry) points.push_back(c.point);
-  const std::vector<Index> visit = contact_order(dynamics.solver.order, problem.contacts, problem.free, 1, points);
+  GreedyColours taken(count(problem.free));
+  const std::vector<Index> visit =
+      contact_order(dynamics.solver.order, problem, natural_order(count(problem.contacts)), 1, taken);
   std::vector<GrainContact<2>> contacts;
   for (const Index c : visit) contacts.push_back(problem.contacts[at(c)]);
   GranularStep<2> by_hand = step;

@@ -191,21 +191,23 @@ TEST_CASE("spheres: the contact problem of a step, and of each subdomain, is sol
 }
 
 TEST_CASE("interleaved sweeps in space follow a curve from neighbour to neighbour") {
-  std::vector<GrainContact<3>> contacts;
-  std::vector<std::array<double, 3>> points;
+  StepProblem<3> problem;
   for (int i = 0; i < 8; ++i)
     for (int j = 0; j < 8; ++j)
       for (int k = 0; k < 8; ++k) {
-        const auto body = static_cast<std::int32_t>(contacts.size());
-        contacts.push_back({.a = 2 * body, .b = 2 * body + 1});  // none shares a body: one colour
-        points.push_back({0.1 * i, 0.1 * j, 0.1 * k});
+        const auto body = static_cast<std::int32_t>(problem.free.size());
+        problem.contacts.push_back({.a = body, .b = body + 1});  // none shares a body: one colour
+        problem.geometry.push_back({.point = {0.1 * i, 0.1 * j, 0.1 * k}});
+        problem.free.resize(problem.free.size() + 2, {.inverse_mass = 1});
       }
-  const std::vector<GrainVelocity<3>> bodies(2 * contacts.size(), GrainVelocity<3>{.inverse_mass = 1});
-  const std::vector<Index> order = contact_order("interleaved", contacts, bodies, 1, points);
-  REQUIRE(std::set<Index>(order.begin(), order.end()).size() == contacts.size());
+  const Index contacts = count(problem.contacts);
+  GreedyColours taken(count(problem.free));
+  const std::vector<Index> order = contact_order("interleaved", problem, natural_order(contacts), 1, taken);
+  REQUIRE(count(std::set<Index>(order.begin(), order.end())) == contacts);
   for (std::size_t k = 1; k < order.size(); ++k) {
     double steps = 0;
-    for (std::size_t d = 0; d < 3; ++d) steps += std::abs(points[at(order[k])][d] - points[at(order[k - 1])][d]) / 0.1;
+    for (std::size_t d = 0; d < 3; ++d)
+      steps += std::abs(problem.geometry[at(order[k])].point[d] - problem.geometry[at(order[k - 1])].point[d]) / 0.1;
     CHECK(steps == doctest::Approx(1));
   }
 }
