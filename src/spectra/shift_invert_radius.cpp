@@ -124,7 +124,7 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOpt
   return ends;
 }
 
-// Uses the condensed form or, if its rounding is too large (see ShiftedPencil::reliable), the slower augmented.
+// Uses the condensed form or, if no shift near enough to an end was reliable with it, the slower augmented.
 Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& options,
                         PencilMemory& memory) {
   const auto find_by = [&](SystemForm form, PencilMemory& known) {
@@ -132,7 +132,7 @@ Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const Sp
   };
   const Ends ends = find_by(SystemForm::condensed, memory);
   const auto done = [&](const Ends& some) { return some.converged() && (!options.certify || some.certified()); };
-  if (done(ends) || 1e3 * point.rounding < 0.3 * options.tolerance) return ends;
+  if (done(ends)) return ends;
   PencilMemory own;
   const Ends again = find_by(SystemForm::augmented, own);
   return done(again) ? again : ends;
