@@ -50,9 +50,7 @@ Wall wall_of(const BoundarySpec& spec, Index boundary) {
 
 void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
                Index boundary) {
-  const double length = length_of(along(spec));
-  // The fewest gaps that are no wider than asked for; rounding must not add one.
-  const Index gaps = std::max<Index>(1, static_cast<Index>(std::ceil(length / spec.distance() * (1 - 1e-12))));
+  const Index gaps = disks_in(spec) - 1;
   for (Index k = 0; k <= gaps; ++k) {
     const double s = static_cast<double>(k) / static_cast<double>(gaps);
     const Place centre = moved_along(spec.from, s, along(spec));
@@ -68,10 +66,10 @@ std::string grains_key(const BoundarySpec& spec, Index boundary) {
   return fmt::format("boundary[{}].{}", boundary, spec.grains.empty() ? "first" : "grains");
 }
 
-void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index boundary, Index grains) {
-  for (const Index i : grains_of(spec, boundary, grains)) {
+void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index number, Index boundary, Index grains) {
+  for (const Index i : grains_of(spec, number, grains)) {
     if (system.driven_by[at(i)] >= 0)
-      throw Error(grains_key(spec, boundary),
+      throw Error(grains_key(spec, number),
                   fmt::format("expected grains driven once, met grain {} of boundaries '{}' and '{}'", i,
                               system.boundaries[at(system.driven_by[at(i)])].name, spec.name));
     system.driven_by[at(i)] = boundary;
@@ -147,6 +145,12 @@ void require_dimension(const BoundarySpec& spec, Index dimension) {
 
 }  // namespace
 
+Index disks_in(const BoundarySpec& spec) {
+  if (spec.shape != BoundaryShape::disks) return 0;
+  // The fewest gaps that are no wider than asked for; rounding must not add one.
+  return 1 + std::max<Index>(1, static_cast<Index>(std::ceil(length_of(along(spec)) / spec.distance() * (1 - 1e-12))));
+}
+
 std::vector<Index> grains_of(const BoundarySpec& spec, Index boundary, Index grains) {
   const auto refuse = [&](const std::string& expected, const std::string& met) {
     throw Error(grains_key(spec, boundary),
@@ -172,22 +176,26 @@ std::vector<Index> grains_of(const BoundarySpec& spec, Index boundary, Index gra
 }
 
 void add_boundary(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
-                  Index grains) {
+                  Index number, Index grains) {
   check(spec);
   require_dimension(spec, system.dimension);
-  const Index boundary = count(system.boundaries);
-  system.boundaries.push_back({spec.name, spec.motion, spec.orientation, spec.body, -1, spec.source});
+  if (!spec.part) system.boundaries.push_back({spec.name, spec.motion, spec.orientation, spec.body, -1, spec.source});
+  const auto own = std::ranges::find(system.boundaries, spec.name, &Boundary::name);
+  if (own == system.boundaries.end())
+    fail("boundary '{}': expected its first shape before others, met none", spec.name);
+  const Index boundary = own - system.boundaries.begin();
   if (spec.shape == BoundaryShape::disks)
     add_disks(system, x, y, spec, boundary);
   else if (spec.shape == BoundaryShape::grains)
-    drive_grains(system, spec, boundary, grains);
+    drive_grains(system, spec, number, boundary, grains);
   else
     system.walls.push_back(wall_of(spec, boundary));
 }
 
 std::string to_toml(const BoundarySpec& spec) {
   const bool space = spec.dimension == 3;
-  std::string text = fmt::format("name = {}\nshape = \"{}\"\n", field_text(spec.name), to_string(spec.shape));
+  std::string text = fmt::format("{} = {}\nshape = \"{}\"\n", spec.part ? "part_of" : "name", field_text(spec.name),
+                                 to_string(spec.shape));
   if (spec.shape == BoundaryShape::grains) {
     text += spec.grains.empty() ? fmt::format("first = {}\nlast = {}\n", spec.first, spec.last)
                                 : fmt::format("grains = [{}]\n", fmt::join(spec.grains, ", "));

@@ -25,6 +25,7 @@ constexpr auto names_of(CylinderSide) { return std::to_array<std::string_view>({
 /// A boundary as a case file describes it ([[boundary]]).
 struct BoundarySpec {
   std::string name;
+  bool part = false;  ///< another shape of the boundary of this name, which is before it and has the other keys
   Choice<BoundaryShape> shape = BoundaryShape::wall;
   Index dimension = 0;                               ///< of its vectors: 2, 3, or 0 if it has none
   std::array<double, 3> from{0, 0, 0}, to{1, 0, 0};  ///< m, disks, cylinder, plank, and a wall in the plane
@@ -60,14 +61,17 @@ struct FunctionKeys {
 inline constexpr FunctionKeys keys_of_motion{"velocity", "spin", "motion", "oscillation"};
 inline constexpr FunctionKeys keys_of_load{"force", "torque", "load", "load_oscillation"};
 
-/// Numbers of the grains of a packing that a boundary `boundary` of shape grains has. Throws Error with its key if the
-/// packing has no such grains or one is named twice.
+/// Numbers of the grains of a packing that boundary number `boundary`, of shape grains, has. Throws Error with its key
+/// if the packing has no such grains or one is named twice.
 std::vector<Index> grains_of(const BoundarySpec& spec, Index boundary, Index grains);
 
-/// Adds a boundary to a system whose first `grains` are those of a packing; disks of the boundary come last, with their
-/// centres in x and y. Throws Error as scene.
+/// The number of disks in a row; 0 for another shape.
+Index disks_in(const BoundarySpec& spec);
+
+/// Adds a boundary, the `number`th of a case, to a system whose first `grains` are those of a packing; disks of the
+/// boundary come last, with their centres in x and y. Throws Error as scene.
 void add_boundary(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
-                  Index grains);
+                  Index number, Index grains);
 
 /// Its lines in a case file.
 std::string to_toml(const BoundarySpec& spec);

@@ -144,7 +144,8 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics, const Peri
   system.mass = packing.mass;
   system.driven_by.assign(packing.radius.size(), -1);
   std::vector<double> x = packing.x, y = packing.y;
-  for (const BoundarySpec& spec : dynamics.boundaries) add_boundary(system, x, y, spec, packing.size());
+  for (Index number = 0; const BoundarySpec& spec : dynamics.boundaries)
+    add_boundary(system, x, y, spec, number++, packing.size());
   // Disks of boundaries may have doubled the capacity.
   for (std::vector<double>* values : {&system.radius, &system.mass, &x, &y}) values->shrink_to_fit();
   system.driven_by.shrink_to_fit();
@@ -199,7 +200,8 @@ void complete(GranularSystem& system, const GranularState& first, const Dynamics
                   fmt::format("expected interaction.law = \"{}\" with it, whose cohesion may be 0, met \"{}\"",
                               Cohesive::name, to_string(dynamics.interaction.law)));
   std::vector<std::string> colours;
-  for (const BoundarySpec& spec : dynamics.boundaries) colours.push_back(spec.colour);
+  for (const BoundarySpec& spec : dynamics.boundaries)
+    if (!spec.part) colours.push_back(spec.colour);
   set_pairs(system, dynamics.colours, dynamics.pairs, colours, grains);
 }
 

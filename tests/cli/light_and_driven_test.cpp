@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd simulate: steps that were broken off, taken or counted wrongly because of a body beside those that matter.
+#include "../support/granular.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "session.hpp"
 
@@ -62,6 +63,21 @@ TEST_CASE_FIXTURE(SmallSession,
     answer(two_steps + algorithm);
     CHECK(summed("impulses") == doctest::Approx(2 * 9.81e-3 * std::sqrt(5.0)).epsilon(1e-6));  // 2 m g h below, m g h
   }
+}
+
+TEST_CASE_FIXTURE(SmallSession,
+                  "simulate: a run with a body of grains and disks goes on, its grains with their colours") {
+  moving(
+      "0,0,0.1\n0,0.25,0.1\n",
+      "[[boundary]]\nname = \"body\"\nshape = \"grains\"\nfirst = 0\nlast = 0\ncentre = [0, 0]\nvelocity = [0.1, 1]\n"
+      "[[boundary]]\npart_of = \"body\"\nshape = \"disks\"\nfrom = [-0.2, 0]\nto = [0.2, 0]\nradius = 0.05\n"
+      "[[colour]]\nname = \"last\"\nfirst = -1\nlast = -1\n[[pair]]\ncolours = [\"last\", \"\"]\nfriction = 2\n",
+      5e-3);
+  answer(simulate);
+  const std::vector<double> all = numbers_of(read_last_step(path("o.h5")).state);
+  answer(simulate + "--steps 10");
+  answer("simulate c.toml -o o.h5 --restart");
+  CHECK(numbers_of(read_last_step(path("o.h5")).state) == all);
 }
 
 TEST_CASE_FIXTURE(SmallSession, "simulate: conjugate gradients of a case do not act in Schwarz's method") {

@@ -4,6 +4,7 @@
 #include "../support/granular.hpp"
 #include "../support/run_program.hpp"
 #include "../support/spheres.hpp"
+#include "../support/spoilt.hpp"
 #include "formats/contact_problem/step_fclib.hpp"
 #include "formats/lmgc90/datbox.hpp"
 #include "formats/lmgc90/datbox_writer.hpp"
@@ -393,6 +394,25 @@ TEST_CASE("bodies: a DATBOX of clumps and nothing else has their masses") {
   CHECK(back.system.boundaries[0].body->mass == doctest::Approx(2).epsilon(1e-6));
   CHECK(back.system.boundaries[0].body->inertia[2] == doctest::Approx(0.8).epsilon(1e-6));
   CHECK(back.system.may_touch(1, 2));
+}
+
+TEST_CASE("bodies of several shapes: a DATBOX has driven ones as bodies of one shape, and refuses free ones by name") {
+  const std::vector<Grain> grains{{.x = 2.4, .y = 0.5, .velocity_x = 1}, {.x = 3.45, .y = 0.6}};
+  Dynamics dynamics = pressed(StepAlgorithm::nlgs);
+  BoundarySpec side = wall(floor_wall().name, {4, 0}, {4, 3});
+  side.part = true;
+  dynamics.boundaries = {floor_wall(), side};
+  Simulation whole = simulation_of(grains, dynamics);
+  const DatboxWriter writer(whole);
+  REQUIRE(writer.without_datbox().empty());
+  Simulation back = read_back(texts_of(writer, {whole.state, {}}), whole);
+  CHECK(back.system.boundaries.size() == 2);
+  advance(whole, 20);
+  advance(back, 20);
+  CHECK(whole.state.impulses.size() == back.state.impulses.size());
+  for (std::size_t i = 0; i < 2; ++i) CHECK(back.state.x[i] == doctest::Approx(whole.state.x[i]).epsilon(1e-6));
+  dynamics.boundaries[0].body = FreeBody{.directions = {true}, .mass = 1};
+  check_error([&] { DatboxWriter{simulation_of(grains, dynamics)}; }, {"LMGC90", "'floor'", "of one wall", "several"});
 }
 
 TEST_CASE("bodies: no DATBOX is written of a case with rules for pairs of colours") {

@@ -49,6 +49,20 @@ BoundarySpec plank(const std::string& name, std::array<double, 2> from, std::arr
   return spec;
 }
 
+BoundarySpec shaped(BoundaryShape shape, BoundarySpec spec) {
+  spec.shape = shape;
+  spec.side = CylinderSide::outside;
+  spec.spacing = 2;
+  return spec;
+}
+
+// The shape of a boundary as another one of a body.
+BoundarySpec part_of(const std::string& body, BoundarySpec spec) {
+  spec.name = body;
+  spec.part = true;
+  return spec;
+}
+
 Dynamics without_gravity(const std::vector<BoundarySpec>& boundaries) {
   Dynamics dynamics = tight(boundaries);
   dynamics.time.gravity = {0, 0};
@@ -213,6 +227,51 @@ TEST_CASE("a plank holds a disk from above and from below, and none beyond its e
   Simulation below = simulation_of({{.x = 0.9, .y = -0.6}}, dynamics);
   advance(below, 10);
   CHECK(std::abs(below.state.velocity_y[0]) < 1e-12);
+}
+
+TEST_CASE("planks, a cylinder and disks that are one driven body move grains as single bodies do, bit for bit") {
+  const auto run = [](bool one) {
+    std::vector<BoundarySpec> box{plank("0", {0, 0}, {4, 0}, 0.1), plank("1", {4, 0}, {4, 4}, 0.1),
+                                  wall("2", {4, 4}, {0, 4}),
+                                  shaped(BoundaryShape::disks, plank("3", {0, 0}, {0, 4}, 0.8)),
+                                  shaped(BoundaryShape::cylinder, plank("4", {1.5, 2}, {}, 0.1))};
+    for (BoundarySpec& each : box) {
+      each.motion = moving({.x = 0.5, .y = 0.1, .spin = 2}, {2, 2});
+      if (one && each.name != "0") each = part_of("0", each);
+    }
+    Simulation simulation = simulation_of({{.x = 1, .y = 1}, {.x = 2.1, .y = 1.2}, {.x = 2, .y = 2.5}}, tight(box));
+    advance(simulation, 60);
+    CHECK(simulation.system.boundaries.size() == (one ? 1 : 5));
+    return simulation.state;
+  };
+  const GranularState one = run(true), five = run(false);
+  CHECK(one.impulses.size() > 2);
+  CHECK(one.x == five.x);
+  CHECK(one.y == five.y);
+  CHECK(one.spin == five.spin);
+}
+
+TEST_CASE("a free body of a plank and two disks carries a disk on two supports: reactions by the rule of the lever") {
+  constexpr double mass = 3, centre = 0.1, left = -0.8, right = 0.6, load = 0.3;
+  for (const StepAlgorithm algorithm : {StepAlgorithm::nlgs, StepAlgorithm::automatic}) {
+    BoundarySpec beam = plank("beam", {-1, 0}, {1, 0}, 0.1);
+    beam.motion.centre = {centre, 0, 0};
+    beam.body = free_body(mass, 0.5);
+    // The row of one disk at each end of the plank, and grain 0 above the centre, under the load.
+    const Dynamics dynamics =
+        tight_by(algorithm, {beam, part_of("beam", shaped(BoundaryShape::disks, plank("", {-1, 0}, {1, 0}, 0.1))),
+                             part_of("beam", driven_grains("", 0, 0)), driven_grains("supports", 1, 2)});
+    Simulation simulation = simulation_of(
+        {{.x = load, .y = 0.6}, {.x = left, .y = -0.6}, {.x = right, .y = -0.6}, {.x = load, .y = 1.6}}, dynamics);
+    advance(simulation, 3);
+    const double h = dynamics.time.step, weight = mass * g, all = weight + g;
+    const double on_right = (weight * (centre - left) + g * (load - left)) / (right - left);
+    const Index plank_number = simulation.system.grains();
+    CHECK(impulse_between(simulation.state, 0, 3).n / h == doctest::Approx(g).epsilon(1e-7));
+    CHECK(impulse_between(simulation.state, 2, plank_number).n / h == doctest::Approx(on_right).epsilon(1e-7));
+    CHECK(impulse_between(simulation.state, 1, plank_number).n / h == doctest::Approx(all - on_right).epsilon(1e-7));
+    CHECK(std::abs(velocity_of(simulation).spin) < 1e-8);
+  }
 }
 
 TEST_CASE("a disk slides down a tilted plank at g sin(alpha) and leaves it at its end") {

@@ -78,6 +78,24 @@ TEST_CASE("bodies of a case: free directions, mass, inertia, loads and planks, w
   CHECK(simulation.system.walls.at(0).point == std::array<double, 3>{3, 9, 0});
 }
 
+TEST_CASE("bodies of a case: more shapes of a body, written and read back, and of a source or of nothing") {
+  const std::string part =
+      "[[boundary]]\npart_of = \"top\"\nshape = \"disks\"\nfrom = [0, 10]\nto = [1, 10]\nradius = 0.5\n";
+  const CaseSpec one = parse_bodies(bodies_in_plane + part), back = parse_bodies(to_toml(one));
+  CHECK(to_toml(back) == to_toml(one));
+  const GranularSystem system = simulation_of(resolve(back)).system;
+  CHECK(system.boundaries.size() == 2);
+  CHECK(std::pair(system.driven_by.at(9), system.driven_by.at(10)) == std::pair<Index, Index>(1, 1));
+  CHECK(system.pairs.of(2, 10).friction == 0.125);  // steel, as the plank
+  CHECK_FALSE(system.may_touch(9, system.grains()));
+  const Spoilt spoilt{bodies_in_plane + part, parse_bodies};
+  spoilt("part_of = \"top\"", "part_of = \"lid\"", {"boundary[2].part_of:", "before this one", "met \"lid\""});
+  spoilt("part_of = \"top\"", "part_of = \"\"", {"boundary[2].part_of:", "not empty"});
+  spoilt("part_of = \"top\"", "name = \"top\"", {"boundary[2].name:", "each name once"});
+  spoilt("part_of = \"top\"\n", "part_of = \"top\"\nvelocity = [1, 0]\n", {"unknown key 'boundary[2].velocity'"});
+  spoilt("part_of = \"top\"\n", "part_of = \"top\"\ncolour = \"red\"\n", {"unknown key 'boundary[2].colour'"});
+}
+
 TEST_CASE("bodies of a case: colours and rules of pairs, written and read back") {
   const CaseSpec back = parse_bodies(to_toml(parse_bodies(bodies_in_plane)));
   const Dynamics& dynamics = *back.dynamics;

@@ -194,11 +194,11 @@ void read_source(StrictTable& section, BoundaryNumbers& numbers, BoundarySpec& s
 }
 
 // A trajectory holds one name per line.
-void read_name(StrictTable& section, std::string& name) {
-  section.read("name", name);
+void read_name(StrictTable& section, const char* key, std::string& name) {
+  section.read(key, name);
   const auto breaks = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
   if (name.empty() || std::any_of(name.begin(), name.end(), breaks))
-    section.fail("name", "a text of one line, without control characters and not empty", field_text(name));
+    section.fail(key, "a text of one line, without control characters and not empty", field_text(name));
 }
 
 }  // namespace
@@ -219,8 +219,10 @@ Index read_spin(StrictTable& section, std::string_view key, std::array<double, 3
 
 BoundarySpec read_boundary(StrictTable section) {
   BoundarySpec spec;
-  section.require_keys({"name", "shape"});
-  read_name(section, spec.name);
+  spec.part = section.has("part_of");
+  const char* name = spec.part ? "part_of" : "name";
+  section.require_keys({name, "shape"});
+  read_name(section, name, spec.name);
   section.read("shape", spec.shape);
   const auto is = [&](auto... shapes) { return ((spec.shape == shapes) || ...); };
   BoundaryNumbers numbers(section);
@@ -232,7 +234,7 @@ BoundarySpec read_boundary(StrictTable section) {
       section.read("first", spec.first);
       section.read("last", spec.last);
     }
-    if (section.has("release") || section.has("release_distance")) read_source(section, numbers, spec);
+    if (!spec.part && (section.has("release") || section.has("release_distance"))) read_source(section, numbers, spec);
   } else if (is(BoundaryShape::wall, BoundaryShape::plank) && (section.has("point") || section.has("normal"))) {
     section.require_keys({"point", "normal"});
     numbers.read("point", spec.point);
@@ -257,10 +259,12 @@ BoundarySpec read_boundary(StrictTable section) {
     section.read("side", spec.side);
     section.read("ends", spec.ends);
   }
-  if (is(BoundaryShape::disks, BoundaryShape::grains)) section.read("orientation", spec.orientation);
-  section.read("colour", spec.colour);
-  spec.motion = read_motion(section, numbers, spec.default_centre());
-  spec.body = read_body(section, numbers);
+  if (!spec.part) {
+    if (is(BoundaryShape::disks, BoundaryShape::grains)) section.read("orientation", spec.orientation);
+    section.read("colour", spec.colour);
+    spec.motion = read_motion(section, numbers, spec.default_centre());
+    spec.body = read_body(section, numbers);
+  }
   spec.dimension = numbers.dimension();
   section.finish();
   section.located("", [&] { check(spec); });

@@ -132,8 +132,11 @@ std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
   }
   for (const StrictTable& boundary : root.tables("boundary")) {
     const BoundarySpec spec = read_boundary(boundary);
-    if (std::ranges::count(dynamics.boundaries, spec.name, &BoundarySpec::name) > 0)
-      boundary.fail("name", "each name once", fmt::format("{} again", field_text(spec.name)));
+    const auto whole = std::ranges::find(dynamics.boundaries, spec.name, &BoundarySpec::name);
+    const bool named = whole != dynamics.boundaries.end();
+    if (named && !spec.part) boundary.fail("name", "each name once", fmt::format("{} again", field_text(spec.name)));
+    if (spec.part && (!named || whole->source))
+      boundary.fail("part_of", "the name of a boundary before this one that is no source", field_text(spec.name));
     if (effects_wanted && dynamics.time.boundary_instant == BoundaryInstant::middle && starts_driven(spec))
       boundary.fail(boundary.has("initial_velocity") ? "initial_velocity" : "initial_spin",
                     fmt::format("{}dynamics.boundary_instant = \"end\" with it",

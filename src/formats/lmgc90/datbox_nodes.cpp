@@ -10,7 +10,7 @@ using Vector3 = Eigen::Vector3d;
 
 void DatboxWriter::number_bodies() {
   const GranularSystem& system = first_.system;
-  std::vector<Body> driven;  // one per boundary; in space one per driven sphere and wall
+  std::vector<Body> driven;  // one per boundary; in space one per driven sphere, and one per wall if it has more shapes
   std::vector<Index> of_boundary(system.boundaries.size(), -1);
   for (std::size_t b = 0; b < of_boundary.size(); ++b) {
     if (space_ && !system.boundaries[b].body) continue;
@@ -26,7 +26,17 @@ void DatboxWriter::number_bodies() {
       bodies_.push_back({.grains = {i}});
     else
       body_of(boundary).grains.push_back(i);
-  for (Index w = 0; w < count(system.walls); ++w) body_of(system.walls[at(w)].boundary).wall = w;
+  for (Index w = 0; w < count(system.walls); ++w) {
+    const Index boundary = system.walls[at(w)].boundary;
+    Body* body = &body_of(boundary);
+    if (body->wall >= 0 || !body->grains.empty()) {
+      if (free_body(*body) != nullptr)
+        fail("LMGC90: boundary '{}': expected a body of one wall, plank or cylinder, or of grains, met one of several",
+             system.boundaries[at(boundary)].name);
+      body = &driven.emplace_back(Body{.boundary = boundary});
+    }
+    body->wall = w;
+  }
   bodies_.insert(bodies_.end(), driven.begin(), driven.end());
   constexpr Index most = 99'999;  // their numbers have five columns
   if (count(bodies_) > most) fail("LMGC90: expected at most {} bodies, met {}", most, bodies_.size());

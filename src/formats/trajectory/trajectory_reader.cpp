@@ -255,7 +255,10 @@ void require_fit(const std::string& path, const Simulation& simulation) {
 Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state) {
   const CaseSpec spec = parse_case(header.case_text, path + ": case", true);
   if (!spec.dynamics) fail("{}: case: expected a section [dynamics], met a case without", path);
-  const auto& specs = spec.dynamics->boundaries;
+  std::vector<BoundarySpec> specs = spec.dynamics->boundaries;
+  Index disks = 0;
+  for (const BoundarySpec& one : specs) disks += disks_in(one);
+  std::erase_if(specs, [](const BoundarySpec& one) { return one.part; });
   GranularSystem system = header.system;
   if (system.boundaries.size() != specs.size())
     fail("{}: expected the {} boundaries of its case, met {}", path, specs.size(), system.boundaries.size());
@@ -268,8 +271,7 @@ Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& h
   if (state.poses.size() != specs.size())
     fail("{}: expected the poses of its {} boundaries, met {}", path, specs.size(), state.poses.size());
   system.period = spec.contacts.period();
-  const auto of_packing = [&](Index k) { return k < 0 || specs[at(k)].shape != BoundaryShape::disks; };
-  complete(system, state, *spec.dynamics, std::ranges::count_if(system.driven_by, of_packing));
+  complete(system, state, *spec.dynamics, system.grains() - disks);
   free_released_grains(system, state);
   Simulation simulation{std::move(system), std::move(state), *spec.dynamics, spec.partition};
   require_fit(path, simulation);
