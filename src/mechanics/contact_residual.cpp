@@ -4,16 +4,9 @@
 namespace nscdd {
 namespace {
 
-constexpr double edge_tolerance = 1e-12;      // of the cone, for the rounding of sums of impulses
 constexpr double largest_growth = 1e5;        // of impulses over those that drive the step
 constexpr double squared_rounding = 1e-28;    // of velocities of a step, relative to those that it begins with
 constexpr double maxima_over_means = 16.666;  // allowed by LMGC90's criterion QM/16
-
-template <class Law, int D>
-ContactStatus status_under(const Law&, const GrainContact<D>& c) {
-  if constexpr (!Law::opens) return ContactStatus::stick;
-  return contact_status(LocalVector<D>{c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
-}
 
 template <class Law, int D>
 void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVelocities<D> v) {
@@ -40,7 +33,7 @@ void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVe
   sum.scale_velocity += (squared(here) + squared(there)) / 2;
   sum.natural_map += squared(Law::opens ? natural_map(shifted, velocity, c.friction, inverse_n) : next - r);
   sum.active += carries(r);
-  const ContactStatus status = status_under(law, c);
+  const ContactStatus status = Law::opens ? status_in_cone(c) : ContactStatus::stick;
   sum.stick += status == ContactStatus::stick;
   sum.slide += slides(status);
 }
@@ -110,16 +103,9 @@ ContactResidual contact_residual(const ContactLaw& law, const std::vector<GrainC
       law, contacts.size(), v, [&](std::size_t k) -> auto& { return contacts[k]; });
 }
 
-template <int D>
-ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& c) {
-  return std::visit([&](const auto& one) { return status_under(one, c); }, law);
-}
-
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<2>&, GrainVelocities<2>);
 template ContactResidual contact_residual(const ContactLaw&, const ContactRows<3>&, GrainVelocities<3>);
 template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<2>>&, GrainVelocities<2>);
 template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<3>>&, GrainVelocities<3>);
-template ContactStatus status_of(const ContactLaw&, const GrainContact<2>&);
-template ContactStatus status_of(const ContactLaw&, const GrainContact<3>&);
 
 }  // namespace nscdd

@@ -79,7 +79,15 @@ template <int D>
 ContactResidual contact_residual(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
                                  GrainVelocities<D> v);
 
+/// The status of a contact whose law opens.
 template <int D>
-ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& contact);
+ContactStatus status_in_cone(const GrainContact<D>& c) {
+  constexpr double edge_tolerance = 1e-12;  // of the cone, for the rounding of sums of impulses
+  return contact_status(LocalVector<D>{c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
+}
+template <int D>
+ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& c) {
+  return opens(law) ? status_in_cone(c) : ContactStatus::stick;
+}
 
 }  // namespace nscdd

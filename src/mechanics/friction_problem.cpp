@@ -17,20 +17,6 @@ constexpr double symmetry_tolerance = 1e-5;
 // The same of W. Public problems of bodies in space differ by up to 2.5 10^-3 (docs/formats.md).
 constexpr double coupling_symmetry_tolerance = 5e-3;
 
-template <int D>
-FullDelassus<D> diagonal_block(const LocalFrictionProblem& problem, Index contact) {
-  const Index n = D * contact, t = n + 1;
-  const auto mean = [&](Index i, Index j) { return (problem.w.coeff(i, j) + problem.w.coeff(j, i)) / 2; };
-  if constexpr (D == 2)
-    return {problem.w.coeff(n, n), mean(n, t), problem.w.coeff(t, t)};
-  else
-    return {problem.w.coeff(n, n),
-            {mean(n, t), mean(n, t + 1)},
-            {problem.w.coeff(t, t), mean(t, t + 1), problem.w.coeff(t + 1, t + 1)}};
-}
-template FullDelassus<2> diagonal_block<2>(const LocalFrictionProblem&, Index);
-template FullDelassus<3> diagonal_block<3>(const LocalFrictionProblem&, Index);
-
 namespace {
 
 void require_size(const std::string& what, Index met, const std::string& size, Index expected) {
@@ -135,16 +121,6 @@ class PieceFactor {
   std::optional<SparseCholesky> sparse_;
 };
 
-// Columns of H that touch each piece, ascending.
-std::vector<std::vector<Index>> touching_columns(const SparseMatrix& h, const Pieces& pieces) {
-  std::vector<std::vector<Index>> columns(pieces.unknowns.size());
-  for_entries(h, [&](Index i, Index j, double) {
-    std::vector<Index>& of_piece = columns[at(pieces.piece[at(i)])];
-    if (of_piece.empty() || of_piece.back() != j) of_piece.push_back(j);
-  });
-  return columns;
-}
-
 // H_p^T M_p^-1 H_p of one piece, added to W.
 void add_delassus(const PieceFactor& factor, const SparseMatrix& h, const std::vector<Index>& columns,
                   SparseEntries& w) {
@@ -241,7 +217,11 @@ LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::str
   const OneBlasThread serial_blas;
   check(problem, name);
   const Pieces pieces(problem.mass);
-  const std::vector<std::vector<Index>> columns = touching_columns(problem.h, pieces);
+  std::vector<std::vector<Index>> columns(pieces.unknowns.size());  // of H that touch each piece, ascending
+  for_entries(problem.h, [&](Index i, Index j, double) {
+    std::vector<Index>& of_piece = columns[at(pieces.piece[at(i)])];
+    if (of_piece.empty() || of_piece.back() != j) of_piece.push_back(j);
+  });
   std::size_t entries = 0;
   for (const std::vector<Index>& of_piece : columns) entries += of_piece.size() * of_piece.size();
   // Triplets, and W twice, a number and an index per entry, while it is built.

@@ -19,29 +19,6 @@ Vector shifted_impulses(const StepProblem<D>& problem) {
   return r;
 }
 
-template <int D>
-std::vector<GrainContact<D>> with_impulses(std::vector<GrainContact<D>> contacts, const Vector& shifted) {
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    contacts[c].impulse = component<D>(shifted, static_cast<Index>(c));
-    contacts[c].impulse.n -= contacts[c].pull;
-  }
-  return contacts;
-}
-
-// The first six values of both enumerations correspond one to one.
-SolverStatus status_of_step(FrictionStatus status) {
-  static_assert(static_cast<int>(FrictionStatus::stopped) == static_cast<int>(SolverStatus::given_up));
-  return static_cast<SolverStatus>(status);
-}
-
-FrictionSolverOptions options_of(const StepSolver& solver) {
-  return {.algorithm = contact_solver_of(solver.algorithm).value(),
-          .tolerance = solver.tolerance,
-          .maximum_sweeps = 100 * solver.maximum_iterations,
-          .maximum_factorisations = solver.maximum_iterations,
-          .relaxation = solver.contact_relaxation};
-}
-
 // Solves the problem `held` of the contacts of a step. `start`: of the time that counts.
 template <int D, ContactProblem Problem>
 void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const Simulation& simulation,
@@ -52,7 +29,11 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
   // r^1 assumes r = 0 at the other contacts; with r + pull = 0 their pulls would act.
   if (problem.pulls) held.data.alone = std::sqrt(report.residual.scale.alone);
   const auto take = [&](const Vector& shifted) {
-    step.contacts = with_impulses(problem.contacts, shifted);
+    step.contacts = problem.contacts;
+    for (std::size_t c = 0; c < step.contacts.size(); ++c) {
+      step.contacts[c].impulse = component<D>(shifted, static_cast<Index>(c));
+      step.contacts[c].impulse.n -= step.contacts[c].pull;
+    }
     if constexpr (std::is_same_v<Problem, DividedContacts<D>>) {
       step.velocities = held.velocities(shifted);
       report.interface_iterations = held.work().iterations;
@@ -87,11 +68,18 @@ void solve(GranularStep<D>& step, Problem& held, Clock::time_point start, const 
     if (sink.observes(report.last.iteration)) observe(check.impulses);
     return !sink.goes_on || sink.goes_on();
   };
-  const FrictionSolution solution = solve_contacts(held, options_of(solver), shifted_impulses(problem), observer);
+  const FrictionSolverOptions options{.algorithm = contact_solver_of(solver.algorithm).value(),
+                                      .tolerance = solver.tolerance,
+                                      .maximum_sweeps = 100 * solver.maximum_iterations,
+                                      .maximum_factorisations = solver.maximum_iterations,
+                                      .relaxation = solver.contact_relaxation};
+  const FrictionSolution solution = solve_contacts(held, options, shifted_impulses(problem), observer);
   report.solve_seconds = seconds();
   report.factorisations = solution.factorisations;
   if (sink.row && !sink.observes(report.last.iteration)) observe(solution.impulses);
-  report.status = status_of_step(solution.status);
+  // The first six values of both enumerations correspond one to one.
+  static_assert(static_cast<int>(FrictionStatus::stopped) == static_cast<int>(SolverStatus::given_up));
+  report.status = static_cast<SolverStatus>(solution.status);
   report.doubtful = report.status == SolverStatus::converged && !solution.credible;
   report.last.impulses = held.data.sums.squared_norm(solution.impulses - pulls);
   take(solution.impulses);

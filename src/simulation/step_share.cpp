@@ -12,16 +12,6 @@ namespace {
 // All ranks make it together. The simulation must outlive it.
 using SubdomainOfContact = std::function<Index(const StepContact&)>;
 
-// The step problem with normal directions alone: a graph needs only to know which contacts share a grain.
-template <int D>
-ReferenceProblem normal_problem(const StepProblem<D>& problem, Index bodies) {
-  ReferenceProblem result = reference_problem(problem, bodies);
-  std::vector<Index> normals;
-  for (Index c = 0; c < count(problem.contacts); ++c) normals.push_back(D * c);
-  result.h = selected_columns(result.h, normals);
-  return result;
-}
-
 // The subdomain of a contact if it is among the known ones, ascending by (a, b); otherwise -1.
 Index known_subdomain(const std::vector<RememberedSubdomain>& known, const StepContact& c) {
   const auto found = std::ranges::lower_bound(known, body_pair(c), {}, body_pair);
@@ -44,7 +34,12 @@ SubdomainOfContact fresh_subdomains(const Simulation& simulation) {
     else
       return in_dimension(simulation.system, [&](auto dimension) -> SubdomainOfContact {
         const auto problem = prepare_step<dimension()>(start_of(simulation), false);
-        const Partition of_contacts = partition(partitioner, normal_problem(problem, simulation.system.bodies()));
+        // Normal directions alone: a graph needs only to know which contacts share a grain.
+        ReferenceProblem graph = reference_problem(problem, simulation.system.bodies());
+        std::vector<Index> normals;
+        for (Index c = 0; c < count(problem.contacts); ++c) normals.push_back(dimension() * c);
+        graph.h = selected_columns(graph.h, normals);
+        const Partition of_contacts = partition(partitioner, graph);
         return [known = subdomains_to_remember(problem.geometry, of_contacts)](const StepContact& c) {
           return known_subdomain(known, c);
         };

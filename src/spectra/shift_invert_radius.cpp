@@ -183,14 +183,6 @@ std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta
   return std::nullopt;
 }
 
-// The number of zero eigenvalues lambda of the rigid limit, by inertia. An eigenvalue may be as small as 1e-8 without
-// being 0, so two shifts must count the same; else, or if one is unreliable, there is no number.
-std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double eta, Index& factorisations) {
-  const std::optional<Index> count = counted_below(family, eta, rigid_zero, factorisations);
-  const std::optional<Index> again = counted_below(family, eta, rigid_zero_again, factorisations);
-  return count == again ? count : std::nullopt;
-}
-
 // Whether `kernel` eigenvalues lie below the first reliable shift next to 0, beyond what rounding makes of zeros.
 bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index kernel, Index& factorisations) {
   const double zero = std::max(rigid_zero_again, 10 * point.rounding);
@@ -210,8 +202,12 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   const ShiftedPencilFamily& family = family_for(b, options.inertia, memory.rigid, SystemForm::rigid, limit->system);
   Index factorisations = 0;
   const Index processes = b.system.decomposition().interface.processes().size;
-  if (!limit->kernel && b.system.decomposition().contacts > ranks_up_to / processes)
-    limit->kernel = counted_at_zero(family, point.eta, factorisations);
+  if (!limit->kernel && b.system.decomposition().contacts > ranks_up_to / processes) {
+    // By inertia. An eigenvalue may be as small as 1e-8 without being 0, so two shifts must count the same; else, or if
+    // one is unreliable, there is no number.
+    const std::optional<Index> zeros = counted_below(family, point.eta, rigid_zero, factorisations);
+    if (zeros == counted_below(family, point.eta, rigid_zero_again, factorisations)) limit->kernel = zeros;
+  }
   if (!limit->kernel) {
     limit->kernel = b.system.nullity();
     limit->confirmed = false;

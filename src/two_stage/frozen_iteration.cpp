@@ -8,8 +8,6 @@
 namespace nscdd {
 namespace {
 
-constexpr double radius_tolerance = 1e-6;
-
 // One subdomain in y: what its contacts and its neighbours add.
 struct LocalMaps {
   FrozenNetwork network;
@@ -188,25 +186,11 @@ Matrix frozen_contraction(const GranularDecomposition<D>& parts, const std::vect
   return b;
 }
 
-MapRadius frozen_radius(const Matrix& contraction) {
-  return map_radius(contraction, {.tolerance = radius_tolerance}, UnitEigenvalues::passed_over);
-}
-
-template <int D>
-MapRadius frozen_radius(const FrozenIteration<D>& iteration, Index power) {
-  const LinearMap map = [&](const Vector& y) { return iteration.apply(y, power); };
-  MapRadius radius = map_radius(iteration.rows(), map, {.tolerance = radius_tolerance}, UnitEigenvalues::passed_over);
-  if (power > 1) radius.value = std::pow(radius.value, 1 / static_cast<double>(power));
-  return radius;
-}
-
 template class FrozenIteration<2>;
 template class FrozenIteration<3>;
 template Matrix frozen_contraction(const GranularDecomposition<2>&, const std::vector<FrozenContact<2>>&,
                                    const std::optional<InterfaceOperator>&, double);
 template Matrix frozen_contraction(const GranularDecomposition<3>&, const std::vector<FrozenContact<3>>&,
                                    const std::optional<InterfaceOperator>&, double);
-template MapRadius frozen_radius(const FrozenIteration<2>&, Index);
-template MapRadius frozen_radius(const FrozenIteration<3>&, Index);
 
 }  // namespace nscdd

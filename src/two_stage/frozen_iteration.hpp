@@ -57,7 +57,14 @@ Matrix frozen_contraction(const GranularDecomposition<D>& parts, const std::vect
 /// at most 1e-6. If moduli crowd at 1, a power of the map separates them sooner: `value` is then the root of the
 /// power's radius, all else is of the power. An odd power keeps the signs of real eigenvalues.
 template <int D>
-MapRadius frozen_radius(const FrozenIteration<D>& iteration, Index power = 1);
-MapRadius frozen_radius(const Matrix& contraction);
+MapRadius frozen_radius(const FrozenIteration<D>& iteration, Index power = 1) {
+  const LinearMap map = [&](const Vector& y) { return iteration.apply(y, power); };
+  MapRadius radius = map_radius(iteration.rows(), map, {.tolerance = 1e-6}, UnitEigenvalues::passed_over);
+  if (power > 1) radius.value = std::pow(radius.value, 1 / static_cast<double>(power));
+  return radius;
+}
+inline MapRadius frozen_radius(const Matrix& contraction) {
+  return map_radius(contraction, {.tolerance = 1e-6}, UnitEigenvalues::passed_over);
+}
 
 }  // namespace nscdd

@@ -33,8 +33,7 @@ TEST_CASE_FIXTURE(Session, "coarse: vectors of GenEO, ranks and bounds are those
                                           {vacant, "deluxe", 1e-6, 56, 56, 55, 54, 65},
                                           {vacant, "deluxe", 1e-3, 11, 6, 11, 6, 42}};
   for (const Reference& one : references) {
-    CAPTURE(one.line);
-    CAPTURE(one.epsilon);
+    INFO("line = ", one.line, ", epsilon = ", one.epsilon);
     const CsvTable table = read_table(answer(one.line + " --subdomains 4x4 --coarse-space geneo --scaling " +
                                              one.scaling + fmt::format(" --epsilon {}W --csv -", one.epsilon)));
     REQUIRE(table.rows.size() == 1);

@@ -2,7 +2,6 @@
 // nscdd generate: packings out of generators and cases, and what it refuses.
 #include "session.hpp"
 
-#include <algorithm>
 #include <filesystem>
 
 using namespace nscdd::testing;

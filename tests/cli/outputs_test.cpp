@@ -3,7 +3,6 @@
 #include "session.hpp"
 
 #include <filesystem>
-#include <fstream>
 
 using namespace nscdd::testing;
 

@@ -2,7 +2,6 @@
 // Packings whose numbers are coarser than their contacts, and texts of other systems, as a user meets them.
 #include "session.hpp"
 
-#include <cmath>
 #include <cstdio>
 #include <numbers>
 

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `nscdd solve`, and contact problems in place of cases.
 #include "../support/fclib_files.hpp"
-#include "../support/problems.hpp"
 #include "session.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 #include <nscdd/formats/fclib.hpp>
-
-#include <sstream>
 
 using namespace nscdd;
 using namespace nscdd::testing;

@@ -22,19 +22,13 @@ namespace {
 
 BoundarySpec pair_of_disks(const std::string& name, Index first, std::array<double, 2> centre,
                            RigidVelocity velocity = {}) {
-  BoundarySpec spec = driven_grains(name, first, first + 1);
-  spec.motion.centre = {centre[0], centre[1], 0};
-  spec.motion.initial = velocity;
-  spec.body = FreeBody{.directions = {true, true, false, false, false, true}, .mass = 2, .inertia = {0, 0, 0.8}};
-  return spec;
+  return clump(name, first, first + 1, centre, 2, 0.8, velocity);
 }
 
 // A plank over the bed of pressed_bed: pushed down by a force that grows and swings, driven along x.
 BoundarySpec pushed_plank() {
   const double y = 1.1 + 2 * std::sqrt(0.99);
-  BoundarySpec top = wall("top", {-0.6, y}, {3.7, y});
-  top.shape = BoundaryShape::plank;
-  top.radius = 0.1;
+  BoundarySpec top = plank("top", {-0.6, y}, {3.7, y}, 0.1);
   top.motion = moving({.x = 0.05}, {1.55, y});
   top.motion.initial = RigidVelocity{.y = -0.1};
   top.body = FreeBody{.directions = {false, true}, .mass = 3};
@@ -311,12 +305,9 @@ TEST_CASE(
   Simulation simulation = pressed_bed(dynamics, {1, 1});
   BoundarySpec& top = simulation.dynamics.boundaries.back();
   top.body->load.oscillations.clear();  // LMGC90 has a table or an oscillation
-  BoundarySpec loose = wall("loose", {-2, 0.2}, {-1.2, 0.4});
-  loose.shape = BoundaryShape::plank;
-  loose.radius = 0.1;
-  loose.motion.centre = {-1.6, 0.3, 0};
+  BoundarySpec loose = plank("loose", {-2, 0.2}, {-1.2, 0.4}, 0.1);
   loose.motion.initial = RigidVelocity{.x = 2, .spin = 0.5};
-  loose.body = FreeBody{.directions = {true, true, false, false, false, true}, .mass = 0.7, .inertia = {0, 0, 0.11}};
+  loose.body = free_body(0.7, 0.11);
   loose.body->load = moving({.x = 1, .y = 8, .spin = 0.25});
   simulation.dynamics.boundaries.push_back(loose);
   const Packing packing{simulation.state.x, simulation.state.y, std::vector<double>(12, 0.5),

@@ -14,38 +14,10 @@ using namespace nscdd::testing;
 
 namespace {
 
-constexpr std::array<bool, 6> all_in_plane{true, true, false, false, false, true};
-
-FreeBody free_body(double mass, double inertia, std::array<bool, 6> directions = all_in_plane) {
-  FreeBody body;
-  body.directions = directions;
-  body.mass = mass;
-  body.inertia[2] = inertia;
-  return body;
-}
-
 // The boundary as a body that is free along y alone.
 BoundarySpec free_along_y(BoundarySpec spec, double mass, const Motion& load = {}) {
   spec.body = free_body(mass, 0, {false, true});
   spec.body->load = load;
-  return spec;
-}
-
-// Grains first ... last as one rigid body about a centre.
-BoundarySpec clump(const std::string& name, Index first, Index last, std::array<double, 2> centre, double mass,
-                   double inertia, RigidVelocity velocity = {}) {
-  BoundarySpec spec = driven_grains(name, first, last);
-  spec.motion.centre = {centre[0], centre[1], 0};
-  spec.motion.initial = velocity;
-  spec.body = free_body(mass, inertia);
-  return spec;
-}
-
-BoundarySpec plank(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, double radius) {
-  BoundarySpec spec = wall(name, from, to);
-  spec.shape = BoundaryShape::plank;
-  spec.radius = radius;
-  spec.motion.centre = {(from[0] + to[0]) / 2, (from[1] + to[1]) / 2, 0};
   return spec;
 }
 
@@ -61,13 +33,6 @@ BoundarySpec part_of(const std::string& body, BoundarySpec spec) {
   spec.name = body;
   spec.part = true;
   return spec;
-}
-
-Dynamics without_gravity(const std::vector<BoundarySpec>& boundaries) {
-  Dynamics dynamics = tight(boundaries);
-  dynamics.time.gravity = {0, 0};
-  dynamics.time.step = 1e-3;
-  return dynamics;
 }
 
 // Solved to rounding by sweeps, else to 1e-10.

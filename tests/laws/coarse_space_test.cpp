@@ -6,7 +6,6 @@
 #include "../support/problems.hpp"
 #include "core/disjoint_sets.hpp"
 #include "ddm/local_preconditioner.hpp"
-#include "linalg/linear_iteration.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "spectra/balanced_spectrum.hpp"

@@ -108,9 +108,7 @@ TEST_CASE("a plate that turns about a point carries its disks on (1 - theta) v(t
 TEST_CASE("condition on the velocity: without restitution a disk stops where it has gone through the floor") {
   // Contacts are found at q_m = delta - V h (k + 1/2): the first k with q_m <= 0 stops the disk there.
   constexpr double step = 1e-3, delta = 0.0021;
-  Dynamics dynamics = tight({floor_wall()});
-  dynamics.time.step = step;
-  dynamics.time.gravity = {0, 0};
+  Dynamics dynamics = without_gravity({floor_wall()}, step);
   for (const bool on_velocity : {true, false}) {
     dynamics.interaction.signorini = on_velocity ? Signorini::velocity : Signorini::gap;
     Simulation simulation = simulation_of({{.y = 0.5 + delta, .velocity_y = -1}}, dynamics);

@@ -2,7 +2,6 @@
 // A boundary releases its grains one by one: they fall freely from its point, and those that wait touch nothing.
 #include "../support/granular.hpp"
 #include "../support/run_program.hpp"
-#include "formats/case/case_file.hpp"
 #include "formats/trajectory/trajectory.hpp"
 
 #include <doctest/doctest.h>

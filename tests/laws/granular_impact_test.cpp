@@ -6,19 +6,11 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
 using namespace nscdd;
 using namespace nscdd::testing;
 
 namespace {
-
-Dynamics without_gravity() {
-  Dynamics dynamics = tight();
-  dynamics.time.gravity = {0, 0};
-  dynamics.time.step = 1e-3;
-  return dynamics;
-}
 
 // Disk 1 touches disk 0 at `angle`; the middle configuration is the initial one but for h V / 2.
 struct Pair {

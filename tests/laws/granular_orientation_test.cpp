@@ -66,10 +66,8 @@ TEST_CASE("a driven disk that turns about its foot does not push a frictionless 
   for (const double theta : {0.5, 0.75, 1.0})
     for (const BoundaryInstant instant : {BoundaryInstant::middle, BoundaryInstant::end}) {
       INFO("theta = ", theta, ", instant = ", to_string(instant));
-      Dynamics dynamics = tight();
-      dynamics.time.step = 0.1;
+      Dynamics dynamics = without_gravity({}, 0.1);
       dynamics.time.theta = theta;
-      dynamics.time.gravity = {0, 0};
       dynamics.interaction.friction = 0;
       dynamics.time.boundary_instant = instant;
       BoundarySpec spec;

@@ -124,8 +124,7 @@ TEST_CASE("a column of overlapping disks at rest is pushed apart: speeds of push
 }
 
 TEST_CASE("without gravity overlaps of bodies at rest stay, and do not grow") {
-  Dynamics dynamics = tight();
-  dynamics.time.gravity = {0, 0};
+  Dynamics dynamics = without_gravity({}, 0.005);
   Simulation simulation = simulation_of({{.x = 0}, {.x = 0.93}}, dynamics);
   advance(simulation, 5);
   CHECK(simulation.state.x == std::vector<double>{0, 0.93});

@@ -15,9 +15,8 @@ using namespace nscdd::testing;
 namespace {
 
 Dynamics kept_for(Index steps, bool warm_start = false) {
-  Dynamics dynamics = tight();
+  Dynamics dynamics = without_gravity({}, 0.005);
   dynamics.interaction.law = "frictionless";
-  dynamics.time.gravity = {0, 0};
   dynamics.solver.algorithm = "generic";
   dynamics.solver.gauss_seidel_sweeps = 5;
   dynamics.solver.tolerance = dynamics.solver.gluing_tolerance = 1e-11;

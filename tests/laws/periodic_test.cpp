@@ -61,9 +61,7 @@ TEST_CASE("near pairs of a periodic cell are those of all pairs by their shortes
         for (Index i = 0; i < 60; ++i)
           for (Index j = i + 1; j < 60; ++j)
             if (distance(i, j) <= radius[at(i)] + radius[at(j)] + range) expected.insert({i, j});
-        CAPTURE(space);
-        CAPTURE(period.x);
-        CAPTURE(range);
+        INFO("space = ", space, ", period = ", period.x, ", range = ", range);
         CHECK(found == expected);
         CHECK(visits == count(expected));
       }
@@ -137,14 +135,7 @@ TEST_CASE("disks move in the same way wherever their cell begins, and stay in it
 }
 
 TEST_CASE("a clump leaves a cell at one end and enters it at the other, with its disks") {
-  Dynamics dynamics = tight({driven_grains("clump", 0, 1)});
-  dynamics.time.gravity = {0, 0};
-  dynamics.boundaries[0].motion.centre = {4.5, 0, 0};
-  dynamics.boundaries[0].motion.initial = RigidVelocity{.x = 2};
-  FreeBody& body = dynamics.boundaries[0].body.emplace();
-  body.directions = {true, true, false, false, false, true};
-  body.mass = 1;
-  body.inertia[2] = 1;
+  const Dynamics dynamics = without_gravity({clump("clump", 0, 1, {4.5, 0}, 1, 1, {.x = 2})}, 0.005);
   Simulation simulation = in_cell({{.x = 4.2}, {.x = 4.8}}, dynamics, 5);
   advance(simulation, 100);
   CHECK(simulation.state.poses[0].x == doctest::Approx(4.5 + 2 * 0.5 - 5).epsilon(1e-12));
@@ -209,15 +200,10 @@ TEST_CASE("a layer that is sheared in a periodic cell rolls at half the speed of
 }
 
 TEST_CASE("a plank holds grains beyond the ends of its cell, and a chute keeps the energy balance") {
-  const auto plank_at = [](double middle) {
-    BoundarySpec spec = wall("plank", {middle - 0.8, 0}, {middle + 0.8, 0});
-    spec.shape = BoundaryShape::plank;
-    spec.radius = 0.1;
-    return spec;
-  };
   for (const double middle : {2.5, 5.0, 0.1}) {
     const double x = middle + 0.5;
-    Simulation simulation = in_cell({{.x = x - 5 * std::floor(x / 5), .y = 0.6}}, tight({plank_at(middle)}), 5);
+    const Dynamics dynamics = tight({plank("plank", {middle - 0.8, 0}, {middle + 0.8, 0}, 0.1)});
+    Simulation simulation = in_cell({{.x = x - 5 * std::floor(x / 5), .y = 0.6}}, dynamics, 5);
     advance(simulation, 10);
     CHECK(std::abs(simulation.state.velocity_y[0]) < 1e-12);
   }
@@ -233,12 +219,7 @@ TEST_CASE("a plank holds grains beyond the ends of its cell, and a chute keeps t
 
 TEST_CASE("the grains of a clump are beside its centre, and no clump meets itself") {
   const auto clump_in_cell = [](double period, std::vector<Grain> grains) {
-    Dynamics dynamics = tight({driven_grains("clump", 0, -1)});
-    dynamics.boundaries[0].motion.centre = {4.9, 0, 0};
-    FreeBody& body = dynamics.boundaries[0].body.emplace();
-    body.directions = {true, true, false, false, false, true};
-    body.mass = body.inertia[2] = 1;
-    return in_cell(grains, dynamics, period);
+    return in_cell(grains, tight({clump("clump", 0, -1, {4.9, 0}, 1, 1)}), period);
   };
   const Simulation simulation = clump_in_cell(5, {{.x = 4.7}, {.x = 0.1}});  // 0.2 and 0.2 from the centre
   CHECK(simulation.state.x[1] == doctest::Approx(5.1).epsilon(1e-14));
@@ -282,25 +263,17 @@ BoundarySpec drum_at(double x, double spin, bool is_free) {
   spec.from = spec.motion.centre = {x, 0, 0};
   spec.radius = 0.3;
   if (!is_free) {
-    spec.motion.time = {0};
-    spec.motion.velocity = {{.spin = spin}};
+    spec.motion = moving({.spin = spin}, {x, 0});
     return spec;
   }
   spec.motion.initial = RigidVelocity{.spin = spin};
-  spec.body.emplace();
-  spec.body->directions[5] = true;
-  spec.body->mass = 1;
-  spec.body->inertia[2] = 40;
+  spec.body = free_body(1, 40, {false, false, false, false, false, true});
   return spec;
 }
 
 BoundarySpec spinning_plank(double x, double spin) {
-  BoundarySpec spec = wall("plank", {x - 0.1, 0}, {x + 0.1, 0});
-  spec.shape = BoundaryShape::plank;
-  spec.radius = 0.3;
-  spec.motion.centre = {x, 0, 0};
-  spec.motion.time = {0};
-  spec.motion.velocity = {{.spin = spin}};
+  BoundarySpec spec = plank("plank", {x - 0.1, 0}, {x + 0.1, 0}, 0.3);
+  spec.motion = moving({.spin = spin}, {x, 0});
   return spec;
 }
 
@@ -332,9 +305,7 @@ TEST_CASE("a wall that turns drags grains across the end of its cell as it does 
 
 TEST_CASE("a grain passes from one image of a wall to the next, and through none") {
   const auto end_of = [](double velocity, double y) {
-    Dynamics dynamics = tight({drum_at(0.5, 0, false)});
-    dynamics.time.gravity = {0, 0};
-    dynamics.time.step = 0.05;
+    const Dynamics dynamics = without_gravity({drum_at(0.5, 0, false)}, 0.05);
     Simulation simulation = in_cell({{.x = 0.04, .y = y, .radius = 0.05, .velocity_x = velocity}}, dynamics, 1);
     advance(simulation, 2);
     return simulation.state.x[0];
@@ -372,11 +343,9 @@ TEST_CASE("walls that do not fit their cell are refused") {
 }
 
 TEST_CASE("a floor that is longer than its cell holds grains everywhere") {
-  BoundarySpec plank = wall("plank", {-1.3, 0}, {2.7, 0});
-  plank.shape = BoundaryShape::plank;
-  plank.radius = 0.1;
+  const BoundarySpec long_one = plank("plank", {-1.3, 0}, {2.7, 0}, 0.1);
   for (const double x : {0.01, 0.3, 0.7, 0.99}) {
-    Simulation simulation = in_cell({{.x = x, .y = 0.2, .radius = 0.1}}, tight({plank}), 1);
+    Simulation simulation = in_cell({{.x = x, .y = 0.2, .radius = 0.1}}, tight({long_one}), 1);
     advance(simulation, 10);
     CHECK(simulation.state.y[0] == doctest::Approx(0.2).epsilon(1e-12));
     CHECK(impulse_between(simulation.state, 0, 1).n == doctest::Approx(g * simulation.dynamics.time.step));

@@ -4,7 +4,6 @@
 #include "../support/judged_radius.hpp"
 #include "../support/problems.hpp"
 #include "ddm/rigid_system.hpp"
-#include "spectra/spectrum_memory.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>

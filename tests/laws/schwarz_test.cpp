@@ -13,8 +13,6 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-
 using namespace nscdd;
 using namespace nscdd::testing;
 

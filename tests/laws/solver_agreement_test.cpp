@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Dense against sparse subdomains, dense pencils against ARPACK, matrices against applications.
 #include "../support/problems.hpp"
-#include "linalg/krylov.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
 #include "two_stage/two_stage.hpp"

@@ -2,7 +2,6 @@
 // The flexibility from which Stage 2 is stable whatever the contacts do, and runs with eta = "optimal" on it.
 #include "../support/granular.hpp"
 #include "../support/problems.hpp"
-#include "study/linear/optimum.hpp"
 #include "two_stage/granular_two_stage.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 

@@ -51,9 +51,7 @@ TEST_CASE("static friction: a block at rest stays up to its angle, one that slid
   for (const Index dimension : {2, 3})
     for (const StepAlgorithm algorithm : {StepAlgorithm::nlgs, StepAlgorithm::automatic, StepAlgorithm::newton})
       for (const bool warm_start : {true, false}) {
-        CAPTURE(dimension);
-        CAPTURE(to_string(algorithm));
-        CAPTURE(warm_start);
+        INFO("dimension = ", dimension, ", algorithm = ", to_string(algorithm), ", warm_start = ", warm_start);
         const auto along = [](double angle, double friction) {
           return time_step * g * (std::sin(angle) - friction * std::cos(angle));
         };

@@ -5,15 +5,11 @@
 #include "../support/dense.hpp"
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
-#include "linalg/krylov.hpp"
 #include "linalg/random.hpp"
-#include "mechanics/active_set.hpp"
 #include "study/linear/observed_rate.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
-
-#include <algorithm>
 
 using namespace nscdd;
 using namespace nscdd::testing;

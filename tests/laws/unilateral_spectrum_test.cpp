@@ -2,7 +2,6 @@
 // The nonsmooth laws with the contacts that carry in the frictionless unilateral problem.
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
-#include "mechanics/active_set.hpp"
 #include <nscdd/spectra/spectral_radius.hpp>
 #include <nscdd/study/sweep.hpp>
 

@@ -52,23 +52,14 @@ Simulation clumped(const std::string& algorithm) {
   double foot = infinity;
   for (const double y : lattice.y) foot = std::min(foot, y - 0.5);
   for (const auto& [first, last] : {std::array<Index, 2>{10, 12}, {22, 25}, {40, 41}}) {
-    BoundarySpec clump = driven_grains("clump " + std::to_string(first), first, last);
-    for (Index i = first; i <= last; ++i)
-      clump.motion.centre[0] += lattice.x[at(i)] / static_cast<double>(last - first + 1);
-    clump.motion.centre[1] = lattice.y[at(first)];
-    clump.motion.initial = RigidVelocity{.x = 0.3, .y = -0.5, .spin = 0.2};
-    clump.body.emplace();
-    clump.body->directions = {true, true, false, false, false, true};
-    clump.body->mass = 3;
-    clump.body->inertia[2] = 2;
-    dynamics.boundaries.push_back(clump);
+    double middle = 0;
+    for (Index i = first; i <= last; ++i) middle += lattice.x[at(i)] / static_cast<double>(last - first + 1);
+    dynamics.boundaries.push_back(clump("clump " + std::to_string(first), first, last, {middle, lattice.y[at(first)]},
+                                        3, 2, {.x = 0.3, .y = -0.5, .spin = 0.2}));
   }
   BoundarySpec floor = wall("floor", {0, foot}, {1, foot});
-  floor.body.emplace();
-  floor.body->directions = {false, true};
-  floor.body->mass = 5;
-  floor.body->load.time = {0};
-  floor.body->load.velocity = {{.y = 900}};
+  floor.body = free_body(5, 0, {false, true});
+  floor.body->load = moving({.y = 900});
   dynamics.boundaries.push_back(floor);
   return shaken_lattice(9, 6, dynamics, {4, 2});
 }

@@ -2,6 +2,7 @@
 // Radii known in closed form (4 disks), and to 30 digits from exact arithmetic (exact_references.csv), in
 // the plane and in space.
 #include "../support/problems.hpp"
+#include "../support/run_program.hpp"
 #include "files/csv.hpp"
 #include "mechanics/active_set.hpp"
 #include <nscdd/core/fields.hpp>
@@ -11,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 
 using namespace nscdd;
@@ -88,11 +88,7 @@ void check_enclosed(const Contraction& b, double low, double high) {
   }
 }
 
-std::string source_file(const std::string& name) {
-  const char* source = std::getenv("NSCDD_SOURCE");
-  REQUIRE(source != nullptr);
-  return std::string(source) + "/" + name;
-}
+std::string source_file(const std::string& name) { return (source_folder() / name).string(); }
 
 }  // namespace
 

@@ -27,6 +27,13 @@ Dynamics tight(const std::vector<BoundarySpec>& boundaries) {
   return dynamics;
 }
 
+Dynamics without_gravity(const std::vector<BoundarySpec>& boundaries, double step) {
+  Dynamics dynamics = tight(boundaries);
+  dynamics.time.gravity = {0, 0};
+  dynamics.time.step = step;
+  return dynamics;
+}
+
 StepSolver switching(SwitchedModel model) {
   StepSolver solver = tight().solver;
   solver.algorithm = "generic";
@@ -56,6 +63,27 @@ BoundarySpec row_of_disks(const std::string& name, std::array<double, 2> from, s
 
 BoundarySpec driven_grains(const std::string& name, Index first, Index last, Motion motion) {
   return {.name = name, .shape = BoundaryShape::grains, .first = first, .last = last, .motion = std::move(motion)};
+}
+
+FreeBody free_body(double mass, double inertia, std::array<bool, 6> directions) {
+  return {.directions = directions, .mass = mass, .inertia = {0, 0, inertia}};
+}
+
+BoundarySpec clump(const std::string& name, Index first, Index last, std::array<double, 2> centre, double mass,
+                   double inertia, RigidVelocity velocity) {
+  BoundarySpec spec = driven_grains(name, first, last);
+  spec.motion.centre = {centre[0], centre[1], 0};
+  spec.motion.initial = velocity;
+  spec.body = free_body(mass, inertia);
+  return spec;
+}
+
+BoundarySpec plank(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, double radius) {
+  BoundarySpec spec = wall(name, from, to);
+  spec.shape = BoundaryShape::plank;
+  spec.radius = radius;
+  spec.motion.centre = {(from[0] + to[0]) / 2, (from[1] + to[1]) / 2, 0};
+  return spec;
 }
 
 BoundarySpec floor_wall() { return wall("floor", {0, 0}, {1, 0}); }

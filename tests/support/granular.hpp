@@ -27,6 +27,9 @@ Dynamics swept(const std::vector<BoundarySpec>& boundaries = {});
 /// The same to rounding: natural map below 1e-13, at most 200 000 sweeps.
 Dynamics tight(const std::vector<BoundarySpec>& boundaries = {});
 
+/// `tight` without gravity.
+Dynamics without_gravity(const std::vector<BoundarySpec>& boundaries = {}, double step = 1e-3);
+
 /// Algorithm 1 to 1e-7, whose subdomains take `model` after 5 iterations without a change of status.
 StepSolver switching(SwitchedModel model);
 
@@ -42,6 +45,17 @@ BoundarySpec row_of_disks(const std::string& name, std::array<double, 2> from, s
 
 /// Grains of the packing that are driven; negative numbers count from the end.
 BoundarySpec driven_grains(const std::string& name, Index first, Index last, Motion motion = {});
+
+/// A body that is free along these directions, by default all of the plane.
+FreeBody free_body(double mass, double inertia,
+                   std::array<bool, 6> directions = {true, true, false, false, false, true});
+
+/// Grains first ... last as one rigid body about a centre.
+BoundarySpec clump(const std::string& name, Index first, Index last, std::array<double, 2> centre, double mass,
+                   double inertia, RigidVelocity velocity = {});
+
+/// All points within a radius of a segment, about its middle.
+BoundarySpec plank(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, double radius);
 
 /// Uniform motion.
 Motion moving(RigidVelocity velocity, std::array<double, 2> centre = {0, 0});

@@ -63,8 +63,7 @@ StepReport advance_in_space(Simulation& simulation, Index steps) {
   StepReport last;
   for (Index k = 0; k < steps; ++k) {
     const GranularStep<3> step = solve_step<3>(simulation);
-    CAPTURE(step.report.step);
-    CAPTURE(step.report.residual.relative_natural_map());
+    INFO("step = ", step.report.step, ", natural map = ", step.report.residual.relative_natural_map());
 
     REQUIRE(step.report.status == SolverStatus::converged);
     last = take_step(simulation, step);

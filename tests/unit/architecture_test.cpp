@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The layers of the library: a file includes its own layer or a lower one, never a higher one.
+#include "../support/run_program.hpp"
 #include "files/csv.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -17,32 +19,11 @@ namespace {
 namespace fs = std::filesystem;
 
 // From the lowest to the highest. A room of its own may be a folder of another one.
-const std::vector<std::string> layers{"core",
-                                      "files",
-                                      "linalg",
-                                      "packing",
-                                      "mechanics",
-                                      "contact_solvers",
-                                      "ddm",
-                                      "spectra",
-                                      "two_stage",
-                                      "simulation",
-                                      "study",
-                                      "study/case",
-                                      "study/tables",
-                                      "study/linear",
-                                      "study/moving",
-                                      "formats",
-                                      "formats/lmgc90",
-                                      "formats/packing",
-                                      "formats/contact_problem",
-                                      "formats/matrices",
-                                      "formats/case",
-                                      "formats/trajectory",
-                                      "formats/vtk",
-                                      "formats/report",
-                                      "app",
-                                      "mpi"};
+std::istringstream layer_names(
+    "core files linalg packing mechanics contact_solvers ddm spectra two_stage simulation "
+    "study study/case study/tables study/linear study/moving formats formats/lmgc90 formats/packing "
+    "formats/contact_problem formats/matrices formats/case formats/trajectory formats/vtk formats/report app mpi");
+const std::vector<std::string> layers{std::istream_iterator<std::string>(layer_names), {}};
 
 // The layer of a file by its path, such as "study/case/case.hpp"; -1 for one of no layer.
 std::ptrdiff_t layer_of(const std::string& path) {
@@ -95,10 +76,9 @@ IncludeGraph circles(IncludeGraph graph) {
 }  // namespace
 
 TEST_CASE("no file includes a higher layer, and below app nothing prints") {
-  const char* source = std::getenv("NSCDD_SOURCE");
-  REQUIRE(source != nullptr);
   int includes = 0;
-  for (const fs::path& root : {fs::path(source) / "include" / "nscdd", fs::path(source) / "src"})
+  for (const fs::path& root :
+       {nscdd::testing::source_folder() / "include" / "nscdd", nscdd::testing::source_folder() / "src"})
     for (const fs::path& file : sources(root)) {
       CAPTURE(file.string());
       if (file.filename() == "nscdd.hpp") continue;
@@ -119,10 +99,8 @@ TEST_CASE("no file includes a higher layer, and below app nothing prints") {
 
 TEST_CASE("no sources include each other in a circle") {
   // A source and the header of its name count as one. A public header has types that its source may hand on to others.
-  const char* source = std::getenv("NSCDD_SOURCE");
-  REQUIRE(source != nullptr);
   IncludeGraph graph;
-  const fs::path root = fs::path(source) / "src";
+  const fs::path root = nscdd::testing::source_folder() / "src";
   const auto name_of = [](const fs::path& file) { return (file.parent_path() / file.stem()).string(); };
   for (const fs::path& file : sources(root)) {
     const std::string name = name_of(fs::relative(file, root));
@@ -135,9 +113,7 @@ TEST_CASE("no sources include each other in a circle") {
 }
 
 TEST_CASE("the public face is whole: it includes nothing but itself, and nscdd.hpp names every header of one process") {
-  const char* source = std::getenv("NSCDD_SOURCE");
-  REQUIRE(source != nullptr);
-  const fs::path include = fs::path(source) / "include";
+  const fs::path include = nscdd::testing::source_folder() / "include";
   const std::string face = nscdd::read_text((include / "nscdd" / "nscdd.hpp").string());
   int headers = 0;
   for (const fs::path& file : sources(include)) {

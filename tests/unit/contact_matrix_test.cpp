@@ -41,8 +41,7 @@ TEST_CASE("linear systems of contacts are solved alike with contacts and with bo
   for (const Index bodies : {10, 30})
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       const Index contacts = bodies == 10 ? 40 : 31;
-      CAPTURE(bodies);
-      CAPTURE(seed);
+      INFO("bodies = ", bodies, ", seed = ", seed);
       const LocalFrictionProblem problem = reduce(random_bodies_problem(seed, bodies, contacts));
       LocalFrictionProblem without = problem;
       without.mass = without.h = SparseMatrix();

@@ -12,13 +12,7 @@ using namespace nscdd::testing;
 namespace {
 
 BoundarySpec free_pair(Index first, double x, double y) {
-  BoundarySpec spec = driven_grains("pair " + std::to_string(first), first, first + 1);
-  spec.motion.centre = {x, y, 0};
-  spec.body.emplace();
-  spec.body->directions = {true, true, false, false, false, true};
-  spec.body->mass = 2;
-  spec.body->inertia[2] = 1;
-  return spec;
+  return clump("pair " + std::to_string(first), first, first + 1, {x, y}, 2, 1);
 }
 
 // Contacts of the first step, which all bodies touch in.

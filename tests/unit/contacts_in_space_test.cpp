@@ -112,8 +112,7 @@ TEST_CASE("a plane problem in space has the solution of the plane by every solve
     const LocalFrictionProblem plane = reduce(random_bodies_problem(seed, 6, 8)), space = in_space(plane);
     check(space, "space");
     for (const FrictionAlgorithm algorithm : space_algorithms) {
-      CAPTURE(seed);
-      CAPTURE(to_string(algorithm));
+      INFO("seed = ", seed, ", algorithm = ", to_string(algorithm));
       const FrictionSolution expected = solve_friction(plane, {.algorithm = algorithm, .tolerance = 1e-12});
       const FrictionSolution found = solve_friction(space, {.algorithm = algorithm, .tolerance = 1e-12});
       REQUIRE(expected.status == FrictionStatus::converged);

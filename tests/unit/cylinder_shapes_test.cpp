@@ -5,7 +5,6 @@
 #include "../support/spoilt.hpp"
 #include "formats/case/case_file.hpp"
 #include "formats/lmgc90/vloc_rloc.hpp"
-#include "simulation/simulation.hpp"
 
 #include <doctest/doctest.h>
 

@@ -99,8 +99,7 @@ TEST_CASE("W of a step that is cut, never formed, is that of the whole step, and
   for (const std::string law : {"coulomb", "frictionless", "cohesive"})
     for (const double restitution : {0.0, 0.4})
       for (const std::array<Index, 2> grid : {std::array<Index, 2>{1, 1}, {3, 2}}) {
-        CAPTURE(law);
-        CAPTURE(restitution);
+        INFO("law = ", law, ", restitution = ", restitution);
         const Dynamics dynamics = cut_dynamics(law, restitution);
         check_against_whole<2>(shaken_lattice(6, 5, dynamics, grid), "disks");
         check_against_whole<3>(shaken_cube(3, dynamics, {grid[0], grid[1], 1}), "spheres");

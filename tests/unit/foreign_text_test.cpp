@@ -103,9 +103,7 @@ TEST_CASE("every reader names UTF-16 and UTF-32, with and without a mark") {
     for (const std::size_t unit : {std::size_t{2}, std::size_t{4}})
       for (const bool least_first : {true, false})
         for (const bool marked : {true, false}) {
-          CAPTURE(reader.name);
-          CAPTURE(unit);
-          CAPTURE(least_first);
+          INFO("name = ", reader.name, ", unit = ", unit, ", least_first = ", least_first);
           const std::string mark =
               least_first ? "\xFF\xFE"s + std::string(unit - 2, '\0') : std::string(unit - 2, '\0') + "\xFE\xFF"s;
           const std::string text = (marked ? mark : "") + widened(reader.text, unit, least_first);

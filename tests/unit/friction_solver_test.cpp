@@ -254,8 +254,7 @@ TEST_CASE("auto begins again from zero where a guess leads nowhere, and keeps wh
 
 TEST_CASE("what a solver without a solution ends with is its best and a status, within its limits") {
   // A grain is driven into a wall: both contacts ask for impulses that cancel.
-  const LocalFrictionProblem squeezed{sparse(Matrix{{1, 0, -1, 0}, {0, 1, 0, 1}, {-1, 0, 1, 0}, {0, 1, 0, 1}}),
-                                      Vector{{-1, 0, -1, 0}}, Vector::Constant(2, 0.3)};
+  const LocalFrictionProblem squeezed = squeezed_grain();
   for (const FrictionAlgorithm algorithm : algorithms) {
     CAPTURE(to_string(algorithm));
     const FrictionSolution found =

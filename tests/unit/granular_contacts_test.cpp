@@ -6,7 +6,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <numbers>
 #include <set>
 
 using namespace nscdd;
@@ -71,9 +70,7 @@ TEST_CASE("contacts: a wall that comes fast is met in time, one that leaves is l
   // The wall closes 0.05 m a step; the grain at rest is 0.02 m away, alert distance 0.005 m.
   for (const double speed : {10.0, -10.0}) {
     CAPTURE(speed);
-    Dynamics dynamics = tight();
-    dynamics.time.gravity = {0, 0};
-    dynamics.boundaries = {wall("piston", {0, 1}, {0, 0}, moving({speed, 0, 0}))};
+    const Dynamics dynamics = without_gravity({wall("piston", {0, 1}, {0, 0}, moving({speed, 0, 0}))}, 0.005);
     Simulation s = simulation_of({{.x = 0.12 + speed * 0.0025, .radius = 0.1}}, dynamics);
     double deepest = 0;
     for (int k = 0; k < 3; ++k) {

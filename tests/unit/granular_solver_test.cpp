@@ -173,8 +173,7 @@ TEST_CASE("frictionless: velocities and impulses are those of the only solution 
   int solved = 0, with_impulse = 0;
   for (const Cluster& cluster : clusters())
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-      CAPTURE(cluster.name);
-      CAPTURE(seed);
+      INFO("name = ", cluster.name, ", seed = ", seed);
       Simulation simulation = shaken(cluster, "frictionless", 0.4, seed);
       const GranularStep<2> step = solve_step(simulation);
       REQUIRE(step.report.status == SolverStatus::converged);
@@ -203,9 +202,7 @@ TEST_CASE("Coulomb friction: the result is a solution with one status per contac
   for (const Cluster& cluster : clusters())
     for (const double friction : {0.0, 0.15, 0.6, 2.0})
       for (std::uint64_t seed = 1; seed <= 15; ++seed) {
-        CAPTURE(cluster.name);
-        CAPTURE(friction);
-        CAPTURE(seed);
+        INFO("name = ", cluster.name, ", friction = ", friction, ", seed = ", seed);
         const Simulation simulation = shaken(cluster, "coulomb", friction, seed);
         const GranularStep<2> step = solve_step(simulation);
         REQUIRE(step.report.status == SolverStatus::converged);
@@ -230,8 +227,7 @@ TEST_CASE("Coulomb friction: the result is a solution with one status per contac
 TEST_CASE("relaxation: a resting disk is given that part of what its weight still lacks in every sweep") {
   for (const double relaxation : {0.7, 1.0, 1.5})
     for (const Index sweeps : {Index{1}, Index{2}, Index{5}}) {
-      CAPTURE(relaxation);
-      CAPTURE(sweeps);
+      INFO("relaxation = ", relaxation, ", sweeps = ", sweeps);
       Dynamics dynamics = tight();
       dynamics.boundaries = {floor_wall()};
       dynamics.solver.contact_relaxation = relaxation;

@@ -4,7 +4,6 @@
 #include "../support/sanitized.hpp"
 #include "formats/case/case_file.hpp"
 #include "simulation/contact_solver_step.hpp"
-#include "simulation/step_decomposition.hpp"
 #include "study/case/lead_in.hpp"
 #include <nscdd/contact_solvers/friction_solver.hpp>
 

@@ -54,8 +54,7 @@ TEST_CASE("inertia factor: ours and MUMPS count and solve alike on every shape o
   for (const SymmetricProblem& problem : every_symmetric_problem()) {
     const Index n = problem.lower.rows(), border = std::max<Index>(1, n / 3);
     for (const InertiaMethod& method : {multifrontal(), mumps()}) {
-      CAPTURE(problem.name);
-      CAPTURE(method.name);
+      INFO("name = ", problem.name, ", method = ", method.name);
       const InertiaFactor factor = factorise(method, problem, border);
       REQUIRE(factor.regular);
       CHECK(factor.negative_eigenvalues == negative_count(problem.lower));

@@ -55,9 +55,7 @@ template <int D>
 void check_known_solutions() {
   for (std::uint64_t seed = 1; seed <= 20; ++seed)
     for (const bool bodies : {false, true}) {
-      CAPTURE(D);
-      CAPTURE(seed);
-      CAPTURE(bodies);
+      INFO("D = ", D, ", seed = ", seed, ", bodies = ", bodies);
       Vector impulses, velocities;
       const LocalFrictionProblem problem = pressed_contacts<D>(seed, 30, bodies, impulses, velocities);
       FrictionSolution found;

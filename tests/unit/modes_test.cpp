@@ -60,11 +60,8 @@ TEST_CASE("mode: Stage 1 balance, jumps, eigen-equation, shares and norm on ever
       for (const double epsilon : sanitized ? std::vector{0.0, 1e-3} : std::vector{0.0, 1e-3, 1.0})
         for (const double eta : {0.3, infinity})
           for (const SpectrumSide side : {SpectrumSide::low, SpectrumSide::high}) {
-            CAPTURE(one.spec.name);
-            CAPTURE(to_string(contacts));
-            CAPTURE(epsilon);
-            CAPTURE(eta);
-            CAPTURE(to_string(side));
+            INFO("name = ", one.spec.name, ", contacts = ", to_string(contacts), ", epsilon = ", epsilon,
+                 ", eta = ", eta, ", side = ", to_string(side));
             const ModeParameters parameters{epsilon, eta, contacts, side, {}};
             const Mode mode = interface_mode(model, parameters);
             REQUIRE(mode.found());
@@ -142,8 +139,7 @@ TEST_CASE("mode: dense, ARPACK and shift-invert agree where the end is simple") 
   int compared = 0;
   for (const double epsilon : {1e-3, 0.1, 10.0})
     for (const SpectrumSide side : {SpectrumSide::low, SpectrumSide::high}) {
-      CAPTURE(epsilon);
-      CAPTURE(to_string(side));
+      INFO("epsilon = ", epsilon, ", side = ", to_string(side));
       ModeParameters parameters{.epsilon = epsilon, .side = side};
       parameters.spectral.solver = SpectralSolver::dense;
       const Mode dense = interface_mode(model, parameters);

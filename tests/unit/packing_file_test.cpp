@@ -12,7 +12,6 @@
 
 #include <doctest/doctest.h>
 
-#include <array>
 #include <bit>
 #include <cmath>
 
@@ -92,8 +91,7 @@ TEST_CASE("output file: another file that got the name meanwhile is not replaced
 TEST_CASE("packing file: written and read back, every double is the same") {
   for (const int kind : {0, 1, 2, 3})
     for (const char* name : {"p.csv", "p.h5", "p.hdf5"}) {
-      CAPTURE(name);
-      CAPTURE(kind);
+      INFO("name = ", name, ", kind = ", kind);
       const Packing p = hard_numbers(kind % 2 == 1, kind >= 2);
       const Packing back = read_back(written(p, name, {{"program", "a\nb"}}), name);
       CHECK(bits(back.x) == bits(p.x));

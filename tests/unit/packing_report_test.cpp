@@ -25,8 +25,7 @@ TEST_CASE("packing report: a mode is that of nscdd modes, at its own point and r
     REQUIRE(report->grids.size() == parameters.contact_sets.size());
     for (const RadiusGrid& grid : report->grids)
       for (const KeptMode& kept : grid.modes) {
-        CAPTURE(kept.epsilon);
-        CAPTURE(kept.eta);
+        INFO("epsilon = ", kept.epsilon, ", eta = ", kept.eta);
         ModeParameters at_point;
         at_point.epsilon = parameters.sweep.epsilon[at(kept.epsilon)];
         at_point.eta = parameters.sweep.eta[at(kept.eta)];
@@ -58,9 +57,7 @@ TEST_CASE("packing report: modes are kept at places evenly spread, with both end
     for (const Index columns : {1, 5, 26})
       for (const Index most : {0, 1, 3, 17, 100, 1000}) {
         const ModePlaces places = mode_places(rows, columns, most);
-        CAPTURE(rows);
-        CAPTURE(columns);
-        CAPTURE(most);
+        INFO("rows = ", rows, ", columns = ", columns, ", most = ", most);
         CHECK(count(places.rows) * count(places.columns) <= std::max<Index>(most, 1));
         CHECK(places.rows.front() == 0);
         CHECK(places.columns.back() == columns - 1);

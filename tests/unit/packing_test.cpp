@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "../support/problems.hpp"
 #include "../support/small_packings.hpp"
 #include "linalg/random.hpp"
 #include "packing/grain_grid.hpp"
@@ -15,8 +14,6 @@
 
 using namespace nscdd;
 using namespace nscdd::testing;
-
-namespace {}  // namespace
 
 TEST_CASE("contacts: the cell grid finds what brute force finds, sizes 1 : 50, clustered and scattered") {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {

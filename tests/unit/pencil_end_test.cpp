@@ -96,8 +96,7 @@ TEST_CASE("pencil end: a guess helps or does no harm, however wrong") {
                                           {truth * 50, 0.1},    {truth / 50, 0.1}, {truth, 1e3 * truth},
                                           {1e-6 * truth, 0},    {1e6 * truth, 0}};
       for (const EndGuess& guess : watched(guesses)) {
-        CAPTURE(guess.value);
-        CAPTURE(guess.uncertainty);
+        INFO("value = ", guess.value, ", uncertainty = ", guess.uncertainty);
         const PencilEnd found = problem.find(end, {.certify = true}, guess);
         REQUIRE(found.converged);
         CHECK(found.certified);
@@ -214,9 +213,7 @@ TEST_CASE("relaxed: the same spectrum under another omega as computed with it") 
       for (const double eta : {0.3, infinity})
         for (const double omega : watched<double>({0.2, 1.0, 1.6, 4.0})) {
           if (epsilon == 0 && solver == SpectralSolver::shift_invert) continue;
-          CAPTURE(epsilon);
-          CAPTURE(eta);
-          CAPTURE(omega);
+          INFO("epsilon = ", epsilon, ", eta = ", eta, ", omega = ", omega);
           const SpectralOptions options{.solver = solver, .certify = true};
           const SpectralRadius direct = spectral_radius({family.at(eta), family.at(epsilon), omega}, options);
           const SpectralRadius plain = spectral_radius({family.at(eta), family.at(epsilon)}, options);
@@ -256,8 +253,7 @@ TEST_CASE("shift-invert: what rounding takes counts as residual, and there is no
   int lost = 0;
   for (const double epsilon : {1e-6, 1e-4})
     for (double tolerance = 1e-6; tolerance > 1e-11; tolerance *= sanitized ? 0.3 : 0.8) {
-      CAPTURE(epsilon);
-      CAPTURE(tolerance);
+      INFO("epsilon = ", epsilon, ", tolerance = ", tolerance);
       const SpectralRadius found = spectral_radius({family.at(infinity), family.at(epsilon)},
                                                    {.solver = SpectralSolver::shift_invert, .tolerance = tolerance});
       REQUIRE(found.value < 1);

@@ -115,10 +115,7 @@ TEST_CASE("rounded lattices have the contacts of the exact ones, however they ar
             // Numbers that were changed after they were rounded show their digits only as long as a double has them.
             const bool lost = std::string_view(writer.name) == "mm" && offset >= 1e5;
             if (one.off > 0.004 || lost) continue;
-            CAPTURE(r);
-            CAPTURE(offset);
-            CAPTURE(writer.name);
-            CAPTURE(digits);
+            INFO("r = ", r, ", offset = ", offset, ", writer = ", writer.name, ", digits = ", digits);
             ContactNetwork network;
             CHECK_NOTHROW(network = detect_contacts(one.packing));
             ++tried;

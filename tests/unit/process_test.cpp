@@ -10,7 +10,6 @@
 #include <metis.h>
 
 #include <csignal>
-#include <cstdlib>
 #include <optional>
 #include <stdexcept>
 #include <utility>

@@ -102,9 +102,7 @@ TEST_CASE("curve: the error of a slope covers what an inexact mode is off, on ea
     for (const CurveAxis axis : {CurveAxis::epsilon, CurveAxis::eta})
       for (const double epsilon : {0.05, 1.0})
         for (const double off : {1e-5, 1e-4, 1e-3}) {
-          CAPTURE(axis == CurveAxis::eta);
-          CAPTURE(epsilon);
-          CAPTURE(off);
+          INFO("along eta: ", axis == CurveAxis::eta, ", epsilon = ", epsilon, ", off = ", off);
           const double eta = 0.4;
           const Contraction b{family.at(eta), family.at(epsilon)};
           SpectralRadius plain = spectral_radius(b, {.certify = true});

@@ -109,9 +109,7 @@ TEST_CASE("run: mean speed is weighted by mass and takes free grains alone") {
 }
 
 TEST_CASE("status changes: contacts that close and contacts that open count") {
-  Dynamics dynamics = testing::tight();
-  dynamics.time.gravity = {0, 0};
-  dynamics.time.step = 1e-3;
+  Dynamics dynamics = testing::without_gravity();
   dynamics.interaction.law = "frictionless";
   // Disks 0 and 1 hit disk 2 from directions 70 degrees apart, at 1 and 10 m/s. The first sweep meets the slow
   // disk first and closes both contacts. Disk 2 then leaves disk 0 behind at 5 cos 70 m/s = 1.7 m/s, so that the

@@ -52,9 +52,7 @@ TEST_CASE("shift-invert Lanczos: both ends of known pencils, one eigenvalue and 
         for (const Index wanted : {1, 2, 3, 8}) {
           if (wanted > n - 2) continue;
           const double sigma = end == SpectrumEnd::smallest ? values[0] - distance : values[n - 1] + distance;
-          CAPTURE(n);
-          CAPTURE(sigma);
-          CAPTURE(wanted);
+          INFO("n = ", n, ", sigma = ", sigma, ", wanted = ", wanted);
           const ShiftInvertResult found = run(sigma, end, wanted);
           REQUIRE(found.converged);
           REQUIRE(found.values.size() == wanted);
@@ -192,8 +190,7 @@ TEST_CASE("pencil ends: several eigenvalues against Eigen's generalised solver")
     const Dense p = KnownPencil(Vector::Ones(n), 7).p;
     const Vector exact = pencil_eigenvalues(a, p);
     for (const Index wanted : {1, 2, 5, 40, 200}) {
-      CAPTURE(n);
-      CAPTURE(wanted);
+      INFO("n = ", n, ", wanted = ", wanted);
       const PencilEnds ends = pencil_ends(a, p, wanted);
       const Index k = std::min(n, wanted);
       REQUIRE(ends.failure.empty());

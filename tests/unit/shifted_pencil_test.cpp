@@ -58,8 +58,7 @@ void check_family(const Model& model, const std::vector<char>& active, Index shi
   CHECK(for_enriched.serves({stage_two.at(0.2), stage_one.at(7.0)}));
   for (const double epsilon : watched<double>({1e-4, 1e-2, 1.0, 30.0}))
     for (const double eta : watched<double>({infinity, 1e-2, 0.9, 1.1, 40.0})) {
-      CAPTURE(epsilon);
-      CAPTURE(eta);
+      INFO("epsilon = ", epsilon, ", eta = ", eta);
       const DenseSpectrum dense({stage_two.at(eta), stage_one.at(epsilon)});
       const ShiftedPencilFamily& family = std::isinf(eta) ? for_generic : for_enriched;
       for (const double sigma : shifts_for(dense.lambda, shifts, 5))

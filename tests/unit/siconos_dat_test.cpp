@@ -92,7 +92,11 @@ std::string numbers_text(const Vector& values) {
 using MatrixText = std::function<std::string(const SparseMatrix&, Index height)>;
 
 // Blocks of M are those of a body, of W those of a contact.
-const std::vector<std::pair<const char*, MatrixText>> storages{
+struct TextStorage {
+  const char* name;
+  MatrixText matrix;
+};
+const std::vector<TextStorage> storages{
     {"dense", [](const SparseMatrix& m, Index) { return dense_text(m); }},
     {"blocks", [](const SparseMatrix& m, Index height) { return blocks_text(m, height); }},
     {"triplets", [](const SparseMatrix& m, Index) { return sparse_text(m, 1); }},
@@ -127,17 +131,13 @@ std::string by_columns(const SparseMatrix& matrix, Index) { return sparse_text(m
 TEST_CASE("local and global problems in every storage") {
   const GlobalFrictionProblem global = random_bodies_problem(1, 6, 9);
   const LocalFrictionProblem local = reduce(global);
-  for (const auto& storage : storages) {
-    const auto& name = storage.first;  // clang 14 captures no structured binding
-    const auto& matrix = storage.second;
-    CAPTURE(name);
-    check_reads_as(local, local_text(local, matrix));
-    check_reads_as(local, local_text(local, matrix) + "1\n");  // the flag of old versions
-    for (const auto& storage_of_h : storages) {
-      const auto& of_h = storage_of_h.first;  // clang 14 captures no structured binding
-      const auto& h = storage_of_h.second;
-      CAPTURE(of_h);
-      check_reads_as(global, global_text(global, matrix(global.mass, 3), h));
+  for (const TextStorage& storage : storages) {
+    CAPTURE(storage.name);
+    check_reads_as(local, local_text(local, storage.matrix));
+    check_reads_as(local, local_text(local, storage.matrix) + "1\n");  // the flag of old versions
+    for (const TextStorage& of_h : storages) {
+      CAPTURE(of_h.name);
+      check_reads_as(global, global_text(global, storage.matrix(global.mass, 3), of_h.matrix));
     }
   }
 }
@@ -163,12 +163,10 @@ TEST_CASE("a local problem is told from a global one of as many rows") {
 
 TEST_CASE("problems without contacts, and blocks without entries") {
   GlobalFrictionProblem global = random_bodies_problem(3, 2, 0);
-  for (const auto& storage : storages) {
-    const auto& name = storage.first;  // clang 14 captures no structured binding
-    const auto& matrix = storage.second;
-    CAPTURE(name);
-    if (std::string(name) == "dense") continue;
-    check_reads_as(global, global_text(global, sparse_text(global.mass, 1), matrix));
+  for (const TextStorage& storage : storages) {
+    CAPTURE(storage.name);
+    if (std::string(storage.name) == "dense") continue;
+    check_reads_as(global, global_text(global, sparse_text(global.mass, 1), storage.matrix));
   }
   check_reads_as(LocalFrictionProblem{SparseMatrix(0, 0), Vector(0), Vector(0)}, "2\n0\n1\n0\n0\n0\n\n\n");
 }
@@ -257,9 +255,9 @@ TEST_CASE("texts that are no problem are refused with their line") {
   refused_text(good + "0 0\n", {"H: expected"});
   refused_text(good + "7\n", {"from 0 to 1", "met 7"});
   refused_text(good.substr(0, good.size() - 60), {"met the end of the file"});
-  const std::string dense = local_text(local, storages[0].second);
+  const std::string dense = local_text(local, storages[0].matrix);
   refused_text(replaced(dense, "8\t8", "8\t9"), {"columns of the first matrix:", "from 8 to 8", "met 9"});
-  const std::string blocks = local_text(local, storages[1].second);
+  const std::string blocks = local_text(local, storages[1].matrix);
   refused_text(replaced(blocks, "2\t4\t6\t8\t", "2\t4\t3\t8\t"), {"ends of block rows of the first matrix"});
   refused_text(replaced(blocks, "2\t4\t6\t8\t", "2\t4\t6\t7\t"), {"8 at last", "met 7"});
   const GlobalFrictionProblem global = random_bodies_problem(2, 3, 4);
@@ -269,11 +267,9 @@ TEST_CASE("texts that are no problem are refused with their line") {
 
 TEST_CASE("every prefix of a text is refused or is a problem by itself") {
   const GlobalFrictionProblem global = random_bodies_problem(2, 2, 2);
-  for (const auto& storage : storages) {
-    const auto& name = storage.first;  // clang 14 captures no structured binding
-    const auto& matrix = storage.second;
-    CAPTURE(name);
-    const std::string text = global_text(global, matrix(global.mass, 3), matrix);
+  for (const TextStorage& storage : storages) {
+    CAPTURE(storage.name);
+    const std::string text = global_text(global, storage.matrix(global.mass, 3), storage.matrix);
     for (std::size_t length = 0; length + 40 < text.size(); ++length)
       CHECK_THROWS_AS(siconos_from_text(text.substr(0, length), "p.dat"), Error);
   }

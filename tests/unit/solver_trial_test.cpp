@@ -3,8 +3,6 @@
 #include "study/moving/solver_trial.hpp"
 
 #include "../support/fclib_files.hpp"
-#include "../support/matrices.hpp"
-#include "linalg/random.hpp"
 
 #include <doctest/doctest.h>
 

@@ -46,8 +46,7 @@ TEST_CASE("sparse LU: solves and signs of determinants are those of the dense ma
     SparseMatrix a = grid_of_bodies(width, height, random);
     SparseLu lu(a);
     for (int k = 0; k < 8; ++k) {  // one pattern, other values
-      CAPTURE(a.rows());
-      CAPTURE(k);
+      INFO("rows = ", a.rows(), ", k = ", k);
       REQUIRE(lu.factorise(a));
       const bool below_zero = determinant(a) < 0;
       CHECK(lu.determinant_sign() == (below_zero ? -1 : 1));

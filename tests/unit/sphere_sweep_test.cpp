@@ -71,9 +71,7 @@ TEST_CASE("a sweep over spheres is one contact after the other by its law, in th
         interaction.cohesion = 0.4;
         interaction.epsilon = 0.5;
         const ContactLaw law = contact_law(interaction, 1, 1);
-        CAPTURE(name);
-        CAPTURE(relaxation);
-        CAPTURE(tangential_bias);
+        INFO("name = ", name, ", relaxation = ", relaxation, ", tangential_bias = ", tangential_bias);
         SweptHeap swept_once = random_heap(7, law, tangential_bias), plain = swept_once;
         for (int sweep = 0; sweep < 3; ++sweep) {
           const SweepSums sums = gauss_seidel_sweep(law, swept_once.contacts, swept_once.velocities, relaxation);

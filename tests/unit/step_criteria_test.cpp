@@ -100,9 +100,7 @@ TEST_CASE("normal_change is sum |r_n - r_n'| / sum |r_n| of two iterations, with
   for (const std::string algorithm : {"nlgs", "generic", "enriched"})
     for (const Index sweeps : {Index{1}, Index{4}})
       for (const Index iteration : {Index{1}, Index{2}, Index{9}}) {
-        CAPTURE(algorithm);
-        CAPTURE(sweeps);
-        CAPTURE(iteration);
+        INFO("algorithm = ", algorithm, ", sweeps = ", sweeps, ", iteration = ", iteration);
         std::vector<IterationRow> rows;
         const auto solved = [&](Index iterations) {
           Dynamics dynamics = unfinished(algorithm, iterations);

@@ -12,7 +12,6 @@
 
 #include <doctest/doctest.h>
 
-#include <numeric>
 #include <set>
 
 using namespace nscdd;

@@ -67,11 +67,14 @@ std::vector<TrajectoryStep> run_into(TrajectoryWriter& writer, Simulation& simul
   return steps;
 }
 
+struct RunFile {
+  TemporaryFolder folder;
+  std::string path = folder / "run.h5";
+};
+
 }  // namespace
 
-TEST_CASE("trajectory: what is written is read back, bit for bit") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "run.h5";
+TEST_CASE_FIXTURE(RunFile, "trajectory: what is written is read back, bit for bit") {
   Simulation simulation = small(6);
   std::vector<TrajectoryStep> steps;
   {
@@ -114,10 +117,8 @@ TEST_CASE("trajectory: what is written is read back, bit for bit") {
   CHECK(read_trajectory_header(folder / "cell.h5").system.period.x == 5);
 }
 
-TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
+TEST_CASE_FIXTURE(RunFile, "trajectory: 10 steps and 10 more are 20, bit for bit") {
   constexpr Index half = sanitized ? 3 : 10;
-  const TemporaryFolder folder;
-  const std::string path = folder / "run.h5";
   Simulation whole = small(2 * half);
   REQUIRE(run_simulation(whole, {}).end == RunEnd::completed);
   {
@@ -196,9 +197,7 @@ TEST_CASE("trajectory: steps reach the file together, in commits no more than a 
   CHECK(read_summary(together, "time") == read_summary(one, "time"));
 }
 
-TEST_CASE("trajectory: a writer that is given up commits what it has gathered") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "run.h5";
+TEST_CASE_FIXTURE(RunFile, "trajectory: a writer that is given up commits what it has gathered") {
   Simulation simulation = small(1);
   {
     TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
@@ -213,10 +212,8 @@ TEST_CASE("trajectory: a writer that is given up commits what it has gathered") 
   CHECK(numbers_of(read_last_step(path).state) == numbers_of(simulation.state));
 }
 
-TEST_CASE("trajectory: reading and writing leave HDF5's error handler as it was, failing or not") {
-  const TemporaryFolder folder;
+TEST_CASE_FIXTURE(RunFile, "trajectory: reading and writing leave HDF5's error handler as it was, failing or not") {
   const Simulation simulation = small(1);
-  const std::string path = folder / "run.h5";
   std::optional<TrajectoryWriter> writer;
   CHECK(keeps_error_handler([&] {
     writer.emplace(path, header_of(simulation), TrajectoryStep{simulation.state, {}}, headings(step_columns()));
@@ -227,9 +224,7 @@ TEST_CASE("trajectory: reading and writing leave HDF5's error handler as it was,
     CHECK(keeps_error_handler([&] { CHECK_THROWS_AS(packing_from_hdf5(bytes, "x"), Error); }));
 }
 
-TEST_CASE("trajectory: a reader neither disturbs the writer nor is disturbed") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "run.h5";
+TEST_CASE_FIXTURE(RunFile, "trajectory: a reader neither disturbs the writer nor is disturbed") {
   Simulation simulation = small(1);
   TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
   std::vector<int> open;
@@ -245,9 +240,7 @@ TEST_CASE("trajectory: a reader neither disturbs the writer nor is disturbed") {
   for (const int descriptor : open) ::close(descriptor);
 }
 
-TEST_CASE("trajectory: a second writer is refused") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "run.h5";
+TEST_CASE_FIXTURE(RunFile, "trajectory: a second writer is refused") {
   const Simulation simulation = small(1);
   const TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
   CHECK_THROWS_WITH_AS(TrajectoryWriter(path, headings(step_columns())), doctest::Contains("by another run"), Error);
@@ -256,9 +249,8 @@ TEST_CASE("trajectory: a second writer is refused") {
   CHECK_THROWS_WITH_AS(TrajectoryWriter(link, headings(step_columns())), doctest::Contains("by another run"), Error);
 }
 
-TEST_CASE("trajectory: what is none, or damaged, is refused") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "run.h5", other = folder / "other.h5";
+TEST_CASE_FIXTURE(RunFile, "trajectory: what is none, or damaged, is refused") {
+  const std::string other = folder / "other.h5";
   CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("met no such file"), Error);
   nscdd::testing::write_file(other, "x,y\n");
   CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("met something else"), Error);
@@ -273,9 +265,7 @@ TEST_CASE("trajectory: what is none, or damaged, is refused") {
   }
 }
 
-TEST_CASE("trajectory: a state with arrays of different lengths is refused") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "run.h5";
+TEST_CASE_FIXTURE(RunFile, "trajectory: a state with arrays of different lengths is refused") {
   Simulation simulation = small(1);
   TrajectoryStep step{simulation.state, {}};
   step.state.spin.pop_back();
@@ -283,9 +273,7 @@ TEST_CASE("trajectory: a state with arrays of different lengths is refused") {
   CHECK_THROWS_WITH_AS(check(simulation.system, read_last_step(path).state), doctest::Contains("disks"), Error);
 }
 
-TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are refused") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "run.h5";
+TEST_CASE_FIXTURE(RunFile, "trajectory: numbers of steps, bodies and subdomains that are none are refused") {
   const Simulation simulation = small(1);
   const Index bodies = simulation.system.grains() + count(simulation.system.walls);
   const auto require_refused = [&](const std::function<void(TrajectoryStep&)>& damage, const std::string& part) {
@@ -310,9 +298,8 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
                   "interface/subdomain: expected");
 }
 
-TEST_CASE("trajectory: a boundary that a grain or wall does not have is refused with the file and array it is in") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "run.h5";
+TEST_CASE_FIXTURE(
+    RunFile, "trajectory: a boundary that a grain or wall does not have is refused with the file and array it is in") {
   const auto require_refused = [&](const Simulation& simulation, const std::string& part) {
     const TrajectoryStep step{simulation.state, {}};
     { TrajectoryWriter writer(path, header_of(simulation), step, headings(step_columns())); }

@@ -42,6 +42,12 @@ Arrays arrays_of(const std::string& text) {
   return result;
 }
 
+Arrays arrays_of_picture(const std::string& picture) {
+  const TemporaryFolder folder;
+  write_file(folder / "frame.vtp", picture);
+  return arrays_of(read_by_vtk(folder / "frame.vtp"));
+}
+
 using Values = std::vector<double>;
 
 struct Shown {
@@ -80,9 +86,7 @@ Shown two_grains_and_a_wall() {
 }  // namespace
 
 TEST_CASE("vtp: VTK reads every number as it was, grains before contacts, feet after grains") {
-  const TemporaryFolder folder;
-  write_file(folder / "frame.vtp", two_grains_and_a_wall().text());
-  Arrays a = arrays_of(read_by_vtk(folder / "frame.vtp"));
+  Arrays a = arrays_of_picture(two_grains_and_a_wall().text());
   CHECK(a["counts"] == Values{4, 2, 3, 5});
   CHECK(a["types"] == Values{1, 1, 3, 3, 3});  // VTK_VERTEX, VTK_LINE
   CHECK(a["points"] == Values{0.25, -2, 0, 1.0 / 3, 1e-300, 0, 9, 0.5, 0, 8, 0.75, 0});
@@ -109,19 +113,16 @@ TEST_CASE("vtp: VTK reads every number as it was, grains before contacts, feet a
 }
 
 TEST_CASE("vtp: a contact across the end of a periodic cell ends at the image of its grain") {
-  const TemporaryFolder folder;
   Shown shown = two_grains_and_a_wall();
   shown.system.period.x = 4;
   shown.step.state.x = {0.25, 3.75};
-  write_file(folder / "frame.vtp", shown.text());
-  Arrays a = arrays_of(read_by_vtk(folder / "frame.vtp"));
+  Arrays a = arrays_of_picture(shown.text());
   CHECK(a["points"] == Values{0.25, -2, 0, 3.75, 1e-300, 0, 9, 0.5, 0, -0.25, 1e-300, 0, 8, 0.75, 0});
   CHECK(a["lines/connectivity"] == Values{1, 2, 0, 3, 0, 4});
   CHECK(a["point/id"] == Values{0, 1, -1, -1, -1});
 }
 
 TEST_CASE("vtp: spheres have z, quaternions and spins, and their contacts the size of the tangential impulse") {
-  const TemporaryFolder folder;
   Shown shown = two_grains_and_a_wall();
   shown.system.dimension = 3;
   GranularState& state = shown.step.state;
@@ -137,8 +138,7 @@ TEST_CASE("vtp: spheres have z, quaternions and spins, and their contacts the si
   state.turn_z = {0, 0};
   shown.step.contacts[0].second_tangential = 0.3;
   shown.step.contacts[0].geometry.point[2] = 4;
-  write_file(folder / "frame.vtp", shown.text());
-  Arrays a = arrays_of(read_by_vtk(folder / "frame.vtp"));
+  Arrays a = arrays_of_picture(shown.text());
   CHECK(a["points"] == Values{0.25, -2, 5, 1.0 / 3, 1e-300, 6, 9, 0.5, 4, 8, 0.75, 0});
   CHECK(a["point/velocity"] == Values{1, 3, 7, 2, -4, 8, 0, 0, 0, 0, 0, 0});
   CHECK(a["point/turn"] == Values{1, 0, 0, 0, 0, 0.6, 0.8, 0, 0, 0, 0, 0, 0, 0, 0, 0});
@@ -149,12 +149,10 @@ TEST_CASE("vtp: spheres have z, quaternions and spins, and their contacts the si
 }
 
 TEST_CASE("vtp: what became of the subdomain of each contact, in a run that switches models") {
-  const TemporaryFolder folder;
   Shown shown = two_grains_and_a_wall();
   shown.step.state.models = {{.switched = 1, .switched_iterations = 7, .velocity_distance = 0.5},
                              {.standing = 3, .switch_backs = 2, .impulse_distance = 0.25}};
-  write_file(folder / "frame.vtp", shown.text());
-  Arrays a = arrays_of(read_by_vtk(folder / "frame.vtp"));
+  Arrays a = arrays_of_picture(shown.text());
   CHECK(a["cell/switched"] == Values{-1, -1, 0, 1, 0});
   CHECK(a["cell/switched_iterations"] == Values{-1, -1, 0, 7, 0});
   CHECK(a["cell/switch_backs"] == Values{-1, -1, 2, 0, 2});
@@ -164,15 +162,12 @@ TEST_CASE("vtp: what became of the subdomain of each contact, in a run that swit
 }
 
 TEST_CASE("vtp: grains without contacts, and nothing at all") {
-  const TemporaryFolder folder;
   Shown shown = two_grains_and_a_wall();
   shown.step.contacts = {};
-  write_file(folder / "alone.vtp", shown.text());
-  Arrays a = arrays_of(read_by_vtk(folder / "alone.vtp"));
+  Arrays a = arrays_of_picture(shown.text());
   CHECK(a["counts"] == Values{2, 2, 0, 2});
   CHECK(a["cell/kind"] == Values{0, 0});
-  write_file(folder / "empty.vtp", vtp_text({}, {}));
-  CHECK(arrays_of(read_by_vtk(folder / "empty.vtp"))["counts"] == Values{0, 0, 0, 0});
+  CHECK(arrays_of_picture(vtp_text({}, {}))["counts"] == Values{0, 0, 0, 0});
 }
 
 TEST_CASE("vtp: steps whose arrays do not fit are refused") {
@@ -197,10 +192,8 @@ TEST_CASE("vtp: a step of a divided box as VTK reads it") {
   take_step(simulation, solve_step(simulation));
   const GranularStep<2> step = solve_step(simulation);
   take_step(simulation, step);
-  const TemporaryFolder folder;
-  write_file(folder / "box.vtp",
-             vtp_text(simulation.system, TrajectoryStep{simulation.state, trajectory_contacts(step)}));
-  Arrays a = arrays_of(read_by_vtk(folder / "box.vtp"));
+  Arrays a =
+      arrays_of_picture(vtp_text(simulation.system, TrajectoryStep{simulation.state, trajectory_contacts(step)}));
   CHECK(a["field/TimeValue"] == Values{simulation.state.time});
   REQUIRE(a["counts"][1] == 60);
   REQUIRE(a["counts"][2] == static_cast<double>(step.contacts.size()));

@@ -46,7 +46,16 @@ void check(const GlobalFrictionProblem& problem, const std::string& name);
 
 /// The diagonal block W_c of a contact; an off-diagonal entry is the mean of both stored ones.
 template <int D>
-FullDelassus<D> diagonal_block(const LocalFrictionProblem& problem, Index contact);
+FullDelassus<D> diagonal_block(const LocalFrictionProblem& problem, Index contact) {
+  const Index n = D * contact, t = n + 1;
+  const auto mean = [&](Index i, Index j) { return (problem.w.coeff(i, j) + problem.w.coeff(j, i)) / 2; };
+  if constexpr (D == 2)
+    return {problem.w.coeff(n, n), mean(n, t), problem.w.coeff(t, t)};
+  else
+    return {problem.w.coeff(n, n),
+            {mean(n, t), mean(n, t + 1)},
+            {problem.w.coeff(t, t), mean(t, t + 1), problem.w.coeff(t + 1, t + 1)}};
+}
 
 /// Eliminates the velocities:  W = H^T M^-1 H,  q = H^T M^-1 f + w. Each connected piece of the pattern of M, in most
 /// problems one body, is factorised separately, densely if it is small: W couples only contacts that share a piece.

@@ -97,14 +97,6 @@ void read_block(Words& words, const std::string& name, SparseEntries& entries, s
       if (const double value = words.number(entry); value != 0) entries.add(i, j, value);
 }
 
-SparseMatrix read_dense(Words& words, const std::string& name, Shape shape) {
-  words.integer("rows of " + name, shape.rows, shape.rows);
-  words.integer("columns of " + name, shape.columns, shape.columns);
-  SparseEntries entries;
-  read_block(words, name, entries, {0, shape.rows}, {0, shape.columns});
-  return entries.matrix(shape.rows, shape.columns);
-}
-
 // A 0, then the ends of the block rows (or columns) of a matrix.
 std::vector<Index> block_ends(Words& words, const std::string& what, Index blocks, Index size) {
   std::vector<Index> ends{0};
@@ -203,9 +195,13 @@ SparseMatrix read_sparse(Words& words, const std::string& name, Shape shape) {
 SparseMatrix read_matrix(Words& words, const std::string& name) {
   const Index storage = words.integer("storage of " + name, 0, 2);
   const Shape shape{words.size("rows of " + name), words.size("columns of " + name)};
-  if (storage == 0) return read_dense(words, name, shape);
   if (storage == 1) return read_blocks(words, name, shape);
-  return read_sparse(words, name, shape);
+  if (storage == 2) return read_sparse(words, name, shape);
+  words.integer("rows of " + name, shape.rows, shape.rows);
+  words.integer("columns of " + name, shape.columns, shape.columns);
+  SparseEntries entries;
+  read_block(words, name, entries, {0, shape.rows}, {0, shape.columns});
+  return entries.matrix(shape.rows, shape.columns);
 }
 
 Vector read_numbers(Words& words, const std::string& name, Index size) {

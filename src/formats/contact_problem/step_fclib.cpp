@@ -23,10 +23,8 @@ StepProblem<D> next_problem(const Simulation& before) {
 
 template <int D>
 void require_same_contacts(const StepProblem<D>& problem, const TrajectoryStep& after) {
-  const auto same = [](const StepContact& found, const TrajectoryContact& kept) {
-    return found.a == kept.geometry.a && found.b == kept.geometry.b;
-  };
-  if (!std::equal(problem.geometry.begin(), problem.geometry.end(), after.contacts.begin(), after.contacts.end(), same))
+  const auto kept = [](const TrajectoryContact& contact) { return body_pair(contact.geometry); };
+  if (!std::ranges::equal(problem.geometry, after.contacts, {}, body_pair, kept))
     fail(
         "step {}: expected the {} contacts that the run found, met others ({}) from the state before: the trajectory "
         "is damaged or was written by a program that finds them otherwise",

@@ -63,14 +63,6 @@ struct RecordRows {
   DatboxPlace place(std::size_t row) const { return {dataset, static_cast<Index>(row) + 1}; }
 };
 
-// The lines and names of laws in the order of TACT_BEHAV.DAT.
-std::vector<std::pair<Index, std::string>> laws_in_order(const Datbox& datbox) {
-  std::vector<std::pair<Index, std::string>> laws;
-  for (const auto& [name, law] : datbox.laws) laws.emplace_back(law.place.line, name);
-  std::ranges::sort(laws);
-  return laws;
-}
-
 // Statuses are groups of six, of plain contacts from 2 and then of four kinds of cohesive ones, whose last three slide.
 bool slides_in_record(std::int64_t status) { return status >= 2 && status < 32 && (status - 2) % 6 >= 3; }
 
@@ -143,7 +135,9 @@ DatboxNetwork read_network(const RecordPlace& place, const Datbox& datbox) {
   const Group group = record.group("VlocRloc");
   const RecordRows<std::int64_t> whole(group, "idata", 19, std::nullopt);
   const RecordRows<double> real(group, "rdata", space ? 19 : 9, group.rows("idata"));
-  const auto laws = laws_in_order(datbox);
+  std::vector<std::pair<Index, std::string>> laws;  // their lines and names, in the order of TACT_BEHAV.DAT
+  for (const auto& [name, law] : datbox.laws) laws.emplace_back(law.place.line, name);
+  std::ranges::sort(laws);
   for (std::size_t k = 0; k < at(group.rows("idata")); ++k) {
     DatboxContact& contact = network.contacts.emplace_back();
     contact.place = whole.place(k);

@@ -88,23 +88,20 @@ ResultColumns<SwitchedStep> switching_columns() {
            [](const Step& s) { return s.plain.solve_seconds; }}};
 }
 
-template <int D>
-SwitchedStep compared(const Simulation& simulation) {
+SwitchedStep switched_step(const Simulation& simulation) {
   Simulation without = simulation;
   without.dynamics.solver.model = SwitchedModel::none;
-  const GranularStep<D> switched = solve_step<D>(simulation), plain = solve_step<D>(without);
-  return {.kind = simulation.dynamics.solver.model,
-          .report = switched.report,
-          .plain = plain.report,
-          .models = switched.models,
-          .share = share_of(switched, false),
-          .share_at_end = share_of(switched, true),
-          .velocity_error = velocity_error(switched, plain),
-          .impulse_error = impulse_error(switched, plain)};
-}
-
-SwitchedStep switched_step(const Simulation& simulation) {
-  return in_dimension(simulation.system, [&](auto dimension) { return compared<dimension()>(simulation); });
+  return in_dimension(simulation.system, [&](auto dimension) {
+    const auto switched = solve_step<dimension()>(simulation), plain = solve_step<dimension()>(without);
+    return SwitchedStep{.kind = simulation.dynamics.solver.model,
+                        .report = switched.report,
+                        .plain = plain.report,
+                        .models = switched.models,
+                        .share = share_of(switched, false),
+                        .share_at_end = share_of(switched, true),
+                        .velocity_error = velocity_error(switched, plain),
+                        .impulse_error = impulse_error(switched, plain)};
+  });
 }
 
 }  // namespace
