@@ -22,7 +22,8 @@ class Run:
         self.reason = core.reason  #: of a breakdown or a step without a solution: its number, and grains or contacts
         self.last = core.last  #: the last good step
         #: the grains at the end: free ones and, as clumps, those of bodies that are free along all directions. The
-        #: masses of the grains of a clump are scaled to that of the body; its inertia is then that of its grains
+        #: masses of the grains of a clump are scaled to that of the body; its inertia is then that of its grains. Walls,
+        #: planks and cylinders of bodies are left out
         self.packing = core.packing
 
     def __repr__(self) -> str:

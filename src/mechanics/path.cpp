@@ -75,11 +75,14 @@ Configuration configuration(const StepStart& start, const std::vector<RigidVeloc
 constexpr double chord_error = 0.01;
 constexpr double most_chords = 32;  // even if a boundary turns by far too much
 
-// Largest distance of what a boundary may touch from its reference point: its own grains, or the box of all grains.
+// Largest distance of what a boundary may touch from its reference point: its own grains, or with a wall the box of
+// all.
 double farthest(const StepStart& start, std::size_t boundary) {
   const GranularState& state = start.state;
   const Pose& pose = state.poses[boundary];
-  if (const auto& body = start.system.boundaries[boundary].body; body && body->reach > 0) return body->reach;
+  const auto& body = start.system.boundaries[boundary].body;
+  const bool walls = std::ranges::count(start.system.walls, static_cast<Index>(boundary), &Wall::boundary) > 0;
+  if (body && body->reach > 0 && !walls) return body->reach;
   const auto along = [](const std::vector<double>& x, double from) {
     const auto [low, high] = std::ranges::minmax(x);
     return std::max(std::abs(high - from), std::abs(low - from));

@@ -221,7 +221,7 @@ std::string to_toml(const BoundarySpec& spec) {
   if (!spec.colour.empty()) text += fmt::format("colour = {}\n", field_text(spec.colour));
   const Motion& motion = spec.motion;
   // Free bodies need one; of cylinders the default has changed since version 0.2.
-  if (spec.body || spec.shape == BoundaryShape::cylinder || motion.centre != spec.default_centre())
+  if (!spec.part && (spec.body || spec.shape == BoundaryShape::cylinder || motion.centre != spec.default_centre()))
     text += fmt::format("centre = {}\n", components_text(motion.centre, space));
   text += function_lines(motion, keys_of_motion, space);
   if (spec.body) text += body_lines(*spec.body, space);

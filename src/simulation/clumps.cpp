@@ -72,9 +72,11 @@ void add_clumps(std::vector<BoundarySpec>& boundaries, const Packing& packing, c
   std::vector<Index> taken(at(packing.size()), -1);  // the boundary of a grain
   std::set<std::string> names;
   for (Index k = 0; k < count(boundaries); ++k) {
-    names.insert(boundaries[at(k)].name);
-    if (boundaries[at(k)].shape == BoundaryShape::grains)
-      for (const Index i : grains_of(boundaries[at(k)], k, packing.size())) taken[at(i)] = k;
+    const BoundarySpec& one = boundaries[at(k)];
+    names.insert(one.name);
+    const Index whole = std::ranges::find(boundaries, one.name, &BoundarySpec::name) - boundaries.begin();
+    if (one.shape == BoundaryShape::grains)
+      for (const Index i : grains_of(one, k, packing.size())) taken[at(i)] = whole;
   }
   for (BoundarySpec& body : clumps_of(packing, period)) {
     const std::vector<Index> own = grains_of(body, 0, packing.size());

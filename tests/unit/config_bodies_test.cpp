@@ -81,7 +81,9 @@ TEST_CASE("bodies of a case: free directions, mass, inertia, loads and planks, w
 TEST_CASE("bodies of a case: more shapes of a body, written and read back, and of a source or of nothing") {
   const std::string part =
       "[[boundary]]\npart_of = \"top\"\nshape = \"disks\"\nfrom = [0, 10]\nto = [1, 10]\nradius = 0.5\n";
-  const CaseSpec one = parse_bodies(bodies_in_plane + part), back = parse_bodies(to_toml(one));
+  const std::string round =
+      "[[boundary]]\npart_of = \"top\"\nshape = \"cylinder\"\nfrom = [20, 9]\nradius = 1\nside = \"outside\"\n";
+  const CaseSpec one = parse_bodies(bodies_in_plane + part + round), back = parse_bodies(to_toml(one));
   CHECK(to_toml(back) == to_toml(one));
   const GranularSystem system = simulation_of(resolve(back)).system;
   CHECK(system.boundaries.size() == 2);
