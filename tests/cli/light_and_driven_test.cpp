@@ -78,6 +78,10 @@ TEST_CASE_FIXTURE(SmallSession,
   answer(simulate + "--steps 5");  // before they meet
   answer("simulate c.toml -o o.h5 --restart");
   CHECK(numbers_of(read_last_step(path("o.h5")).state) == all);
+  const GranularSystem system =
+      rebuilt_simulation("o.h5", read_trajectory_header(path("o.h5")), read_last_step(path("o.h5")).state).system;
+  CHECK(system.pairs.of(0, 1).friction == 0);
+  CHECK_FALSE(system.pairs.of(0, system.grains() - 1).friction.has_value());
 }
 
 TEST_CASE_FIXTURE(SmallSession, "simulate: conjugate gradients of a case do not act in Schwarz's method") {

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/blas_kernels.hpp"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <string_view>
+
+extern "C" __attribute__((weak)) const char* openblas_get_corename();
+
+namespace nscdd {
+
+void use_kernels_of_this_processor([[maybe_unused]] char** argv) {
+#ifdef __x86_64__
+  if (openblas_get_corename == nullptr || std::string_view(openblas_get_corename()) != "Prescott") return;
+  if (!__builtin_cpu_supports("avx2") || std::getenv("OPENBLAS_CORETYPE") != nullptr) return;
+  setenv("OPENBLAS_CORETYPE", __builtin_cpu_supports("avx512bw") ? "SkylakeX" : "Haswell", 1);
+  execv("/proc/self/exe", argv);  // goes on as it is if this fails
+#endif
+}
+
+}  // namespace nscdd
