@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/verbs.hpp"
-#include "linalg/blas_kernels.hpp"
 
 int main(int argc, char** argv) {
-  nscdd::use_kernels_of_this_processor(argv);
   nscdd::app::open_standard_streams();
   const nscdd::app::Outcome outcome = nscdd::app::run_program(argc, argv, {});
   if (!outcome.error.empty()) nscdd::app::note("error: {}", outcome.error);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd-mpi: the verbs that run on several ranks.
 #include "app/verbs.hpp"
-#include "linalg/blas_kernels.hpp"
 #include <nscdd/mpi/bddc.hpp>
 #include <nscdd/mpi/multifrontal.hpp>
 #include <nscdd/mpi/processes.hpp>
@@ -75,7 +74,6 @@ int run(int argc, char** argv) {
 }  // namespace nscdd::mpi
 
 int main(int argc, char** argv) {
-  nscdd::use_kernels_of_this_processor(argv);
   nscdd::app::open_standard_streams();
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);

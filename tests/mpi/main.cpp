@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every process runs every test; whatever fails in one of them fails the run.
 #define DOCTEST_CONFIG_IMPLEMENT
-#include "linalg/blas_kernels.hpp"
+#include "../support/blas_kernels.hpp"
 
 #include <doctest/doctest.h>
 #include <mpi.h>
 
 int main(int argc, char** argv) {
-  nscdd::use_kernels_of_this_processor(argv);
+  nscdd::testing::use_kernels_of_this_processor(argv);
   MPI_Init(&argc, &argv);
   doctest::Context context(argc, argv);
   int rank = 0;

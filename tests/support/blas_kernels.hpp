@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/blas_kernels.hpp"
+#pragma once
 
 #include <unistd.h>
 
@@ -8,9 +8,11 @@
 
 extern "C" __attribute__((weak)) const char* openblas_get_corename();
 
-namespace nscdd {
+namespace nscdd::testing {
 
-void use_kernels_of_this_processor([[maybe_unused]] char** argv) {
+/// Starts a program of tests again with other kernels if OpenBLAS has chosen those of the Prescott of 2004 for a
+/// processor that it does not know: their dsymv may crash in sanitized programs. To be called first in `main`.
+inline void use_kernels_of_this_processor([[maybe_unused]] char** argv) {
 #ifdef __x86_64__
   if (openblas_get_corename == nullptr || std::string_view(openblas_get_corename()) != "Prescott") return;
   if (!__builtin_cpu_supports("avx2") || std::getenv("OPENBLAS_CORETYPE") != nullptr) return;
@@ -19,4 +21,4 @@ void use_kernels_of_this_processor([[maybe_unused]] char** argv) {
 #endif
 }
 
-}  // namespace nscdd
+}  // namespace nscdd::testing
