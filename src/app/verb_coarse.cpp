@@ -27,6 +27,11 @@ void print_case(const CoarseResult& result) {
     fmt::print("{:<22}{:.3g} entries, {:.3g} flops\n", name, work.entries, work.flops);
 }
 
+void print_heading() {
+  fmt::print("\n{:<11}{:<16}{:<14}{:<8}{:>6}{:>11}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}\n", "epsilon/W", "preconditioner",
+             "scaling", "coarse", "modes", "kappa", "bound", "CG", "k<=30", "any", "k<=100", "any");
+}
+
 void print_row(const CoarseResult& result) {
   const auto number = [](double value) { return std::isnan(value) ? "-" : fmt::format("{:.4g}", value); };
   const CoarseMethod& method = result.method;
@@ -72,10 +77,7 @@ int run_coarse(const CoarseOptions& options, const Context& context) {
     const Index failed = coarse_spaces(model, work.sweep, work.coarse, [&](const CoarseResult& result) {
       if (rows++ == 0) print_case(result);
       if (work.coarse.counts) return;
-      if (rows == 1)
-        fmt::print("\n{:<11}{:<16}{:<14}{:<8}{:>6}{:>11}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}\n", "epsilon/W",
-                   "preconditioner", "scaling", "coarse", "modes", "kappa", "bound", "CG", "k<=30", "any", "k<=100",
-                   "any");
+      if (rows == 1) print_heading();
       print_row(result);
     });
     if (failed > 0) note("{} row(s) did not converge", failed);

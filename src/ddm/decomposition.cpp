@@ -15,6 +15,16 @@ Index local_number(const std::vector<Index>& ascending, Index global) {
   return std::lower_bound(ascending.begin(), ascending.end(), global) - ascending.begin();
 }
 
+// The columns of H of a subdomain's contacts, in its local rows.
+SparseMatrix local_connectivity(const ReferenceProblem& problem, const Subdomain& subdomain) {
+  const Index d = problem.dofs_per_grain;
+  SparseEntries entries;
+  for (Index c = 0; c < count(subdomain.contacts); ++c)
+    for (SparseMatrix::InnerIterator e(problem.h, subdomain.contacts[at(c)]); e; ++e)
+      entries.add(local_number(subdomain.grains, e.row() / d) * d + e.row() % d, c, e.value());
+  return entries.matrix(d * count(subdomain.grains), count(subdomain.contacts));
+}
+
 // The contacts of every subdomain, and the grains that they touch, ascending.
 std::vector<Subdomain> with_contacts(const ReferenceProblem& problem, const Partition& partition) {
   check(partition, problem.contacts());
@@ -84,16 +94,12 @@ Decomposition cut(const ReferenceProblem& problem, const Partition& partition, G
 }
 
 Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem) {
-  const Index d = problem.dofs_per_grain;
   for (Index e = 0; e < count(parts.subdomains); ++e) {
     Subdomain& subdomain = parts.subdomains[at(e)];
-    SparseEntries entries;  // the columns of H of its contacts, in its local rows
-    for (Index c = 0; c < count(subdomain.contacts); ++c)
-      for (SparseMatrix::InnerIterator entry(problem.h, subdomain.contacts[at(c)]); entry; ++entry)
-        entries.add(local_number(subdomain.grains, entry.row() / d) * d + entry.row() % d, c, entry.value());
-    subdomain.h = entries.matrix(d * count(subdomain.grains), count(subdomain.contacts));
+    subdomain.h = local_connectivity(problem, subdomain);
     subdomain.a = parts.interface.matrix(e);
-    if (problem.centres.rows() == d) subdomain.centres = problem.centres(Eigen::all, subdomain.grains);
+    if (problem.centres.rows() == problem.dofs_per_grain)
+      subdomain.centres = problem.centres(Eigen::all, subdomain.grains);
   }
   return parts;
 }

@@ -81,8 +81,8 @@ double farthest(const StepStart& start, std::size_t boundary) {
   const GranularState& state = start.state;
   const Pose& pose = state.poses[boundary];
   const auto& body = start.system.boundaries[boundary].body;
-  const bool walls = std::ranges::count(start.system.walls, static_cast<Index>(boundary), &Wall::boundary) > 0;
-  if (body && body->reach > 0 && !walls) return body->reach;
+  const auto of_it = [&](const Wall& wall) { return at(wall.boundary) == boundary; };
+  if (body && body->reach > 0 && std::ranges::none_of(start.system.walls, of_it)) return body->reach;
   const auto along = [](const std::vector<double>& x, double from) {
     const auto [low, high] = std::ranges::minmax(x);
     return std::max(std::abs(high - from), std::abs(low - from));

@@ -180,7 +180,8 @@ void add_boundary(GranularSystem& system, std::vector<double>& x, std::vector<do
   check(spec);
   require_dimension(spec, system.dimension);
   if (!spec.part) system.boundaries.push_back({spec.name, spec.motion, spec.orientation, spec.body, -1, spec.source});
-  const auto own = std::ranges::find(system.boundaries, spec.name, &Boundary::name);
+  const auto own =
+      spec.part ? std::ranges::find(system.boundaries, spec.name, &Boundary::name) : std::prev(system.boundaries.end());
   if (own == system.boundaries.end())
     fail("boundary '{}': expected its first shape before others, met none", spec.name);
   const Index boundary = own - system.boundaries.begin();

@@ -74,7 +74,8 @@ void add_clumps(std::vector<BoundarySpec>& boundaries, const Packing& packing, c
   for (Index k = 0; k < count(boundaries); ++k) {
     const BoundarySpec& one = boundaries[at(k)];
     names.insert(one.name);
-    const Index whole = std::ranges::find(boundaries, one.name, &BoundarySpec::name) - boundaries.begin();
+    const Index whole =
+        one.part ? std::ranges::find(boundaries, one.name, &BoundarySpec::name) - boundaries.begin() : k;
     if (one.shape == BoundaryShape::grains)
       for (const Index i : grains_of(one, k, packing.size())) taken[at(i)] = whole;
   }

@@ -99,10 +99,8 @@ std::vector<Index> contact_order(Choice<ContactOrder> order, const StepProblem<D
                                  std::uint64_t seed, GreedyColours& taken) {
   if (order == ContactOrder::interleaved)
     return by_colour(along_curve(problem, numbers), problem, interleaved_block, taken);
-  if (order == ContactOrder::coloured) {
-    const Index all = std::max<Index>(1, count(numbers));
-    return by_colour(std::move(numbers), problem, all, taken);
-  }
+  if (order == ContactOrder::coloured)
+    return by_colour(std::move(numbers), problem, std::numeric_limits<Index>::max(), taken);  // one block
   if (order == ContactOrder::random) return shuffled(std::move(numbers), seed);
   if (order == ContactOrder::reverse) std::ranges::reverse(numbers);
   return numbers;

@@ -263,13 +263,13 @@ TEST_CASE("a disk that is fast goes through no plank unseen") {
     Simulation simulation = simulation_of({{.x = 0.2, .y = 1.1, .velocity_y = -speed}}, dynamics);
     CHECK_THROWS_WITH_AS(advance(simulation, 1), doctest::Contains("dynamics.step"), Error);
   }
-  // A rod that turns as fast, with a row of disks at its middle.
-  BoundarySpec rod = plank("rod", {-2, 0}, {2, 0}, 0.01);
-  rod.motion.initial = RigidVelocity{.spin = 100};
+  // A rod that turns, with a row of disks at its middle, and a small disk on the way of its end.
+  BoundarySpec rod = plank("rod", {-2.2, 0}, {2.2, 0}, 0.01);
+  rod.motion.initial = RigidVelocity{.spin = 14};
   rod.body = free_body(1, 1);
-  dynamics.boundaries = {rod, part_of("rod", shaped(BoundaryShape::disks, plank("", {-0.01, 0}, {0.01, 0}, 0.05)))};
-  Simulation simulation = simulation_of({{.x = 1.5, .y = 0.8}}, dynamics);
-  CHECK_THROWS_WITH_AS(advance(simulation, 1), doctest::Contains("dynamics.step"), Error);
+  dynamics.boundaries = {rod, part_of("rod", shaped(BoundaryShape::disks, plank("", {-0.001, 0}, {0.001, 0}, 0.05)))};
+  Simulation simulation = simulation_of({{.x = 2, .y = 0.5, .radius = 0.05}}, dynamics);
+  CHECK_THROWS_WITH_AS(advance(simulation, 4), doctest::Contains("dynamics.step"), Error);
 }
 
 TEST_CASE("a rough plate that is free along y alone goes down between fixed walls that it touches") {

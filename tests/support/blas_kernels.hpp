@@ -17,7 +17,7 @@ inline void use_kernels_of_this_processor([[maybe_unused]] char** argv) {
   if (openblas_get_corename == nullptr || std::string_view(openblas_get_corename()) != "Prescott") return;
   if (!__builtin_cpu_supports("avx2") || std::getenv("OPENBLAS_CORETYPE") != nullptr) return;
   setenv("OPENBLAS_CORETYPE", __builtin_cpu_supports("avx512bw") ? "SkylakeX" : "Haswell", 1);
-  execv("/proc/self/exe", argv);  // goes on as it is if this fails
+  execv("/proc/self/exe", argv);  // returns only if this fails: the program then runs with the kernels it has
 #endif
 }
 

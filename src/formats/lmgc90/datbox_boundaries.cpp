@@ -148,6 +148,12 @@ void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& plank)
   plank.to = {body.position[0] + x, body.position[1] + y, 0};
 }
 
+void require_one_drive(const DatboxBody& body) {
+  for (std::size_t k = 0; k < body.drives.size(); ++k)
+    if (body.drives[k] && body.forces[k])
+      refuse(body.forces[k]->place, "expected a velocity or a force of degree of freedom {}, met both", k + 1);
+}
+
 // What moves a body along the degrees of freedom that are not driven.
 FreeBody free_body(const Datbox& datbox, const DatboxBody& body) {
   const bool space = datbox.space();
@@ -217,9 +223,7 @@ std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool colour
     boundary.dimension = datbox.dimension;
     boundary.colour = coloured ? colour_of(datbox, body.contactors[0]) : "";
     boundary.motion = datbox_motion(body, datbox.start, datbox.dimension);
-    for (std::size_t dof = 0; dof < body.drives.size(); ++dof)
-      if (body.drives[dof] && body.forces[dof])
-        refuse(body.forces[dof]->place, "expected a velocity or a force of degree of freedom {}, met both", dof + 1);
+    require_one_drive(body);
     if (!body.fully_driven(datbox.dimension)) boundary.body = free_body(datbox, body);
     if (!body.wall().empty()) {
       set_wall(datbox, body, boundary);

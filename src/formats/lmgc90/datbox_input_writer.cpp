@@ -17,6 +17,10 @@ bool has_formula(const std::vector<double>& values, const std::vector<std::array
   return oscillations.size() == 1 && is_constant(values) && (values.front() == 0 || ramp == 1);
 }
 
+std::string table_name(const char* kind, Index body, std::size_t dof) {
+  return fmt::format("{}_{}_{}.dat", std::string_view(kind) == "force" ? "force" : "velocity", body, dof + 1);
+}
+
 // LMGC90 extrapolates tables linearly, so their ends have two rows of one velocity.
 std::string table_text(const std::vector<double>& time, const std::vector<double>& values) {
   std::string text;
@@ -244,8 +248,7 @@ std::vector<std::pair<std::string, std::string>> DatboxWriter::driven() const {
       } else if (is_constant(values)) {
         for (const double value : {values.front(), 0.0, 0.0, 0.0, 1.0, 0.0}) text += " " + datbox_number(value);
       } else {
-        const char* what = std::string_view(one.kind) == "force" ? "force" : "velocity";
-        tables.emplace_back(fmt::format("{}_{}_{}.dat", what, one.body, dof + 1), table_text(one.time, values));
+        tables.emplace_back(table_name(one.kind, one.body, dof), table_text(one.time, values));
         text += " evolution " + tables.back().first;
       }
       text += "\n";

@@ -11,6 +11,12 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
+std::string frame_text(const Matrix3& frame) {
+  return fmt::format("{:29}localframe\n", "") + datbox_three("alp{}=", frame.col(0)) +
+         datbox_three("bet{}=", frame.col(1)) + datbox_three("gam{}=", frame.col(2)) +
+         datbox_three("coo{}=", Vector3::Zero());
+}
+
 }  // namespace
 
 std::string datbox_line(DatboxNumbers values) { return fmt::format("{:27}{}\n", "", datbox_named(values)); }
@@ -112,10 +118,7 @@ std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
                      : datbox_named({{"ax1 =", plank.length}, {"ax2 =", plank.thickness}});
     text = fmt::format(" {}      1  color  {}{}\n", wall_kind(at(body.wall)).contactor, colour, sizes);
     const bool hollow = wall.round() && wall.radius > 0;  // the axes of DNLYC are those of DOF
-    if (!space_ || hollow) return text;
-    return text + fmt::format("{:29}localframe\n", "") + datbox_three("alp{}=", node.frame.col(0)) +
-           datbox_three("bet{}=", node.frame.col(1)) + datbox_three("gam{}=", node.frame.col(2)) +
-           datbox_three("coo{}=", Vector3::Zero());
+    return space_ && !hollow ? text + frame_text(node.frame) : text;
   }
   for (const std::size_t i : body.grains) {
     const bool cluster = space_ ? free_body(body) != nullptr : body.boundary >= 0;

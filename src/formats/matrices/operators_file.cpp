@@ -48,16 +48,20 @@ void put(const Group& root, const CaseOperator& one, const std::vector<Index>& n
   root.put<std::int64_t>(one.name, values, {.attributes = attributes_of(one)});
 }
 
+Index stored_entries(const CaseOperator& one) {
+  if (const auto* sparse = std::get_if<SparseMatrix>(&one.values)) return sparse->nonZeros();
+  return one.shape()[0] * one.shape()[1];
+}
+
 std::string file_of(const CaseOperator& one) { return one.name + ".mtx"; }
 
 std::string manifest_table(const CaseOperator& one) {
   const auto [rows, columns] = one.shape();
-  const auto* sparse = std::get_if<SparseMatrix>(&one.values);
   return fmt::format(
       "\n[[operator]]\nname = \"{}\"\nfile = \"{}\"\nhdf5 = \"/{}\"\nkind = \"{}\"\nformula = {}\nmeaning = {}\n"
       "unit = {}\nrows = {}\ncolumns = {}\nentries = {}\nsymmetric = {}\n",
       one.name, file_of(one), one.name, kind_of(one), field_text(one.formula), field_text(one.meaning),
-      field_text(one.unit), rows, columns, sparse ? sparse->nonZeros() : rows * columns, truth(one.symmetric));
+      field_text(one.unit), rows, columns, stored_entries(one), truth(one.symmetric));
 }
 
 std::string manifest_head(const CaseSummary& of_case, Index dofs_per_grain, const OperatorParameters& parameters,

@@ -36,6 +36,22 @@ Index connected_pieces(const ReferenceProblem& problem) {
   return pieces;
 }
 
+// Contacts per grain, on average; a contact with a support counts for one grain.
+double coordination_number(const Model& model) {
+  Index touches = 0;
+  for (Index c = 0; c < model.contacts(); ++c)
+    touches += count(grains_of_contact(model.problem, model.problem.columns_per_contact * c));
+  return static_cast<double>(touches) / static_cast<double>(model.grains());
+}
+
+double largest_overlap_of(const Model& model) {
+  const std::vector<double>& radius = model.packing.radius;
+  double largest = 0;
+  for (const Contact& c : model.network.contacts)
+    largest = std::max(largest, -c.gap / std::min(radius[at(c.a)], radius[at(c.b)]));
+  return largest;
+}
+
 // Counts the rattlers, and finds the coordination number of the other grains.
 void count_rattlers(const ContactNetwork& network, Inspection& result) {
   const std::vector<char> loose = rattlers(network);
@@ -97,16 +113,11 @@ Inspection inspect(const Model& model, Index ranks_up_to) {
     if (subdomain.contacts.empty()) ++result.empty_subdomains;
   }
   result.components = connected_pieces(model.problem);
-  Index touches = 0;  // a contact with a support counts for one grain
-  for (Index c = 0; c < model.contacts(); ++c)
-    touches += count(grains_of_contact(model.problem, model.problem.columns_per_contact * c));
-  result.coordination_number = static_cast<double>(touches) / static_cast<double>(model.grains());
+  result.coordination_number = coordination_number(model);
   result.interface_dofs = model.parts.interface_size();
   if (!model.has_geometry()) return result;
   result.solid_fraction = solid_fraction(model.packing, model.network.period);
-  const std::vector<double>& radius = model.packing.radius;
-  for (const Contact& c : model.network.contacts)
-    result.largest_overlap = std::max(result.largest_overlap, -c.gap / std::min(radius[at(c.a)], radius[at(c.b)]));
+  result.largest_overlap = largest_overlap_of(model);
   count_rattlers(model.network, result);
   result.sizes = size_histogram(model.packing);
   return result;

@@ -90,6 +90,14 @@ std::string options_text(const StudyTable& table) {
   return text + fmt::format("seed = {}\n", table.seed);
 }
 
+// All members of SpectralOptions but the factorisation, which no study chooses.
+std::string effort_text(const SpectralOptions& options) {
+  return field_lines(options) +
+         fmt::format("dense_limit = {}\nbasis = {}\nmaximum_restarts = {}\narpack_tolerance = {}\n",
+                     options.dense_limit, options.arpack.basis, options.arpack.maximum_restarts,
+                     options.arpack.tolerance);
+}
+
 }  // namespace
 
 std::vector<Column> study_columns(const StudyTable& table) {
@@ -189,12 +197,7 @@ std::string code_identity() {
 WorkIdentity work_identity(const StudyTable& table) {
   std::string cases;
   for (const Case& one : table.cases) cases += text_with_contents(one, one.spec);
-  const SpectralOptions& effort = table.sweep.spectral;  // all of it but the factorisation, which no study chooses
-  return {
-      code_identity(), cases, options_text(table),
-      field_lines(effort) + fmt::format("dense_limit = {}\nbasis = {}\nmaximum_restarts = {}\narpack_tolerance = {}\n",
-                                        effort.dense_limit, effort.arpack.basis, effort.arpack.maximum_restarts,
-                                        effort.arpack.tolerance)};
+  return {code_identity(), cases, options_text(table), effort_text(table.sweep.spectral)};
 }
 
 TableWork table_work(const StudyTable& table) {
