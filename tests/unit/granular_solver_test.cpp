@@ -19,7 +19,7 @@ using namespace nscdd::testing;
 namespace {
 
 // v = H^T V + bias with V = V_free + M^-1 H r over (x, y, spin) of every disk; columns n and t of each contact.
-struct SmallProblem {
+struct WrittenStep {
   Matrix h;
   Vector inverse_mass, free, bias;
   std::vector<double> friction;
@@ -30,10 +30,10 @@ struct SmallProblem {
 };
 
 // From positions, radii and velocities alone, in the order of step.geometry.
-SmallProblem written_down(const Simulation& s, const GranularStep<2>& step) {
+WrittenStep written_down(const Simulation& s, const GranularStep<2>& step) {
   const Index n = s.system.grains(), contacts = count(step.problem.geometry);
   const double h = s.dynamics.time.step;
-  SmallProblem p;
+  WrittenStep p;
   p.h = Matrix::Zero(3 * n, 2 * contacts);
   p.inverse_mass.resize(3 * n);
   p.free.resize(3 * n);
@@ -69,7 +69,7 @@ SmallProblem written_down(const Simulation& s, const GranularStep<2>& step) {
 enum class Status { open, stick, forward, backward };
 
 // The impulses of one combination of statuses, where they obey every inequality.
-std::optional<Vector> solution_of(const SmallProblem& p, const std::vector<Status>& statuses) {
+std::optional<Vector> solution_of(const WrittenStep& p, const std::vector<Status>& statuses) {
   const Index m = p.bias.size();
   Matrix equations = Matrix::Zero(m, m);
   Vector right = Vector::Zero(m);
@@ -106,7 +106,7 @@ std::optional<Vector> solution_of(const SmallProblem& p, const std::vector<Statu
   return r;
 }
 
-std::vector<Vector> every_solution(const SmallProblem& p, int statuses_per_contact) {
+std::vector<Vector> every_solution(const WrittenStep& p, int statuses_per_contact) {
   std::vector<Vector> result;
   const auto contacts = p.friction.size();
   std::vector<int> digits(contacts, 0);
@@ -177,7 +177,7 @@ TEST_CASE("frictionless: velocities and impulses are those of the only solution 
       Simulation simulation = shaken(cluster, "frictionless", 0.4, seed);
       const GranularStep<2> step = solve_step(simulation);
       REQUIRE(step.report.status == SolverStatus::converged);
-      const SmallProblem problem = written_down(simulation, step);
+      const WrittenStep problem = written_down(simulation, step);
       REQUIRE(problem.friction.size() <= 5);
       const std::vector<Vector> solutions = every_solution(problem, 2);
       REQUIRE_FALSE(solutions.empty());
@@ -206,7 +206,7 @@ TEST_CASE("Coulomb friction: the result is a solution with one status per contac
         const Simulation simulation = shaken(cluster, "coulomb", friction, seed);
         const GranularStep<2> step = solve_step(simulation);
         REQUIRE(step.report.status == SolverStatus::converged);
-        const SmallProblem problem = written_down(simulation, step);
+        const WrittenStep problem = written_down(simulation, step);
         if (problem.friction.size() > 3) continue;
         const std::vector<Vector> solutions = every_solution(problem, 4);
         REQUIRE_FALSE(solutions.empty());

@@ -11,13 +11,13 @@ namespace {
 constexpr Index most_cells = 1'000'000;
 
 // The cells along one coordinate, and the range of the centres.
-struct Direction {
+struct CellRow {
   double low, high;
   Index cells;
   double allowance;  // of rounding, in cells
 };
 
-Direction direction_over(const Packing& packing, const std::vector<double>& centres, Index asked) {
+CellRow row_over(const Packing& packing, const std::vector<double>& centres, Index asked) {
   const auto [low, high] = std::minmax_element(centres.begin(), centres.end());
   const Index cells = std::max<Index>(asked, 1);  // a grid of one cell may leave z out
   constexpr double of_arithmetic = 1e-9;
@@ -28,7 +28,7 @@ Direction direction_over(const Packing& packing, const std::vector<double>& cent
 }
 
 // Cell 0 ... cells-1 of a coordinate. The allowance keeps a midpoint on a line in the lower cell despite rounding.
-Index cell(double coordinate, const Direction& along) {
+Index cell(double coordinate, const CellRow& along) {
   if (along.high <= along.low) return 0;
   const double position = (coordinate - along.low) / (along.high - along.low) * static_cast<double>(along.cells);
   return std::clamp(static_cast<Index>(std::ceil(position - along.allowance)) - 1, Index{0}, along.cells - 1);
@@ -51,13 +51,12 @@ std::function<Index(const std::array<double, 3>&)> subdomain_of_midpoint(const G
   if (packing.size() == 0) return [](const auto&) { return Index{0}; };
   const Components<Index>& grid = partitioner.grid;
   if (subdomains(partitioner) > 1) require_components(grid, packing.dimension(), "partition.grid");
-  std::vector<Direction> directions;
+  std::vector<CellRow> rows;
   for (const std::vector<double>* centres : {&packing.x, &packing.y, &packing.z})
-    if (!centres->empty()) directions.push_back(direction_over(packing, *centres, grid[directions.size()]));
-  return [directions](const std::array<double, 3>& midpoint) {
+    if (!centres->empty()) rows.push_back(row_over(packing, *centres, grid[rows.size()]));
+  return [rows](const std::array<double, 3>& midpoint) {
     Index subdomain = 0;
-    for (std::size_t k = directions.size(); k-- > 0;)
-      subdomain = subdomain * directions[k].cells + cell(midpoint[k], directions[k]);
+    for (std::size_t k = rows.size(); k-- > 0;) subdomain = subdomain * rows[k].cells + cell(midpoint[k], rows[k]);
     return subdomain;
   };
 }
