@@ -145,8 +145,8 @@ CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decompositio
   return united(interface, std::move(local));
 }
 
-// Block Gram-Schmidt in C, repeated for a vector that has lost digits because it nearly depends on others. A triangular
-// factor of U^T C U does not give them back.
+// Block Gram-Schmidt in C with two passes: the second restores the orthogonality of vectors that nearly depend on
+// others. A triangular factor of U^T C U does not.
 CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVectors& vectors) {
   const OneBlasThread serial_blas;
   constexpr Index width = 32;
@@ -165,12 +165,9 @@ CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVecto
     for (Index j = 0; j < block.cols() && count(kept) < n; ++j) {
       Matrix left = block.col(j);
       reduce(left, before);
-      const auto square = [&] { return left.col(0).dot(c * left.col(0)); };
-      const double distance = square();
+      const double distance = left.col(0).dot(c * left.col(0));
       if (!(distance > least_distance)) continue;
-      left /= std::sqrt(distance);
-      if (distance < 1e-4) reduce(left, 0);
-      v_.col(count(kept)) = left / std::sqrt(square());
+      v_.col(count(kept)) = left / std::sqrt(distance);
       kept.push_back(first + j);
     }
   }
