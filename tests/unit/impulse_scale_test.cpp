@@ -4,6 +4,7 @@
 #include "../support/granular.hpp"
 #include "../support/sanitized.hpp"
 #include "../support/spheres.hpp"
+#include "../support/thorough.hpp"
 #include "mechanics/contact_residual.hpp"
 #include "simulation/contact_solver_step.hpp"
 #include "study/moving/compared_rates.hpp"
@@ -339,7 +340,8 @@ TEST_CASE("closing walls: no residual is small, and every step says that there m
     for (const Units& units : watched(scales))
       for (const double friction : {0.3, 0.0}) {
         INFO("algorithm = ", algorithm, ", friction = ", friction);
-        const std::vector<StepReport> reports = run(closing_walls(algorithm, units, 9.81, friction), 12);
+        const std::vector<StepReport> reports =
+            run(closing_walls(algorithm, units, 9.81, friction), thorough() ? 12 : 4);
         for (const StepReport& report : reports) {
           CHECK(report.status != SolverStatus::converged);
           CHECK(report.residual.relative_natural_map() > 1e-8);
@@ -396,7 +398,8 @@ TEST_CASE("driven disks that close on a free one leave no room, like walls" * do
     for (const Units& units : watched(scales))
       for (const auto& speeds : {std::pair(0.0, -0.1), std::pair(0.1, -0.1), std::pair(0.3, 0.1)}) {
         INFO("algorithm = ", algorithm, ", speeds.first = ", speeds.first);
-        for (const StepReport& report : run(between_driven_disks(algorithm, speeds.first, speeds.second, units), 4)) {
+        for (const StepReport& report :
+             run(between_driven_disks(algorithm, speeds.first, speeds.second, units), thorough() ? 4 : 2)) {
           CHECK(report.no_room);
           CHECK(report.status != SolverStatus::converged);
           CHECK(report.driven_residual() > 0.1);
