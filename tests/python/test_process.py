@@ -42,7 +42,7 @@ def long_sweep(progress=None):
 
 
 def large_contraction():
-    return nscdd.contraction(nscdd.decompose(lattice(200, 150), "metis:16"), epsilon=1e-4, eta=1e-2)
+    return nscdd.contraction(nscdd.decompose(lattice(120, 100), "metis:16"), epsilon=1e-4, eta=1e-2)
 
 
 def test_ctrl_c_ends_a_sweep():
