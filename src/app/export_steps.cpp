@@ -10,8 +10,6 @@
 namespace nscdd::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 // The kept steps to export.
 struct Chosen {
   std::string trajectory;

@@ -14,8 +14,6 @@
 namespace nscdd::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::optional<fs::path> named_folder(const char* variable) {
   const char* value = std::getenv(variable);
   return value == nullptr || *value == '\0' ? std::nullopt : std::optional<fs::path>(value);

@@ -8,8 +8,6 @@
 namespace nscdd::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 // Throws Error unless the steps in the table, from its first one on, end with the last iterations of those of the run.
 // `last`: the last iteration of each step in the table; 0: none.
 void require_rows_of(const RunSoFar& run, const std::vector<Index>& last, const std::string& name) {

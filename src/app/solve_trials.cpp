@@ -9,8 +9,6 @@
 namespace nscdd::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct NamedTrial {
   std::string problem;
   SolverTrial trial;

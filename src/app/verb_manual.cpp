@@ -7,8 +7,6 @@
 namespace nscdd::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* exit_codes =
     "0 done, 1 a check failed, solve did not converge, a run broke down or a curve is not proved, "
     "2 bad input or usage, 130 interrupted";

@@ -7,8 +7,6 @@
 namespace nscdd::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct RunOptions {
   std::string study, output = "results";
   Reopening how;

@@ -72,7 +72,6 @@ void apply(const SimulateOptions& options, CaseSpec& spec) {
 
 // The run removes files of these names when it ends.
 void require_not_beside(const std::string& output, const std::string& table) {
-  namespace fs = std::filesystem;
   std::error_code ignored;
   for (const std::string& name : AlternatingFile::names_beside(output))
     if (fs::weakly_canonical(fs::absolute(table), ignored) == fs::weakly_canonical(fs::absolute(name), ignored))

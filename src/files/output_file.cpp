@@ -14,8 +14,6 @@
 namespace nscdd {
 namespace {
 
-namespace fs = std::filesystem;
-
 [[noreturn]] void refuse(std::string_view name, std::string_view action, std::string_view reason) {
   fail("{}: cannot {}: {}", name, action, reason);
 }

@@ -9,13 +9,15 @@
 
 namespace nscdd {
 
+namespace fs = std::filesystem;
+
 /// Whether a path exists, and whether it is a regular file; false if the system cannot tell.
-bool is_there(const std::filesystem::path& path);
-bool is_file(const std::filesystem::path& path);
+bool is_there(const fs::path& path);
+bool is_file(const fs::path& path);
 
 /// Throws Error if the folder of `path` does not exist, or if `path` exists and `force` is false; likewise for the
 /// `path.partial` of an interrupted run unless `partial_accepted`. Devices and pipes are accepted.
-void require_writable(const std::filesystem::path& path, bool force, bool partial_accepted = false);
+void require_writable(const fs::path& path, bool force, bool partial_accepted = false);
 
 /// Throws Error if two outputs are the same file, unless it is a device or a pipe.
 void require_distinct(const std::string& first, const std::string& second);
@@ -29,10 +31,10 @@ inline constexpr std::array<std::string_view, 2> hdf5_endings{".h5", ".hdf5"};
 bool make_folder(const std::string& path, bool force);
 
 /// Name of an output until it is complete.
-std::filesystem::path partial_path(const std::filesystem::path& path);
+fs::path partial_path(const fs::path& path);
 
 /// Whether `path` is a device, a pipe or "-" (standard output).
-bool is_stream(const std::filesystem::path& path);
+bool is_stream(const fs::path& path);
 
 /// Atomic output file: it grows as `path.partial`, and `finish` renames it to `path`. A killed run leaves the partial
 /// file, which is readable. An exception removes it, unless it holds bytes of an earlier run. "-" is standard output;
@@ -54,9 +56,9 @@ class OutputFile {
 
  private:
   std::string name_;
-  std::filesystem::path growing_;  ///< empty for a stream
-  bool replaces_ = false;          ///< `force`
-  bool removable_ = true;          ///< the partial file holds only what this run wrote
+  fs::path growing_;       ///< empty for a stream
+  bool replaces_ = false;  ///< `force`
+  bool removable_ = true;  ///< the partial file holds only what this run wrote
   std::FILE* stream_ = nullptr;
   std::string gathered_;                             ///< buffered lines
   std::chrono::steady_clock::time_point flushed_{};  ///< time of the last write

@@ -25,8 +25,7 @@ template <int D>
 ContactBlocks<D>::ContactBlocks(const SparseMatrix& w, const std::vector<Index>& contact) {
   using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
   const Rows rows = w;
-  std::vector<int> place_of(at(rows.rows() / D));
-  std::iota(place_of.begin(), place_of.end(), 0);
+  std::vector<int> place_of = natural_order<int>(rows.rows() / D);
   for (std::size_t place = 0; place < contact.size(); ++place) place_of[at(contact[place])] = static_cast<int>(place);
   for (Index place = 0; place < count(place_of); ++place) {
     const Index c = contact.empty() ? place : contact[at(place)];

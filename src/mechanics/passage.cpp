@@ -166,18 +166,6 @@ Followed follow_gap(const Path& path, const Pair& pair, double limit) {
   return result;
 }
 
-}  // namespace
-
-std::optional<double> part_until(const Place& from, const Place& move, double end, double most) {
-  const double a = dot(move, move), b = dot(from, move), c = dot(from, from) - end * end;
-  const double root = b * b - a * c;
-  if (!(b < 0) || !(root >= 0)) return std::nullopt;
-  const double part = c / (-b + std::sqrt(root));
-  return part <= most ? std::optional(part) : std::nullopt;
-}
-
-namespace {
-
 // `steps`: to the image of grain a that is followed; `gap`: of that image at the end, m.
 Passage of_image(const Path& path, Index a, Index b, double gap, const Place& steps) {
   const double small = path.system.smaller_radius(a, b), limit = largest_overlap * small;
@@ -203,6 +191,14 @@ Passage of_image(const Path& path, Index a, Index b, double gap, const Place& st
 }
 
 }  // namespace
+
+std::optional<double> part_until(const Place& from, const Place& move, double end, double most) {
+  const double a = dot(move, move), b = dot(from, move), c = dot(from, from) - end * end;
+  const double root = b * b - a * c;
+  if (!(b < 0) || !(root >= 0)) return std::nullopt;
+  const double part = c / (-b + std::sqrt(root));
+  return part <= most ? std::optional(part) : std::nullopt;
+}
 
 Passage Passage::of(const Path& path, Index a, Index b, double gap) {
   if (!path.followed()) {

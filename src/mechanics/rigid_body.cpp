@@ -4,7 +4,6 @@
 #include "core/fail.hpp"
 
 namespace nscdd {
-
 namespace {
 
 constexpr std::array all_directions{BodyDirection::x,      BodyDirection::y,      BodyDirection::z,
@@ -20,6 +19,66 @@ RigidVelocity interpolated(const Motion& motion, double t) {
   const auto k = static_cast<std::size_t>(after - time.begin());
   const RigidVelocity &a = velocity[k - 1], &b = velocity[k];
   return sum(a, (t - time[k - 1]) / (time[k] - time[k - 1]), sum(b, -1, a));
+}
+
+// Throws Error for times that do not ascend and numbers that are not finite. `what`: "motion" or "load".
+void check(const std::string& name, const Motion& motion, const char* what) {
+  if (motion.time.size() != motion.velocity.size())
+    fail("boundary '{}': expected one velocity per time, met {} times and {} velocities", name, motion.time.size(),
+         motion.velocity.size());
+  const auto require_finite = [&](const RigidVelocity& v, double time, const char* part, std::size_t k) {
+    const double numbers[] = {time, v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
+    if (!std::ranges::all_of(numbers, [](double one) { return std::isfinite(one); }))
+      fail("boundary '{}': expected finite numbers, met one that is not finite in {} {} of its {}", name, part, k,
+           what);
+  };
+  require_finite(motion.initial.value_or(RigidVelocity{}), 0, "initial velocity", 0);
+  for (std::size_t k = 0; k < motion.oscillations.size(); ++k) {
+    const Oscillation& one = motion.oscillations[k];
+    for (const double number : {one.omega, one.phase, one.ramp, one.growth})
+      require_finite(one.amplitude, number, "oscillation", k);
+  }
+  for (std::size_t k = 0; k < motion.time.size(); ++k) {
+    require_finite(motion.velocity[k], motion.time[k], "entry", k);
+    if (k > 0 && !(motion.time[k] > motion.time[k - 1]))
+      fail("boundary '{}': expected ascending times, met {} s after {} s", name, motion.time[k], motion.time[k - 1]);
+  }
+}
+
+// Whether a motion prescribes anything along a direction.
+bool acts(const Motion& motion, BodyDirection direction) {
+  const auto is_set = [&](RigidVelocity v) { return along(v, direction) != 0; };
+  return std::ranges::any_of(motion.velocity, is_set) ||
+         std::ranges::any_of(motion.oscillations, is_set, &Oscillation::amplitude);
+}
+
+void check(const std::string& name, const Motion& motion, const FreeBody& body, Index dimension) {
+  const auto refuse = [&](const std::string& expected, const std::string& met) {
+    fail("boundary '{}': expected {}, met {}", name, expected, met);
+  };
+  check(name, body.load, "load");
+  Index free = 0, spins = 0;
+  for (const BodyDirection direction : all_directions) {
+    const std::string word(to_string(direction));
+    const bool in_plane =
+        direction == BodyDirection::x || direction == BodyDirection::y || direction == BodyDirection::spin;
+    if (body.free(direction)) {
+      if (dimension == 2 && !in_plane) refuse("free directions x, y and spin in the plane", word);
+      if (acts(motion, direction)) refuse("directions that are free or driven", word + " as both");
+      ++free;
+      spins += direction >= BodyDirection::spin_x;
+    } else if (acts(body.load, direction)) {
+      refuse("forces along free directions", "one along " + word + ", which is driven");
+    }
+  }
+  if (free == 0) refuse("a free direction with a mass", "none");
+  if (!(body.mass > 0) || !std::isfinite(body.mass) || !std::isfinite(1 / body.mass))
+    refuse("a finite mass > 0", fmt::format("{} kg", body.mass));
+  if (dimension == 3 && spins != 0 && spins != 3)
+    refuse("all rotations free in space, or none", fmt::format("{} of 3", spins));
+  for (std::size_t k = 0; k < 3; ++k)
+    if (const double one = body.inertia[k]; spins > 0 && (dimension == 3 || k == 2) && !(one > 0 && std::isfinite(one)))
+      refuse("finite moments of inertia > 0 of a body that turns freely", fmt::format("{} kg m^2", one));
 }
 
 }  // namespace
@@ -129,70 +188,6 @@ RigidVelocity rigid_velocity(const FreeBody& body, const Pose& pose, const Grain
       principal_axes(body, pose) * Eigen::Vector3d(v[3] / rims[0], v[4] / rims[1], v[5] / rims[2]);
   return {v[0], v[1], spin[2], v[2], spin[0], spin[1]};
 }
-
-namespace {
-
-// Throws Error for times that do not ascend and numbers that are not finite. `what`: "motion" or "load".
-void check(const std::string& name, const Motion& motion, const char* what) {
-  if (motion.time.size() != motion.velocity.size())
-    fail("boundary '{}': expected one velocity per time, met {} times and {} velocities", name, motion.time.size(),
-         motion.velocity.size());
-  const auto require_finite = [&](const RigidVelocity& v, double time, const char* part, std::size_t k) {
-    const double numbers[] = {time, v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
-    if (!std::ranges::all_of(numbers, [](double one) { return std::isfinite(one); }))
-      fail("boundary '{}': expected finite numbers, met one that is not finite in {} {} of its {}", name, part, k,
-           what);
-  };
-  require_finite(motion.initial.value_or(RigidVelocity{}), 0, "initial velocity", 0);
-  for (std::size_t k = 0; k < motion.oscillations.size(); ++k) {
-    const Oscillation& one = motion.oscillations[k];
-    for (const double number : {one.omega, one.phase, one.ramp, one.growth})
-      require_finite(one.amplitude, number, "oscillation", k);
-  }
-  for (std::size_t k = 0; k < motion.time.size(); ++k) {
-    require_finite(motion.velocity[k], motion.time[k], "entry", k);
-    if (k > 0 && !(motion.time[k] > motion.time[k - 1]))
-      fail("boundary '{}': expected ascending times, met {} s after {} s", name, motion.time[k], motion.time[k - 1]);
-  }
-}
-
-// Whether a motion prescribes anything along a direction.
-bool acts(const Motion& motion, BodyDirection direction) {
-  const auto is_set = [&](RigidVelocity v) { return along(v, direction) != 0; };
-  return std::ranges::any_of(motion.velocity, is_set) ||
-         std::ranges::any_of(motion.oscillations, is_set, &Oscillation::amplitude);
-}
-
-void check(const std::string& name, const Motion& motion, const FreeBody& body, Index dimension) {
-  const auto refuse = [&](const std::string& expected, const std::string& met) {
-    fail("boundary '{}': expected {}, met {}", name, expected, met);
-  };
-  check(name, body.load, "load");
-  Index free = 0, spins = 0;
-  for (const BodyDirection direction : all_directions) {
-    const std::string word(to_string(direction));
-    const bool in_plane =
-        direction == BodyDirection::x || direction == BodyDirection::y || direction == BodyDirection::spin;
-    if (body.free(direction)) {
-      if (dimension == 2 && !in_plane) refuse("free directions x, y and spin in the plane", word);
-      if (acts(motion, direction)) refuse("directions that are free or driven", word + " as both");
-      ++free;
-      spins += direction >= BodyDirection::spin_x;
-    } else if (acts(body.load, direction)) {
-      refuse("forces along free directions", "one along " + word + ", which is driven");
-    }
-  }
-  if (free == 0) refuse("a free direction with a mass", "none");
-  if (!(body.mass > 0) || !std::isfinite(body.mass) || !std::isfinite(1 / body.mass))
-    refuse("a finite mass > 0", fmt::format("{} kg", body.mass));
-  if (dimension == 3 && spins != 0 && spins != 3)
-    refuse("all rotations free in space, or none", fmt::format("{} of 3", spins));
-  for (std::size_t k = 0; k < 3; ++k)
-    if (const double one = body.inertia[k]; spins > 0 && (dimension == 3 || k == 2) && !(one > 0 && std::isfinite(one)))
-      refuse("finite moments of inertia > 0 of a body that turns freely", fmt::format("{} kg m^2", one));
-}
-
-}  // namespace
 
 bool turns(const Motion& motion) {
   return acts(motion, BodyDirection::spin_x) || acts(motion, BodyDirection::spin_y) ||

@@ -7,6 +7,8 @@
 
 namespace nscdd {
 
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
 using Place = Direction<3>;  ///< a place, m, or another vector; in the plane its third number is 0
 
 inline double dot(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

@@ -178,10 +178,8 @@ StepProblem<D> prepare_step(const StepStart& start, bool warm_start, bool shallo
   found.reserve(at(3 * start.system.grains()));
   const auto considered = for_each_step_contact(start, [&](const StepContact& c) { found.push_back(c); });
   if (shallow) check_overlaps(start, considered.deep);
-  std::vector<std::int32_t> numbers(at(start.system.bodies()));
-  std::iota(numbers.begin(), numbers.end(), 0);
   return step_of_contacts<D>(start, sorted_by_bodies(found, start.system.grains()), considered.boundary_speed,
-                             std::move(numbers), start.state.impulses, warm_start);
+                             natural_order<std::int32_t>(start.system.bodies()), start.state.impulses, warm_start);
 }
 
 template <int D>

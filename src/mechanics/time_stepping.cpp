@@ -43,6 +43,56 @@ RigidVelocity pushed(const FreeBody& body, const RigidVelocity& v, const RigidVe
   return result;
 }
 
+// Work of the loads on bodies in a step, without their weight, J, at the mean of both velocities.
+double work_of_loads(const GranularSystem& system, const TimeStepping& scheme, double time,
+                     const std::vector<RigidVelocity>& before, const std::vector<RigidVelocity>& after) {
+  TimeStepping weightless = scheme;
+  weightless.gravity = {0, 0, 0};
+  double work = 0;
+  for (const Index k : system.free_bodies) {
+    const FreeBody& body = *system.boundaries[at(k)].body;
+    RigidVelocity load, twice;
+    take_free(body, mean_load(body, time, weightless, system.dimension), load);
+    take_free(body, sum(before[at(k)], 1, after[at(k)]), twice);
+    work += scheme.step / 2 *
+            (load.x * twice.x + load.y * twice.y + load.z * twice.z + load.spin_x * twice.spin_x +
+             load.spin_y * twice.spin_y + load.spin * twice.spin);
+  }
+  return work;
+}
+
+// The velocity of a body along its free directions when its pose has gone on from where contacts were found.
+RigidVelocity velocity_to_keep(const FreeBody& body, const RigidVelocity& v, const Pose& at_contacts, const Pose& now,
+                               Index dimension) {
+  RigidVelocity turned = v, kept;
+  if (dimension == 3 && body.free(BodyDirection::spin))
+    set_spin_after(turned, body, v, at_contacts, now, Eigen::Vector3d::Zero());
+  take_free(body, turned, kept);
+  return kept;
+}
+
+// Moves bodies with free directions and their grains into a periodic cell; returns their change of potential energy, J.
+double keep_bodies_in_cell(const GranularSystem& system, GranularState& state, const Place& gravity) {
+  if (!system.period.any()) return 0;
+  double lifted = 0;
+  std::vector<Place> steps(state.poses.size(), Place{0, 0, 0});
+  for (const Index k : system.free_bodies) {
+    Pose& pose = state.poses[at(k)];
+    const Place step = steps[at(k)] = system.period.into_cell(pose.place());
+    pose.x += step[0];
+    pose.y += step[1];
+    const FreeBody& body = *system.boundaries[at(k)].body;
+    for (std::size_t j = 0; j < 3; ++j)
+      if (body.directions[j]) lifted -= body.mass * gravity[j] * step[j];
+  }
+  for (std::size_t i = 0; i < at(system.grains()); ++i)
+    if (const Index k = system.driven_by[i]; k >= 0) {
+      state.x[i] += steps[at(k)][0];
+      state.y[i] += steps[at(k)][1];
+    }
+  return lifted;
+}
+
 }  // namespace
 
 std::vector<Pose> poses_at_contacts(const StepStart& start) {
@@ -144,60 +194,6 @@ StepEnergy energy_of(const GranularSystem& system, const GranularState& state, c
   }
   return energy;
 }
-
-namespace {
-
-// Work of the loads on bodies in a step, without their weight, J, at the mean of both velocities.
-double work_of_loads(const GranularSystem& system, const TimeStepping& scheme, double time,
-                     const std::vector<RigidVelocity>& before, const std::vector<RigidVelocity>& after) {
-  TimeStepping weightless = scheme;
-  weightless.gravity = {0, 0, 0};
-  double work = 0;
-  for (const Index k : system.free_bodies) {
-    const FreeBody& body = *system.boundaries[at(k)].body;
-    RigidVelocity load, twice;
-    take_free(body, mean_load(body, time, weightless, system.dimension), load);
-    take_free(body, sum(before[at(k)], 1, after[at(k)]), twice);
-    work += scheme.step / 2 *
-            (load.x * twice.x + load.y * twice.y + load.z * twice.z + load.spin_x * twice.spin_x +
-             load.spin_y * twice.spin_y + load.spin * twice.spin);
-  }
-  return work;
-}
-
-// The velocity of a body along its free directions when its pose has gone on from where contacts were found.
-RigidVelocity velocity_to_keep(const FreeBody& body, const RigidVelocity& v, const Pose& at_contacts, const Pose& now,
-                               Index dimension) {
-  RigidVelocity turned = v, kept;
-  if (dimension == 3 && body.free(BodyDirection::spin))
-    set_spin_after(turned, body, v, at_contacts, now, Eigen::Vector3d::Zero());
-  take_free(body, turned, kept);
-  return kept;
-}
-
-// Moves bodies with free directions and their grains into a periodic cell; returns their change of potential energy, J.
-double keep_bodies_in_cell(const GranularSystem& system, GranularState& state, const Place& gravity) {
-  if (!system.period.any()) return 0;
-  double lifted = 0;
-  std::vector<Place> steps(state.poses.size(), Place{0, 0, 0});
-  for (const Index k : system.free_bodies) {
-    Pose& pose = state.poses[at(k)];
-    const Place step = steps[at(k)] = system.period.into_cell(pose.place());
-    pose.x += step[0];
-    pose.y += step[1];
-    const FreeBody& body = *system.boundaries[at(k)].body;
-    for (std::size_t j = 0; j < 3; ++j)
-      if (body.directions[j]) lifted -= body.mass * gravity[j] * step[j];
-  }
-  for (std::size_t i = 0; i < at(system.grains()); ++i)
-    if (const Index k = system.driven_by[i]; k >= 0) {
-      state.x[i] += steps[at(k)][0];
-      state.y[i] += steps[at(k)][1];
-    }
-  return lifted;
-}
-
-}  // namespace
 
 StepEnergy finish_step(const StepStart& start, GranularState& state, const std::vector<GrainMotion>& velocities,
                        const ContactWork& work) {

@@ -130,6 +130,17 @@ double half_unit(const Precision::Digits& digits, double value) {
   return std::abs(value - unit * std::round(value / unit)) > noise ? 0 : 0.5 * unit;
 }
 
+// "0 and 8, 1 and 9, ...".
+std::string named(const PairSample& pairs) {
+  std::string text;
+  for (const auto& [a, b] : pairs.first) text += fmt::format("{}{} and {}", text.empty() ? "" : ", ", a, b);
+  return text + (pairs.size > count(pairs.first) ? ", ..." : "");
+}
+
+std::string pairs_of(const PairSample& pairs) {
+  return fmt::format("{} pair{} of grains ({})", pairs.size, pairs.size == 1 ? "" : "s", named(pairs));
+}
+
 }  // namespace
 
 Uncertainty Precision::of(const Digits& digits, double value) const {
@@ -190,21 +201,6 @@ double certain_offset(const Packing& packing, std::span<const double> coordinate
   const bool rounded = largest.decimal > 0 && largest.decimal <= surely_rounded * std::ranges::min(packing.radius);
   return rounded ? largest.largest() : largest.certain;
 }
-
-namespace {
-
-// "0 and 8, 1 and 9, ...".
-std::string named(const PairSample& pairs) {
-  std::string text;
-  for (const auto& [a, b] : pairs.first) text += fmt::format("{}{} and {}", text.empty() ? "" : ", ", a, b);
-  return text + (pairs.size > count(pairs.first) ? ", ..." : "");
-}
-
-std::string pairs_of(const PairSample& pairs) {
-  return fmt::format("{} pair{} of grains ({})", pairs.size, pairs.size == 1 ? "" : "s", named(pairs));
-}
-
-}  // namespace
 
 std::vector<std::string> rounding_remarks(const ContactNetwork& network, const std::string& name) {
   const RoundingDoubt& doubt = network.rounding;

@@ -11,9 +11,6 @@
 namespace nscdd {
 namespace {
 
-using Vector3 = Eigen::Vector3d;
-using Matrix3 = Eigen::Matrix3d;
-
 // The moment of inertia of a mass at a place about the origin.
 Matrix3 inertia_at(const Vector3& place, double mass) {
   return mass * (place.squaredNorm() * Matrix3::Identity() - place * place.transpose());

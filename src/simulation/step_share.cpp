@@ -141,12 +141,8 @@ std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfCont
 
 // The grains and free bodies of the problem of some contacts, ascending: those that they touch, or all.
 std::vector<std::int32_t> bodies_of(const std::vector<StepContact>& contacts, const GranularSystem& system, bool all) {
+  if (all) return natural_order<std::int32_t>(system.bodies());
   std::vector<std::int32_t> numbers;
-  if (all) {
-    numbers.resize(at(system.bodies()));
-    std::iota(numbers.begin(), numbers.end(), 0);
-    return numbers;
-  }
   for (const StepContact& c : contacts)
     for (const Index i : {system.node_of(c.a), system.node_of(c.b)})
       if (i >= 0) numbers.push_back(static_cast<std::int32_t>(i));

@@ -8,8 +8,6 @@ using namespace nscdd::testing;
 
 namespace {
 
-namespace fs = std::filesystem;
-
 // The lines that are no remarks.
 std::string without_remarks(const std::string& text) { return text.substr(text.find("\nx,y,radius") + 1); }
 

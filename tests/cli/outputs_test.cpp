@@ -8,8 +8,6 @@ using namespace nscdd::testing;
 
 namespace {
 
-namespace fs = std::filesystem;
-
 // Long enough to be killed in the middle: some hundred thousand rows.
 const std::string long_sweep = "sweep disks4 --epsilon 1e-3:1e3:1000000 --csv long.csv";
 

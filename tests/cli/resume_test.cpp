@@ -11,8 +11,6 @@ using namespace nscdd::testing;
 
 namespace {
 
-namespace fs = std::filesystem;
-
 // About two seconds of work: 1 500 rows of 400 disks.
 const std::string work =
     "sweep hexagonal --set packing.columns=20 --set packing.rows=20 --epsilon 1e-3:1e3:750 --eta 0.1,inf "

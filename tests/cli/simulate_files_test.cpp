@@ -7,7 +7,6 @@
 #include <filesystem>
 
 using namespace nscdd::testing;
-namespace fs = std::filesystem;
 
 namespace {
 

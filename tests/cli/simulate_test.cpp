@@ -10,7 +10,6 @@
 #include <filesystem>
 
 using namespace nscdd::testing;
-namespace fs = std::filesystem;
 
 namespace {
 

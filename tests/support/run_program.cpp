@@ -24,8 +24,6 @@
 namespace nscdd::testing {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::string environment(const char* name) {
   const char* value = std::getenv(name);
   if (value == nullptr) throw std::runtime_error(std::string("the environment has no ") + name);

@@ -13,6 +13,8 @@
 /// Runs the program from outside, as a user does, in folders of its own.
 namespace nscdd::testing {
 
+namespace fs = std::filesystem;
+
 /// A fresh empty folder, removed with everything in it at the end of its life.
 class TemporaryFolder {
  public:
@@ -20,8 +22,8 @@ class TemporaryFolder {
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const fs::path& path() const { return path_; }
+  fs::path operator/(const std::string& name) const { return path_ / name; }
 
  private:
   std::filesystem::path path_;

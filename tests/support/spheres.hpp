@@ -6,8 +6,6 @@
 /// Scenes of spheres that move. Gravity is (0, 0, -g) unless a test says otherwise.
 namespace nscdd::testing {
 
-using Vector3 = Eigen::Vector3d;
-
 /// One sphere of a scene: where it is, how fast it starts.
 struct Ball {
   Vector3 centre = Vector3::Zero();

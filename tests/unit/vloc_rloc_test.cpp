@@ -18,8 +18,6 @@ using namespace nscdd::testing;
 
 namespace {
 
-using Vector3 = Eigen::Vector3d;
-
 FclibFile problem_of(const NetworkTexts& texts) {
   const Datbox datbox = parse_datbox(texts.datbox, "box", DatboxShapes::any);
   return contact_problem_of(datbox, parse_vloc_rloc(texts.contacts, "box/Vloc_Rloc.INI", datbox), "box/Vloc_Rloc.INI");

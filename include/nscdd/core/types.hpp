@@ -69,9 +69,10 @@ void sort_unique(std::vector<Value>& values) {
 }
 
 /// 0, 1, ..., n - 1.
-inline std::vector<Index> natural_order(Index n) {
-  std::vector<Index> order(at(n));
-  std::iota(order.begin(), order.end(), Index{0});
+template <class Number = Index>
+std::vector<Number> natural_order(Index n) {
+  std::vector<Number> order(at(n));
+  std::iota(order.begin(), order.end(), Number{0});
   return order;
 }
 

@@ -8,9 +8,6 @@
 namespace nscdd {
 namespace {
 
-using Vector3 = Eigen::Vector3d;
-using Matrix3 = Eigen::Matrix3d;
-
 // Integrals of 1, x and x x^T over triangles or tetrahedra with a vertex at the origin.
 struct Moments {
   Index dimension;

@@ -8,8 +8,6 @@
 namespace nscdd {
 namespace {
 
-using Vector3 = Eigen::Vector3d;
-
 // The velocity (m/s or rad/s) of a degree of freedom over time (s): linear between points, constant beyond.
 using Course = std::vector<std::array<double, 2>>;
 

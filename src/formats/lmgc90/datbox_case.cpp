@@ -7,9 +7,6 @@
 namespace nscdd {
 namespace {
 
-using Vector3 = Eigen::Vector3d;
-using Matrix3 = Eigen::Matrix3d;
-
 // Whether a body has the inertia of its first contactor, a full disk or sphere.
 bool has_full_inertia(const DatboxBody& body, bool space) {
   constexpr double tolerance = 1e-3;  // some files have three digits

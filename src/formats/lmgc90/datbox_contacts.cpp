@@ -5,8 +5,6 @@
 namespace nscdd {
 namespace {
 
-using Vector3 = Eigen::Vector3d;
-
 const char* status_name(ContactStatus status, const char* sliding) {
   return status == ContactStatus::open ? "noctc" : status == ContactStatus::stick ? "stick" : sliding;
 }

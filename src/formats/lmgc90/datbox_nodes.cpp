@@ -6,8 +6,6 @@
 
 namespace nscdd {
 
-using Vector3 = Eigen::Vector3d;
-
 void DatboxWriter::number_bodies() {
   const GranularSystem& system = first_.system;
   std::vector<Body> driven;  // one per boundary; in space one per driven sphere, and one per wall if it has more shapes

@@ -8,8 +8,6 @@
 namespace nscdd {
 namespace {
 
-namespace fs = std::filesystem;
-
 // The body of a record of DRV_DOF.DAT or DOF.INI, by its number from 1. `met`: the numbers so far.
 DatboxBody& numbered_body(FixedColumns& lines, Datbox& datbox, std::set<Index>& met) {
   std::vector<DatboxBody>& bodies = datbox.bodies;

@@ -8,9 +8,6 @@
 namespace nscdd {
 namespace {
 
-using Vector3 = Eigen::Vector3d;
-using Matrix3 = Eigen::Matrix3d;
-
 std::string frame_text(const Matrix3& frame) {
   return fmt::format("{:29}localframe\n", "") + datbox_three("alp{}=", frame.col(0)) +
          datbox_three("bet{}=", frame.col(1)) + datbox_three("gam{}=", frame.col(2)) +

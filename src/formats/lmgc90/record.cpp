@@ -10,7 +10,6 @@
 namespace nscdd {
 namespace {
 
-using Vector3 = Eigen::Vector3d;
 using hdf5::Group;
 
 constexpr std::string_view record_prefix = "ID_";

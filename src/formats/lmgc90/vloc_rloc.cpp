@@ -9,8 +9,6 @@
 namespace nscdd {
 namespace {
 
-namespace fs = std::filesystem;
-using Vector3 = Eigen::Vector3d;
 using Vector6 = Eigen::Vector<double, 6>;
 
 // Translations, then one spin, or three along the axes of the body. One that is driven in some of them keeps all rows,

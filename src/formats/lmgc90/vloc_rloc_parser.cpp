@@ -7,8 +7,6 @@
 namespace nscdd {
 namespace {
 
-using Vector3 = Eigen::Vector3d;
-
 // " RBDY2     11  POLYG      1  CDVER      2  iqsc1  RBDY2      1  POLYG      1 ...": the law stands before the second
 // body. The status is after it: slifw, slibw, slide or Wslfw and Wslbw where the contact slides.
 void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& contact) {

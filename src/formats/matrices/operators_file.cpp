@@ -8,7 +8,6 @@
 namespace nscdd {
 namespace {
 
-namespace fs = std::filesystem;
 using hdf5::Group;
 
 std::string_view kind_of(const CaseOperator& one) {

@@ -182,8 +182,7 @@ std::vector<int> order_of_elimination(const Graph& graph, const std::vector<int>
 Supernodes with_kept_apart(const Supernodes& nodes, const std::vector<char>& kept) {
   const auto keeps = [&](int position) { return kept[at(nodes.node[at(position)])] != 0; };
   const int all = static_cast<int>(nodes.node.size());
-  std::vector<int> order(nodes.node.size());  // of the old positions
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<int> order = natural_order<int>(all);  // of the old positions
   std::ranges::sort(order, {}, [&](int k) { return std::pair(keeps(k), keeps(k) ? nodes.node[at(k)] : k); });
   const auto first_kept = static_cast<int>(std::ranges::find_if(order, keeps) - order.begin());
   std::vector<int> position(order.size());  // new ones
