@@ -57,8 +57,9 @@ struct Pieces {
   std::vector<std::array<bool, 3>> wraps;  // directions in which a piece touches its own image and cannot turn
 };
 
-Pieces pieces_of(const Subdomain& subdomain, Index d, const Period& period) {
+Pieces pieces_of(const Subdomain& subdomain, Index unknowns, const Period& period) {
   const SparseMatrix touching = subdomain.h * subdomain.h.transpose();
+  const Index d = subdomain.centres.rows();
   const std::array cell{period.x, period.y};
   Pieces all{std::vector<Index>(subdomain.grains.size(), -1), Matrix::Zero(d, count(subdomain.grains)), {}};
   for (Index first = 0; first < count(all.of_grain); ++first) {
@@ -68,9 +69,10 @@ Pieces pieces_of(const Subdomain& subdomain, Index d, const Period& period) {
     for (std::vector<Index> open{first}; !open.empty();) {
       const Index i = open.back();
       open.pop_back();
-      for (Index column = d * i; column < d * (i + 1); ++column)
+      for (Index column = unknowns * i; column < unknowns * (i + 1); ++column)
         for (SparseMatrix::InnerIterator e(touching, column); e; ++e) {
-          const Index j = e.row() / d;
+          if (e.value() == 0) continue;  // of a contact that is open
+          const Index j = e.row() / unknowns;
           std::array<double, 3> step{};
           for (Index k = 0; k < d; ++k) step[at(k)] = subdomain.centres(k, j) - subdomain.centres(k, i);
           step = period.shortest(step);
@@ -88,18 +90,23 @@ Pieces pieces_of(const Subdomain& subdomain, Index d, const Period& period) {
 }
 
 // Velocities of the shared grains of connected pieces of a subdomain that move as rigid bodies.
-Matrix rigid_motions_of(const CondensedSubdomain& one, const Subdomain& subdomain, Index d, const Period& period) {
-  const Pieces all = pieces_of(subdomain, d, period);
-  const Index motions = d * (d + 1) / 2;
+Matrix rigid_motions_of(const CondensedSubdomain& one, const Subdomain& subdomain, Index unknowns,
+                        const Period& period) {
+  const Pieces all = pieces_of(subdomain, unknowns, period);
+  const Index d = subdomain.centres.rows(), motions = d * (d + 1) / 2;
   Matrix velocities = Matrix::Zero(count(one.local), motions * count(all.wraps));
   for (Index i = 0; i < count(one.local); ++i) {
-    const Index grain = one.local[at(i)] / d, k = one.local[at(i)] % d, p = all.of_grain[at(grain)];
-    velocities(i, motions * p + k) = 1;
+    const Index grain = one.local[at(i)] / unknowns, k = one.local[at(i)] % unknowns, p = all.of_grain[at(grain)];
+    if (k < d) velocities(i, motions * p + k) = 1;
     Index rotation = motions * p + d;  // one in each plane (a, b): v_a = -x_b, v_b = x_a
     for (Index a = 0; a < d; ++a)
       for (Index b = a + 1; b < d; ++b, ++rotation)
         if (!all.wraps[at(p)][at(a)] && !all.wraps[at(p)][at(b)])
-          velocities(i, rotation) = k == a ? -all.places(b, grain) : k == b ? all.places(a, grain) : 0.0;
+          velocities(i, rotation) = k >= d
+                                        ? subdomain.turning((unknowns - d) * grain + k - d, rotation - motions * p - d)
+                                    : k == a ? -all.places(b, grain)
+                                    : k == b ? all.places(a, grain)
+                                             : 0.0;
   }
   return independent_columns(velocities);
 }
@@ -129,17 +136,14 @@ CoarseVectors geneo_vectors(const PrimalInterface& interface, double threshold) 
 }
 
 CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts, const Period& period) {
-  const Index d = interface.dofs_per_grain;
   std::vector<Matrix> local(interface.subdomains.size());
   for (std::size_t e = 0; e < local.size(); ++e) {
     const CondensedSubdomain& one = interface.subdomains[e];
+    const Subdomain& subdomain = parts.subdomains[e];
     if (!one.own) continue;
-    if (parts.subdomains[e].centres.rows() != d ||
-        parts.subdomains[e].centres.cols() != count(parts.subdomains[e].grains))
-      throw Error(
-          "coarse space rigid: expected the centres of frictionless grains, met a network without; geneo needs "
-          "none");
-    local[e] = one.weights * rigid_motions_of(one, parts.subdomains[e], d, period);
+    if (subdomain.centres.size() + subdomain.turning.rows() != subdomain.inertia.size())
+      throw Error("coarse space rigid: expected the centres of the grains, met a network without; geneo needs none");
+    local[e] = one.weights * rigid_motions_of(one, subdomain, interface.dofs_per_grain, period);
     local[e].conservativeResizeLike(Matrix::Zero(local[e].rows() + 1, local[e].cols()));
   }
   return united(interface, std::move(local));

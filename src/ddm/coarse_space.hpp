@@ -29,8 +29,8 @@ inline double geneo_threshold(const PrimalInterface& interface, double kappa) {
   return static_cast<double>(interface.most_neighbours()) / kappa;
 }
 
-/// Needs the centres of the grains (Subdomain::centres), d per grain; throws Error without. A piece that touches its
-/// own image in a periodic cell does not turn.
+/// Needs the centres of the grains, and what their spins are where they turn (Subdomain::turning); throws Error
+/// without. A piece that touches its own image in a periodic cell does not turn.
 CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decomposition& parts, const Period& period = {});
 
 /// The coarse spaces spanned by the first vectors of a list: vectors V, orthonormal in C, with the span of the first k

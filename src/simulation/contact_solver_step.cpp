@@ -124,16 +124,19 @@ void solve_divided_contacts(GranularStep<D>& step, GranularDecomposition<D> part
   // Solutions of Newton's steps are refined: their errors are about the square of the tolerance.
   const double tolerance = admm ? std::min(1e-8, solver.tolerance) : std::min(1e-4, 1e4 * solver.tolerance);
   std::optional<CutContacts<D>> cut;
-  if (has_part(solver.algorithm, StepPart::cut_systems))
-    cut.emplace(linear_decomposition(simulation, step),
-                CutOptions{.preconditioner = solver.interface_preconditioner,
-                           .flexibility = admm ? 1 : solver.interface_flexibility,
-                           .tolerance = tolerance,
-                           .scaling = solver.interface_scaling,
-                           .coarse_space = solver.coarse_space,
-                           .kappa = solver.coarse_kappa,
-                           .inertia = simulation.inertia,
-                           .bddc = simulation.bddc});
+  if (has_part(solver.algorithm, StepPart::cut_systems)) {
+    Decomposition linear = linear_decomposition(simulation, step);
+    if (solver.coarse_space == CoarseSpace::rigid) add_places(linear, simulation);
+    cut.emplace(std::move(linear), CutOptions{.preconditioner = solver.interface_preconditioner,
+                                              .flexibility = admm ? 1 : solver.interface_flexibility,
+                                              .tolerance = tolerance,
+                                              .scaling = solver.interface_scaling,
+                                              .coarse_space = solver.coarse_space,
+                                              .kappa = solver.coarse_kappa,
+                                              .period = simulation.system.period,
+                                              .inertia = simulation.inertia,
+                                              .bddc = simulation.bddc});
+  }
   DividedContacts<D> divided(step.problem, step.partition, std::move(parts),
                              contact_colours(simulation, step.problem.geometry), std::move(cut),
                              admm ? Refinement::none : Refinement::one_step);

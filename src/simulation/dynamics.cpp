@@ -214,9 +214,8 @@ void check(const StepSolver& solver) {
   if (solver.algorithm == StepAlgorithm::two_stage_newton &&
       solver.interface_preconditioner == InterfacePreconditioner::bddc)
     refuse("interface_preconditioner", "another one with two_stage_newton, whose systems are not symmetric", "bddc");
-  if (solver.coarse_space != CoarseSpace::none && solver.coarse_space != CoarseSpace::geneo)
-    refuse("coarse_space", "none or geneo in a step, whose contacts slide and whose bodies turn",
-           to_string(solver.coarse_space));
+  if (solver.interface_preconditioner == InterfacePreconditioner::bddc && solver.coarse_space == CoarseSpace::rigid)
+    refuse("coarse_space", "none or geneo with solver.interface_preconditioner bddc", "rigid");
   if (solver.criterion != Criterion::gluing) return;
   if (!has_part(solver.algorithm, StepPart::exchanges))
     refuse("criterion", fmt::format("solver.algorithm {} with criterion gluing", algorithms_with(StepPart::exchanges)),

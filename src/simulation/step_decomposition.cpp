@@ -66,6 +66,28 @@ std::vector<char> expected_columns(const Simulation& simulation, const StepProbl
 
 }  // namespace
 
+void add_places(Decomposition& parts, const Simulation& simulation) {
+  const GranularSystem& system = simulation.system;
+  const Configuration where = where_contacts_are(start_of(simulation));
+  const Index d = system.dimension, spins = d * (d - 1) / 2;
+  const Eigen::Matrix3d unit_spins{{0, 0, 1}, {0, -1, 0}, {1, 0, 0}};
+  for (Subdomain& subdomain : parts.subdomains) {
+    const Index n = count(subdomain.grains);
+    subdomain.centres.resize(d, n);
+    subdomain.turning.resize(spins * n, spins);
+    for (Index i = 0; i < n; ++i) {
+      const Index number = subdomain.grains[at(i)];
+      const bool grain = number < system.grains();
+      const Pose pose = grain ? Pose{} : where.poses[at(system.free_bodies[at(number - system.grains())])];
+      const Place centre = grain ? where.centre(at(number)) : pose.place();
+      Eigen::Matrix3d rims = Eigen::Vector3d::Map(system.rims(number).data()).asDiagonal();
+      if (!grain) rims *= principal_axes(*system.body(number).body, pose).transpose();
+      subdomain.centres.col(i) = Eigen::Vector3d::Map(centre.data()).head(d);
+      subdomain.turning.middleRows(spins * i, spins) = (rims * unit_spins).bottomLeftCorner(spins, spins);
+    }
+  }
+}
+
 template <int D>
 InterfaceOperator enriched_operator(const Simulation& simulation, const GranularStep<D>& step, double eta) {
   const Decomposition all = linear_parts(simulation, step);

@@ -16,6 +16,9 @@ Decomposition linear_decomposition(const Simulation& simulation, const GranularS
                    GluingShape::chain, {grains, step.process_of_subdomain, simulation.processes});
 }
 
+/// Adds the centres of the bodies of a step and what their spins are (Subdomain::turning), for `rigid_vectors`.
+void add_places(Decomposition& parts, const Simulation& simulation);
+
 /// X_eta of the linear Stage 2 of a step, of all contacts considered. With `network` active, and in the semi-implicit
 /// scheme, only of those that carried an impulse in the step before.
 template <int D>

@@ -85,13 +85,16 @@ Decomposition CutContacts<D>::stage_two() const {
 // None if a subdomain is not positive definite in double precision.
 template <int D>
 LinearMap CutContacts<D>::local_map() const {
-  const auto interface = std::make_shared<PrimalInterface>(condense(stage_two(), 1));
+  const Decomposition parts = stage_two();
+  const auto interface = std::make_shared<PrimalInterface>(condense(parts, 1));
   if (!interface->definite()) return {};
   weigh(*interface, options_.scaling);
   std::shared_ptr<const CoarseProblem> coarse;
-  if (options_.coarse_space == CoarseSpace::geneo && options_.preconditioner == InterfacePreconditioner::dirichlet)
+  if (options_.coarse_space != CoarseSpace::none && options_.preconditioner == InterfacePreconditioner::dirichlet)
     coarse = std::make_shared<const CoarseProblem>(
-        *interface, geneo_vectors(*interface, geneo_threshold(*interface, options_.kappa)));
+        *interface, options_.coarse_space == CoarseSpace::rigid
+                        ? rigid_vectors(*interface, parts, options_.period)
+                        : geneo_vectors(*interface, geneo_threshold(*interface, options_.kappa)));
   return local_preconditioner(interface, options_.preconditioner, coarse);
 }
 

@@ -17,6 +17,7 @@ struct CutOptions {
   Scaling scaling = Scaling::deluxe;
   CoarseSpace coarse_space = CoarseSpace::none;
   double kappa = 30;           ///< that GenEO shall keep
+  Period period = {};          ///< of the cell, for rigid motions
   InertiaMethod inertia = {};  ///< factorises P, see InterfaceOperator::solve
   Bddc bddc = {};              ///< takes the place of Stage 1 and Stage 2, for symmetric systems
 };

@@ -190,7 +190,7 @@ struct StepSolver {
     visit(cut_systems, "interface_scaling", self.interface_scaling,
           Field{.description = "weights of the copies of shared grains in this preconditioner"});
     visit(cut_systems, "coarse_space", self.coarse_space,
-          Field{.description = "vectors that a coarse problem solves exactly in this preconditioner: none or geneo"});
+          Field{.description = "vectors that a coarse problem solves exactly in this preconditioner"});
     visit(cut_systems, "coarse_kappa", self.coarse_kappa,
           Field{.description = "condition number that the vectors of geneo shall keep", .above = 1});
     visit(subdomains, "redecompose", self.redecompose,

@@ -10,6 +10,7 @@
 #include "formats/lmgc90/datbox_writer.hpp"
 #include "formats/trajectory/trajectory.hpp"
 #include "simulation/contact_solver_step.hpp"
+#include "simulation/step_decomposition.hpp"
 
 #include <doctest/doctest.h>
 
@@ -160,7 +161,52 @@ Simulation read_back(const DatboxTexts& texts, const Simulation& original) {
   return {made.system, made.state, dynamics, original.partitioner};
 }
 
+// A rigid motion of all bodies moves a contact by its gap at the most: its points on both bodies are that far apart. A
+// coarse space of such motions changes what is counted at the interface, and nothing else.
+template <int D>
+void check_rigid_motions(Simulation simulation) {
+  const GranularStep<D> step = share_step<D>(simulation);
+  Decomposition parts = linear_decomposition(simulation, step);
+  add_places(parts, simulation);
+  constexpr Index unknowns = unknowns_of_grain<D>, spins = unknowns - D;
+  const auto turns = [&](Index body) {
+    return body < simulation.system.grains() && !simulation.system.is_boundary(body);
+  };
+  Index checked = 0;
+  for (const Subdomain& one : parts.subdomains) {
+    Matrix motions = Matrix::Zero(one.inertia.size(), unknowns);
+    for (Index i = 0; i < count(one.grains); ++i) {
+      auto rows = motions.middleRows<unknowns>(unknowns * i);
+      rows.template topLeftCorner<D, D>().setIdentity();
+      for (Index a = 0, plane = D; a < D; ++a)
+        for (Index b = a + 1; b < D; ++b, ++plane)
+          rows.col(plane).template head<D>() =
+              one.centres(a, i) * Vector::Unit(D, b) - one.centres(b, i) * Vector::Unit(D, a);
+      rows.template bottomRightCorner<spins, spins>() = one.turning.middleRows<spins>(spins * i);
+    }
+    const Matrix moved = one.h.transpose() * motions;
+    for (Index column = 0; column < moved.rows(); ++column)
+      if (const StepContact& c = step.problem.geometry[at(one.contacts[at(column)] / D)]; turns(c.a) && turns(c.b)) {
+        CHECK(moved.row(column).cwiseAbs().maxCoeff() <= 1.001 * std::abs(c.gap) + 1e-12);
+        ++checked;
+      }
+  }
+  CHECK(checked > 5 * D);
+  simulation.dynamics.solver.interface_preconditioner = InterfacePreconditioner::dirichlet;
+  const GranularStep<D> expected = solve_step<D>(simulation);
+  simulation.dynamics.solver.coarse_space = CoarseSpace::rigid;
+  const GranularStep<D> found = solve_step<D>(simulation);
+  CHECK(found.report.status == SolverStatus::converged);
+  CHECK(found.report.interface_iterations < expected.report.interface_iterations);
+  CHECK(largest_difference(found.velocities, expected.velocities) < 1e-7);
+}
+
 }  // namespace
+
+TEST_CASE("rigid motions of the bodies of a step move no contact, and make a coarse space") {
+  check_rigid_motions<2>(pressed_bed(pressed("two_stage_admm"), {2, 2}));
+  check_rigid_motions<3>(pressed_spheres(pressed("two_stage_admm"), {2, 2, 1}));
+}
 
 TEST_CASE("bodies: a run goes on from every step of its trajectory, bit for bit") {
   for (const StepAlgorithm algorithm : {StepAlgorithm::nlgs, StepAlgorithm::generic, StepAlgorithm::schwarz,

@@ -23,6 +23,9 @@ struct Subdomain {
   SparseMatrix h;               ///< H_E, d n_E x c_E
   SparseMatrix a;               ///< A_E, n_Gamma x d n_E, signed boolean
   Matrix centres = {};          ///< of the grains, d x n_E, m; empty if not known
+  /// Of grains that turn: their unknowns behind the velocity of the centre at unit spins in the planes (x, y), (x, z)
+  /// and (y, z), a column each, in which the first axis turns towards the second; m.
+  Matrix turning = {};
 };
 
 /// A packing cut in the FETI way ([ADI12] section 2): sum_E A_E V_E = 0 glues the copies of shared grains.
