@@ -142,7 +142,9 @@ CoarseVectors rigid_vectors(const PrimalInterface& interface, const Decompositio
     const Subdomain& subdomain = parts.subdomains[e];
     if (!one.own) continue;
     if (subdomain.centres.size() + subdomain.turning.rows() != subdomain.inertia.size())
-      throw Error("coarse space rigid: expected the centres of the grains, met a network without; geneo needs none");
+      throw Error(
+          "coarse space rigid: expected the centres of grains, and of those that turn their spins, met a network "
+          "without; geneo needs none");
     local[e] = one.weights * rigid_motions_of(one, subdomain, interface.dofs_per_grain, period);
     local[e].conservativeResizeLike(Matrix::Zero(local[e].rows() + 1, local[e].cols()));
   }

@@ -205,6 +205,7 @@ void check_rigid_motions(Simulation simulation) {
 
 TEST_CASE("rigid motions of the bodies of a step move no contact, and make a coarse space") {
   check_rigid_motions<2>(pressed_bed(pressed("two_stage_admm"), {2, 2}));
+  check_rigid_motions<2>(pressed_bed(pressed("two_stage_newton"), {2, 2}));
   check_rigid_motions<3>(pressed_spheres(pressed("two_stage_admm"), {2, 2, 1}));
 }
 

@@ -23,8 +23,8 @@ struct Subdomain {
   SparseMatrix h;               ///< H_E, d n_E x c_E
   SparseMatrix a;               ///< A_E, n_Gamma x d n_E, signed boolean
   Matrix centres = {};          ///< of the grains, d x n_E, m; empty if not known
-  /// Of grains that turn: their unknowns behind the velocity of the centre at unit spins in the planes (x, y), (x, z)
-  /// and (y, z), a column each, in which the first axis turns towards the second; m.
+  /// Spin unknowns of the grains at unit spins in the planes (x, y), (x, z), (y, z), a column each, m: s n_E x s for s
+  /// spins of a grain; empty where grains do not turn, or if not known.
   Matrix turning = {};
 };
 
