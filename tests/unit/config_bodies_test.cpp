@@ -47,8 +47,7 @@ TEST_CASE("bodies of a case: free directions, mass, inertia, loads and planks, w
   CHECK(to_toml(back) == to_toml(one));
   const std::vector<BoundarySpec>& found = back.dynamics->boundaries;
   REQUIRE(found.size() == 2);
-  CHECK(found[0].dimension == 2);
-  CHECK(found[0].colour == "red");
+  CHECK((found[0].dimension == 2 && found[0].colour == "red"));
   CHECK(found[0].motion.velocity.empty());
   REQUIRE(found[0].body.has_value());
   const FreeBody& clump = *found[0].body;
@@ -106,8 +105,7 @@ TEST_CASE("bodies of a case: colours and rules of pairs, written and read back")
   CHECK(std::pair(dynamics.colours[1].first, dynamics.colours[1].last) == std::pair<Index, Index>(4, -1));
   REQUIRE(dynamics.pairs.size() == 2);
   CHECK(dynamics.pairs[0].rule.touch);
-  CHECK(dynamics.pairs[0].rule.friction == 0.125);
-  CHECK(dynamics.pairs[0].rule.restitution == 0.75);
+  CHECK((dynamics.pairs[0].rule.friction == 0.125 && dynamics.pairs[0].rule.restitution == 0.75));
   CHECK(dynamics.pairs[0].rule.tangential_restitution == 0.5);
   CHECK_FALSE(dynamics.pairs[1].rule.touch);
   CHECK_FALSE(dynamics.pairs[1].rule.friction.has_value());

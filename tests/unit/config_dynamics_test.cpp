@@ -30,8 +30,7 @@ TEST_CASE("moving case: everything read") {
   const CaseSpec one = parse_moving(moving_case());
   REQUIRE(one.dynamics.has_value());
   const Dynamics& dynamics = *one.dynamics;
-  CHECK(dynamics.interaction.friction == 0.3);
-  CHECK(dynamics.time.steps == 20);
+  CHECK((dynamics.interaction.friction == 0.3 && dynamics.time.steps == 20));
   CHECK(dynamics.solver.algorithm == "generic");
   CHECK(dynamics.solver.warm_start);
   REQUIRE(dynamics.boundaries.size() == 3);
@@ -56,8 +55,7 @@ TEST_CASE("moving case: oscillations, initial velocities and spins, written and 
   CHECK(to_toml(back) == to_toml(one));
   const Motion& motion = back.dynamics->boundaries.at(3).motion;
   CHECK(motion.velocity.empty());
-  CHECK(motion.initial->y == 2);
-  CHECK(motion.initial->spin == 3);
+  CHECK((motion.initial->y == 2 && motion.initial->spin == 3));
   CHECK(motion.at(0.25).x == doctest::Approx(4 * std::cos(2.0) / 2).epsilon(1e-14));
   CHECK(motion.at(0.25).spin == doctest::Approx(7 * std::cos(2.0)).epsilon(1e-14));
   CHECK(back.prescribed.at(0).spin == std::array<double, 3>{0, 0, -9});
@@ -185,8 +183,7 @@ TEST_CASE("moving case: without [solver] every step is solved by auto to a natur
   const std::string bare = good.substr(0, begin) + good.substr(end);
   const CaseSpec one = parse_moving(bare);
   const StepSolver& solver = one.dynamics->solver;
-  CHECK(solver.algorithm == "auto");
-  CHECK(solver.criterion == "natural_map");
+  CHECK((solver.algorithm == "auto" && solver.criterion == "natural_map"));
   CHECK(solver.warm_start);
   CHECK(to_toml(parse_moving(to_toml(one))) == to_toml(one));
   Simulation simulation = simulation_of({one});  // the partition of two subdomains has no part in it
@@ -233,10 +230,8 @@ TEST_CASE("moving case: parameters are overridden by their path") {
   override_case(one, "solver.tolerance", "1e-7");
   override_case(one, "solver.eta", "0.25");
   override_case(one, "interaction.friction", "0.5");
-  CHECK(one.dynamics->time.steps == 7);
-  CHECK(one.dynamics->solver.tolerance == 1e-7);
-  CHECK(one.dynamics->solver.eta == "0.25");
-  CHECK(one.dynamics->interaction.friction == 0.5);
+  CHECK((one.dynamics->time.steps == 7 && one.dynamics->solver.tolerance == 1e-7));
+  CHECK((one.dynamics->solver.eta == "0.25" && one.dynamics->interaction.friction == 0.5));
   CHECK_THROWS_WITH_AS(override_case(one, "solver.eta", "-1"), doctest::Contains("solver.eta"), Error);
   CHECK_THROWS_WITH_AS(override_case(one, "dynamics.stepps", "7"), doctest::Contains("dynamics.step,"), Error);
   one.dynamics.reset();

@@ -30,8 +30,7 @@ TEST_CASE("fields: listed, overridden, bounds kept") {
   Described example;
   const auto listed = describe_fields(example);
   REQUIRE(listed.size() == 3);
-  CHECK(listed[0].key == "length");
-  CHECK(listed[0].unit == "m");
+  CHECK((listed[0].key == "length" && listed[0].unit == "m"));
   CHECK(listed[0].value == "1.5");
   CHECK(listed[2].value == "[1, 2]");
   CHECK(override_field(example, "length", "2e-3", "x.length"));
@@ -139,8 +138,7 @@ TEST_CASE("columns with getters: members, functions, enumerations and parts, in 
   CHECK(row(columns, {}) == Row{std::int64_t{3}, 0.5, std::string("blue"), std::string("a"), true, 1.0});
   const std::vector<Column> names = headings(columns);
   REQUIRE(names.size() == 6);
-  CHECK(names[1].name == "size");
-  CHECK(names[1].unit == "m");
+  CHECK((names[1].name == "size" && names[1].unit == "m"));
   CHECK(names[1].description == "its size");
 
   const auto pair = joined<Pair>({columns_of(&Pair::second, columns),

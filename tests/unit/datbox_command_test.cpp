@@ -22,8 +22,7 @@ TEST_CASE("COMMAND.DAT: time step, theta and periods, the first of each; comment
       "#COMMAND.DAT                  :\n# TIME STEP                   :\n# 7.D-03\nTIME STEP                     :\n"
       "1.D-03                        :\n#\nTHETA                         :\n#\n0.5D0    :\n"
       "PERIODIC CONDITION            :\n25.00\nTIME STEP                     :\n2.D-03\n");
-  CHECK(command.step == 1e-3);
-  CHECK(command.theta == 0.5);
+  CHECK((command.step == 1e-3 && command.theta == 0.5));
   CHECK(command.period_x == 25);
   CHECK(!command.period_y);
   const DatboxCommand empty = command_of("");
@@ -34,8 +33,7 @@ TEST_CASE("COMMAND.DAT: time step, theta and periods, the first of each; comment
 TEST_CASE("COMMAND.DAT: periods of spheres are along x and y; a source point has a first body, a distance, a place") {
   const std::string sphere = testing::small_datbox_in_space().bodies;
   const DatboxCommand command = command_of("XPERIODIC CONDITION :\n0.2  :\nYPERIODIC CONDITION :\n0.3\n", sphere);
-  CHECK(command.period_x == 0.2);
-  CHECK(command.period_y == 0.3);
+  CHECK((command.period_x == 0.2 && command.period_y == 0.3));
   CHECK(!command_of("PERIODIC CONDITION :\n0.2\n", sphere).period_x);
   const auto source = command_of("FD INIT SOURCE POINT :\n2  :\n0.15D-01 :\n0.1 0.2  0.02 :\n", sphere).source;
   REQUIRE(source);

@@ -200,8 +200,7 @@ TEST_CASE("auto leaves very many contacts to accelerated sweeps" * doctest::skip
   const FrictionSolution momentum =
       solve_friction(problem, {.algorithm = FrictionAlgorithm::accelerated, .tolerance = 1e-9});
   CHECK(found.status == FrictionStatus::converged);
-  CHECK(found.sweeps == momentum.sweeps);
-  CHECK(found.impulses == momentum.impulses);
+  CHECK((found.sweeps == momentum.sweeps && found.impulses == momentum.impulses));
   const FrictionSolution sweeps = solve_friction(problem, {.algorithm = FrictionAlgorithm::nlgs, .tolerance = 1e-9});
   CHECK((found.impulses - sweeps.impulses).norm() <= 1e-8 * sweeps.impulses.norm());
   CHECK(found.sweeps != sweeps.sweeps);
@@ -220,8 +219,7 @@ TEST_CASE("continuation needs no sweeps, and nothing but a judgement where the g
   CHECK(found.factorisations > 3);
   CHECK(found.factorisations < 60);
   const FrictionSolution again = solve_friction(problem, curve, found.impulses);
-  CHECK(again.factorisations == 0);
-  CHECK(again.impulses == found.impulses);
+  CHECK((again.factorisations == 0 && again.impulses == found.impulses));
   const FrictionSolution lifted = solve_friction(problem, curve, 1e-9 * found.impulses);  // next to no guess
   CHECK(lifted.status == FrictionStatus::converged);
   CHECK(lifted.factorisations <= 2 * found.factorisations);
@@ -240,8 +238,7 @@ TEST_CASE("auto begins again from zero where a guess leads nowhere, and keeps wh
     const Vector guess = RandomStream(seed + 1000).normal_vector(80);
     const FrictionSolution found = solve_friction(problem, options, guess);
     CHECK(found.status == FrictionStatus::converged);
-    CHECK(found.factorisations == options.maximum_factorisations);
-    CHECK(found.impulses == cold.impulses);
+    CHECK((found.factorisations == options.maximum_factorisations && found.impulses == cold.impulses));
 
     options.maximum_factorisations = 3;
     const Vector near = cold.impulses + 0.1 * guess;
@@ -475,8 +472,7 @@ TEST_CASE("order and relaxation lead to the same solution, a guess that solves n
       CHECK((other.impulses - plain.impulses).norm() < 1e-10);
     }
   const FrictionSolution again = solve_friction(problem, {}, plain.impulses);
-  CHECK(again.sweeps == 0);
-  CHECK(again.impulses == plain.impulses);
+  CHECK((again.sweeps == 0 && again.impulses == plain.impulses));
 }
 
 TEST_CASE("without friction it is the unilateral problem") {
@@ -508,8 +504,7 @@ TEST_CASE("Siconos' residual: rho = 1, relative to the largest of r, u and q") {
   CHECK(state.siconos_residual == doctest::Approx(2.4 * std::sqrt(1.25) / 5));
   // rho = 1/2: (0.5, -2) projects to 1.2 (1, -0.5); alone the contact takes (1.5, -0.75).
   CHECK(state.residual == doctest::Approx(1.2 / 1.5));
-  CHECK(state.velocities == problem.q);
-  CHECK(state.open == 1);
+  CHECK((state.velocities == problem.q && state.open == 1));
   // r = (10, 0): u = (17, 4), and r - (u + mu |u_t| n) = (-9, -4) projects to zero.
   const FrictionState pressed = friction_state(problem, Vector{{10, 0}});
   CHECK(pressed.siconos_residual == doctest::Approx(10 / std::hypot(17, 4)));

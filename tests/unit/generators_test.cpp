@@ -185,8 +185,7 @@ TEST_CASE("drop and roll: grains come to rest on the floor, at a wall, in a gap,
   const auto check_rest = [&](double from, double radius, const auto& x, const auto& y) {
     CAPTURE(from);
     const Disk found = heap.settle(from, radius);
-    CHECK(found.x == x);
-    CHECK(found.y == y);
+    CHECK((found.x == x && found.y == y));
     heap.add(found);
   };
   using doctest::Approx;
@@ -414,8 +413,7 @@ TEST_CASE("hexagonal lattice: as many vacancies as asked, nested, seeded") {
 TEST_CASE("hexagonal lattice: size disorder parts neighbours, and a tolerance keeps the network") {
   const HexagonalLattice lattice{.columns = 30, .rows = 30, .radius = 0.5, .disorder = 0.1};
   const Packing p = generate(lattice), full = generate(HexagonalLattice{.columns = 30, .rows = 30});
-  CHECK(p.x == full.x);
-  CHECK(p.y == full.y);
+  CHECK((p.x == full.x && p.y == full.y));
   const auto [low, high] = std::minmax_element(p.radius.begin(), p.radius.end());
   CHECK(*low >= 0.45);
   CHECK(*high <= 0.5);

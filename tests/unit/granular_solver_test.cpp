@@ -253,8 +253,7 @@ TEST_CASE("residual: sums of parts add up entry by entry, and both ways to slide
   for (const double speed : {-3.0, 3.0}) {
     const GranularStep<2> step =
         solve_step(simulation_of({{.y = 0.5, .velocity_x = speed, .velocity_y = -1}}, dynamics));
-    CHECK(step.report.residual.slide == 1);
-    CHECK(step.report.residual.stick == 0);
+    CHECK((step.report.residual.slide == 1 && step.report.residual.stick == 0));
   }
 }
 
@@ -313,6 +312,5 @@ TEST_CASE("residual: a resting disk whose reaction lacks d is off by d, by d / m
   CHECK(off.quad_dv() == doctest::Approx(0.3 / std::sqrt((0.49 + 1) / 2)).epsilon(1e-12));
   // (r' + r)/2 W (r' - r) over the mean of r W r and r' W r'
   CHECK(off.mean_dv_over_r() == doctest::Approx(0.85 * 0.3 / ((0.49 + 1) / 2)).epsilon(1e-12));
-  CHECK(off.active == 1);
-  CHECK(off.stick == 1);
+  CHECK((off.active == 1 && off.stick == 1));
 }

@@ -43,8 +43,7 @@ TEST_CASE("case file: everything read") {
   const CaseSpec one = parse(good);
   CHECK(one.name == "c");
   CHECK(std::get<TriangularStrip>(std::get<Generator>(one.packing)).grains == 6);
-  CHECK(one.contacts.tolerance == 1e-6);
-  CHECK(one.masses.density == 2);
+  CHECK((one.contacts.tolerance == 1e-6 && one.masses.density == 2));
   CHECK(std::get<GridPartitioner>(one.partition).grid == std::array<Index, 2>{3, 2});
   REQUIRE(one.prescribed.size() == 1);
   CHECK(one.prescribed[0].velocity == std::array<double, 2>{-1, 0.5});

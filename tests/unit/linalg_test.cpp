@@ -88,8 +88,7 @@ TEST_CASE("pencil: multiple eigenvalues, the zero matrix, an indefinite P, numbe
     CHECK(std::abs(ends.high[0] - 0.75) < 1e-12);
     CHECK(ends.residual < 1e-11);
     const PencilEnds zero = pencil_ends(Matrix::Zero(n, n), pencil.p);
-    CHECK(zero.low[0] == 0);
-    CHECK(zero.high[0] == 0);
+    CHECK((zero.low[0] == 0 && zero.high[0] == 0));
     CHECK(zero.residual == 0);
     CHECK(pencil_ends(pencil.a, -pencil.p).failure == "P is not positive definite in double precision");
     Matrix broken = pencil.a;
@@ -120,8 +119,7 @@ TEST_CASE("Lanczos: both ends of a known pencil, same bits twice, too small refu
     CHECK(result.value == doctest::Approx(value).epsilon(1e-11));
     CHECK((pencil.a * result.vector - result.value * pencil.p * result.vector).norm() < 1e-7 * result.vector.norm());
     const LanczosResult again = lanczos(80, map_of(pencil.a), map_of(pencil.p), solve, end);
-    CHECK(again.value == result.value);
-    CHECK(again.vector == result.vector);
+    CHECK((again.value == result.value && again.vector == result.vector));
   }
   CHECK_THROWS_AS(lanczos(4, map_of(pencil.a), map_of(pencil.p), solve, SpectrumEnd::largest), Error);
   for (const Index n : {arpack_smallest_size, Index{30}}) {

@@ -37,8 +37,7 @@ TEST_CASE(
   const double s = std::sqrt(0.5);
   const Packing packing{{0, 0}, {0, s}, {0.5, 0.5}, {2, 3}, {0, s}};
   const ReferenceProblem two = assemble(packing, detect_contacts(packing), {{1, {-1, 5, 0.5}}});
-  CHECK(two.dimension == 3);
-  CHECK(two.dofs_per_grain == 3);
+  CHECK((two.dimension == 3 && two.dofs_per_grain == 3));
   CHECK(two.inertia == (Vector(6) << 2, 2, 2, 3, 3, 3).finished());
   CHECK(two.arriving_velocity == (Vector(6) << 0, 0, 0, -1, 5, 0.5).finished());
   CHECK((Vector(two.h * Vector::Ones(1)) - (Vector(6) << 0, -s, -s, 0, s, s).finished()).norm() < 1e-15);

@@ -110,8 +110,7 @@ TEST_CASE("contacts: normals, midpoints of centres, gaps, order") {
   Packing packing{{0.0, 3.0, 0.0}, {0.0, 0.0, -4.0}, {1.0, 2.0, 3.0}, {}};
   const ContactNetwork network = detect_contacts(packing);
   REQUIRE(network.size() == 3);
-  CHECK(network.contacts[0].a == 0);
-  CHECK(network.contacts[0].b == 1);
+  CHECK((network.contacts[0].a == 0 && network.contacts[0].b == 1));
   CHECK(network.contacts[0].normal == std::array<double, 3>{1.0, 0.0, 0.0});
   CHECK(network.contacts[0].midpoint == std::array<double, 3>{1.5, 0.0, 0.0});  // of the centres, not of the contact
   CHECK(network.contacts[1].normal == std::array<double, 3>{0.0, -1.0, 0.0});

@@ -63,10 +63,8 @@ TEST_CASE("sweep points: the last list runs fastest") {
       for (const auto& relaxation : parameters.relaxation)
         for (const auto& sweeps : parameters.gauss_seidel_sweeps) {
           const SweepPoint point = sweep_point(parameters, number++);
-          CHECK(point.epsilon == epsilon);
-          CHECK(point.eta == eta);
-          CHECK(point.relaxation == relaxation);
-          CHECK(point.gauss_seidel_sweeps == sweeps);
+          CHECK((point.epsilon == epsilon && point.eta == eta));
+          CHECK((point.relaxation == relaxation && point.gauss_seidel_sweeps == sweeps));
         }
 }
 
@@ -170,8 +168,7 @@ TEST_CASE("record files: read back to what was written, whatever it holds") {
   record.finished = "0123";
   const TableRecord met = parse_record(to_toml(record), "x");
   CHECK(difference(record.work, met.work) == "");
-  CHECK(met.types == record.types);
-  CHECK(met.finished == record.finished);
+  CHECK((met.types == record.types && met.finished == record.finished));
   CHECK_THROWS_AS(parse_record("version = \"\"", "x"), Error);
   CHECK_THROWS_AS(parse_record(to_toml(record) + "more = 1\n", "x"), Error);
 }

@@ -27,11 +27,9 @@ TEST_CASE("solver trial: every solver tells what it took, in the order of the re
     CAPTURE(to_string(solver));
     const SolverTrial trial = try_solver(problem, {.algorithm = solver});
     const FrictionSolution found = solve_friction(problem, {.algorithm = solver});
-    CHECK(trial.solver == solver);
-    CHECK(trial.contacts == 60);
+    CHECK((trial.solver == solver && trial.contacts == 60));
     CHECK(trial.status == to_string(found.status));
-    CHECK(trial.residual == found.state.residual);
-    CHECK(trial.sweeps == found.sweeps);
+    CHECK((trial.residual == found.state.residual && trial.sweeps == found.sweeps));
     CHECK(trial.factorisations == found.factorisations);
     CHECK(trial.check_seconds >= 0);
     Effort before{.seconds = 0, .work = 0};

@@ -291,8 +291,7 @@ TEST_CASE("sphere deposit: in boxes as narrow as a grain, where walls are touche
         INFO("width = ", width, ", depth = ", depth);
         const SphereBed bed = sphere_bed(
             {.grains = 300, .width = width, .depth = depth, .sizes = sizes_between(smallest, 0.2), .seed = 4});
-        CHECK(bed.width == width);
-        CHECK(bed.depth == depth);
+        CHECK((bed.width == width && bed.depth == depth));
         check_bed(bed);
       }
   // a column of one grain above the other
