@@ -8,7 +8,8 @@ import style
 
 NUMBERS = "interface_dofs primal_dofs rank_x0 epsilon_relative modes_30 subdomains kappa"
 NETWORKS = [("lattice", "lattices, vacancies", "#1f5f99", "s"), ("deposit", "deposits of disks", "#b03a2e", "o"),
-            ("lattice-in-space", "lattices in space", "#3d7a3d", "D"), ("space", "deposit of spheres", "#8a5a9e", "^")]
+            ("lattice-in-space", "lattices in space", "#3d7a3d", "D"), ("space", "deposit of spheres", "#8a5a9e", "^"),
+            ("sheared", "sheared bed, friction", "#c77a1a", "P")]
 EPSILONS = (1e-6, 1e-4, 1e-3, 1e-2)
 CROSSINGS = [("2,2", 1, "o"), ("4,2", 3, "v"), ("4,4", 9, "s"), ("8,4", 21, "D"), ("8,8", 49, "^")]
 

@@ -21,7 +21,9 @@ std::string baseline_path(const Study& study, std::size_t number) {
   return source_folder().string() + "/studies/" + study.name + "/baseline" + suffix + ".csv";
 }
 
-Table run(const StudyTable& definition) {
+Table run(StudyTable definition) {
+  for (Case& one : definition.cases)  // those of files
+    if (!std::holds_alternative<SettledFrom>(one.spec.packing)) one = resolve(one.spec);
   Table table{study_columns(definition), {}};
   run_table(definition, [&](const Row& row) { table.rows.push_back(row); });
   return table;

@@ -16,6 +16,6 @@ Study read_study(const std::string& name);
 std::string baseline_path(const Study& study, std::size_t number);
 
 /// Every row of a study table.
-Table run(const StudyTable& definition);
+Table run(StudyTable definition);
 
 }  // namespace nscdd::testing
