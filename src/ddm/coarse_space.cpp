@@ -170,8 +170,11 @@ CoarseProblem::CoarseProblem(const PrimalInterface& interface, const CoarseVecto
     reduce(block, 0);
     for (Index j = 0; j < block.cols() && count(kept) < n; ++j) {
       Matrix left = block.col(j);
+      const auto square = [&] { return left.col(0).dot(c * left.col(0)); };
+      const double size = square();
       reduce(left, before);
-      const double distance = left.col(0).dot(c * left.col(0));
+      if (square() < 1e-2 * size) reduce(left, 0);  // cancellation: rounding counts
+      const double distance = square();
       if (!(distance > least_distance)) continue;
       v_.col(count(kept)) = left / std::sqrt(distance);
       kept.push_back(first + j);

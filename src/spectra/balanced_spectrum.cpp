@@ -100,12 +100,16 @@ std::optional<Index> BalancedSpectrum::above(double shift, Index k) const {
   return negative ? std::optional(*negative - k) : std::nullopt;
 }
 
-bool BalancedSpectrum::holds(double lowest, double highest, Index k) const {
+std::optional<double> BalancedSpectrum::proved_width(double lowest, double highest, Index k) const {
   const Index n = interface_.size(), left = n - k;
-  const double rounding = 2.3e-16 * static_cast<double>(n) * largest(0);
-  if (n > dense_limit || left <= 0 || !(rounding < end_width * lowest)) return left <= 0;
-  return above(highest * (1 + end_width), k) == Index{0} && above(highest * (1 - end_width), k) > Index{0} &&
-         above(lowest * (1 - end_width), k) == left;
+  if (!coarse_.is_orthonormal()) return std::nullopt;
+  if (left <= 0) return end_width;
+  const double rounding = 4 * 2.3e-16 * static_cast<double>(n) * largest(0);  // of an eigenvalue
+  if (n > dense_limit || !(lowest > 0) || !(rounding <= largest_width * lowest)) return std::nullopt;
+  const double width = std::max(end_width, rounding / lowest);
+  const bool proved = above(highest * (1 + width), k) == Index{0} && above(highest * (1 - width), k) > Index{0} &&
+                      above(lowest * (1 - width), k) == left;
+  return proved ? std::optional(width) : std::nullopt;
 }
 
 Index fewest_deflated(const Vector& eigenvalues, double kappa) {

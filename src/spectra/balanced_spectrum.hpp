@@ -25,12 +25,13 @@ class BalancedSpectrum {
   /// `dense_limit` unknowns, or if LAPACK fails.
   std::optional<Index> above(double shift, Index k) const;
 
-  /// Whether inertia counts prove that the largest eigenvalue is within a relative `end_width` of `highest`, and that
-  /// none is below `lowest` by more. False if rounding of L^T N L may hide more than that.
-  bool holds(double lowest, double highest, Index k) const;
+  /// The relative width within which inertia counts prove that `highest` is the largest eigenvalue and none is below
+  /// `lowest`; nothing if they do not, or if V is not orthonormal. It is `end_width`, or what rounding of L^T N L may
+  /// do if that is more, and `largest_width` at most.
+  std::optional<double> proved_width(double lowest, double highest, Index k) const;
 
   static constexpr Index dense_limit = 5000;
-  static constexpr double end_width = 1e-6;
+  static constexpr double end_width = 1e-6, largest_width = 1e-3;
 
  private:
   const Matrix& whitened() const;  // L^T N L
