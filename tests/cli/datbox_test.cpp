@@ -360,7 +360,7 @@ TEST_CASE_FIXTURE(Session,
   check_no_datbox(*this, replaced(bodies_in_space, "force = [5, 0, 0]", "torque = [0, 0, 1]"),
                   "boundary 'clump': expected no torque on a body in space");
   check_no_datbox(*this, replaced(bodies_in_space, "centre = [0.35, 0.1, 0.3]", "centre = [0.35, 0.1, 0.31]"),
-                  "boundary 'clump': expected its centre to be that of its spheres");
+                  "boundary 'clump': expected its centre to be that of its shapes");
   check_no_datbox(*this, replaced(bodies_in_space, "centre = [0, 0, 0.3]", "centre = [0, 0.1, 0.3]"),
                   "boundary 'slab': expected its centre to be the middle of its plank or cylinder");
   check_no_datbox(*this, replaced(bodies_in_space, "0.08333333333", "0.09"),
@@ -374,7 +374,7 @@ TEST_CASE_FIXTURE(Session,
 
 TEST_CASE_FIXTURE(Session, "export --lmgc90: what of spheres LMGC90 would compute otherwise is said") {
   check_no_datbox(*this, replaced(spheres, "velocity = [0.02, 0, 0]", "spin = [0, 0, 0.1]"),
-                  "boundary 'probe': expected spheres of boundaries that do not turn");
+                  "boundary 'probe': expected a boundary of spheres, or of several shapes, that does not turn");
   check_no_datbox(*this, replaced(spheres, "centre = [0, 0, 0]", "centre = [0.2, 0, 0]"),
                   "boundary 'left': expected a wall that turns about a point on it or behind it");
   check_no_datbox(

@@ -77,6 +77,60 @@ velocity = [0.1, 0, 0]
 SPHERES = "x,y,z,radius,mass\n0,0,0.5,0.5,1\n0.99,0.1,0.5,0.5,1\n0.5,0.05,1.3,0.5,1\n1.98,0,0.5,0.5,1\n"
 
 
+# A table on three spheres, with a plank at its end, slides under one sphere and against another.
+SHAPES = np.array([[0, 0, 0.55], [0.75, 0, 0.7], [-0.4, -0.3, 0.15], [-0.4, 0.3, 0.15], [0.4, 0, 0.15]])  # middles
+VOLUMES = np.array([8 * 0.6 * 0.5 * 0.1, 8 * 0.4 * 0.5 * 0.1, *3 * [4 / 3 * np.pi * 0.15**3]])
+TABLE = """[packing]
+file = "spheres.csv"
+[partition]
+grid = [1, 1, 1]
+[interaction]
+friction = 0.3
+[dynamics]
+step = 0.002
+steps = 41
+penetration_correction = 0
+[solver]
+algorithm = "nlgs"
+criterion = "natural_map"
+tolerance = 1e-11
+[[boundary]]
+name = "floor"
+shape = "wall"
+point = [0, 0, 0]
+normal = [0, 0, 1]
+[[boundary]]
+name = "table"
+shape = "plank"
+point = [0, 0, 0.55]
+normal = [0, 0, 1]
+axis = [1, 0, 0]
+length = 1.2
+width = 1
+radius = 0.1
+centre = {centre}
+initial_velocity = [0.5, 0.2, 0]
+free = ["x", "y", "z", "spin_x", "spin_y", "spin"]
+mass = 3
+inertia = [0.7, 0.9, 0.8]
+[[boundary]]
+part_of = "table"
+shape = "plank"
+point = [0.75, 0, 0.7]
+normal = [1, 0, 0]
+axis = [0, 0, 1]
+length = 0.8
+width = 1
+radius = 0.1
+[[boundary]]
+part_of = "table"
+shape = "grains"
+grains = [1, 2, 3]
+"""
+ON_TABLE = ("x,y,z,radius,mass\n-0.1,0.1,1.05,0.4,1\n-0.4,-0.3,0.15,0.15,1\n-0.4,0.3,0.15,0.15,1\n0.4,0,0.15,0.15,1\n"
+            "1.35,0.1,0.5,0.5,1.953125\n")
+
+
 def call(*arguments):
     return subprocess.run([os.environ["NSCDD_PROGRAM"], *map(str, arguments)], check=True, capture_output=True,
                           text=True)
@@ -116,6 +170,66 @@ def test_a_folder_starts_with_the_forces_of_its_last_step(tmp_path, case, packin
     assert left.keys() == {pair for pair in met if pair[0] > 0}  # body 99 is not there
     (tmp_path / "out/DATBOX/Vloc_Rloc.INI").unlink()
     assert len(nscdd.simulate(tmp_path / "out", settings=settings).last.contact_a) == 0
+
+
+def test_a_body_of_planks_and_spheres_goes_on_from_its_folder(tmp_path):
+    (tmp_path / "spheres.csv").write_text(ON_TABLE)
+    (tmp_path / "case.toml").write_text(TABLE.format(centre=list(VOLUMES @ SHAPES / VOLUMES.sum())))
+    went_on = nscdd.simulate(tmp_path / "case.toml").last
+    call("simulate", tmp_path / "case.toml", "-o", tmp_path / "run.h5")
+    note = call("export", tmp_path / "run.h5", "--lmgc90", tmp_path / "out", "--steps", 40)
+    bodies = (tmp_path / "out/DATBOX/BODIES.DAT").read_text()
+    assert bodies.count("PLANx") == 3 and bodies.count("SPHEb") == 3 and bodies.count("$bdyty") == 4, note.stderr
+    met = nscdd.simulate(tmp_path / "out", settings={"dynamics.steps": 1, "dynamics.step": 0.002, **{
+        f"solver.{key}": value for key, value in (("algorithm", "nlgs"), ("criterion", "natural_map"),
+                                                   ("tolerance", 1e-11))}}).last
+    order = [0, 4, 1, 2, 3]  # free spheres are written first
+    assert np.abs(went_on.velocity_x).min() > 1e-3 and len(met.contact_a) == len(went_on.contact_a) >= 4
+    for name in ("x", "y", "z", "velocity_x", "velocity_y", "velocity_z", "spin_x", "spin_y", "spin"):
+        np.testing.assert_allclose(getattr(met, name), getattr(went_on, name)[order], atol=2e-6)
+    # The same with the spheres behind the planks.
+    spheres, planks = (re.search(rf"( {kind}.*\n( {{27}}.*\n)+){{{many}}}", bodies)[0] for kind, many in
+                       (("SPHEb", 3), ("PLANx      [45]", 2)))
+    assert spheres + planks in bodies
+    (tmp_path / "out/DATBOX/BODIES.DAT").write_text(bodies.replace(spheres + planks, planks + spheres))
+    forces = tmp_path / "out/DATBOX/Vloc_Rloc.INI"
+    number = re.search(r"\$bdyty\n RBDY3 *(\d+)\n(?:(?!\$bdyty)[\s\S])*SPHEb", bodies)[1]
+    forces.write_text(re.sub(rf"(RBDY3 +{number}  )(\w{{5}})( +)(\d)",
+                             lambda m: m[1] + m[2] + m[3] + "34512"[int(m[4]) - 1], forces.read_text()))
+    started = nscdd.simulate(tmp_path / "out", settings={"dynamics.steps": 0, "dynamics.step": 0.002}).last
+    went_to = nscdd.simulate(tmp_path / "case.toml", settings={"dynamics.steps": 40}).last
+    assert len(started.contact_a) == len(went_to.contact_a) >= 4
+    np.testing.assert_allclose(sorted(map(tuple, started.impulse)), sorted(map(tuple, went_to.impulse)), atol=1e-7)
+    # Without its inertia LMGC90 computes other axes than those of the state; contacts within the body are left out.
+    text = (tmp_path / "out/DATBOX/BODIES.DAT").read_text()
+    start = text.index("$bdyty", text.index(f" RBDY3{number:>9}") - 20)
+    own = text[start:text.index("$$$$$$", start)]
+    (tmp_path / "out/DATBOX/BODIES.DAT").write_text(
+        text.replace(own, re.sub(r"(I\d  =) \S+", r"\1 0.0000000D+00", own)))
+    with pytest.raises(nscdd.Error, match="expected I1 to I3 of a body with several contactors"):
+        nscdd.simulate(tmp_path / "out")
+    (tmp_path / "out/DATBOX/BODIES.DAT").write_text(text)
+    within = re.sub(rf"(?m)^( RBDY3 +{number}  .*CLB_B  RBDY3 +)\d+  PLANx      1(  stick)",
+                    rf"\g<1>{number}  PLANx      2\2", forces.read_text(), count=1)
+    assert within != forces.read_text()
+    forces.write_text(within)
+    left = nscdd.simulate(tmp_path / "out", settings={"dynamics.steps": 0, "dynamics.step": 0.002}).last
+    assert len(left.contact_a) == len(started.contact_a) - 1
+    # Another centre than that of its shapes is not LMGC90's, and contacts within the body are not wanted.
+    (tmp_path / "case.toml").write_text(TABLE.format(centre=[0, 0, 0.3]))
+    call("simulate", tmp_path / "case.toml", "-o", tmp_path / "run.h5", "--steps", 0, "--force")
+    note = call("export", tmp_path / "run.h5", "--lmgc90", tmp_path / "none", "--steps", 0).stderr
+    assert "'table': expected its centre to be that of its shapes" in note
+    (tmp_path / "spheres.csv").write_text(ON_TABLE.replace("0,0.15,", "0,0.3,"))
+    call("simulate", tmp_path / "case.toml", "-o", tmp_path / "run.h5", "--steps", 0, "--force")
+    note = call("export", tmp_path / "run.h5", "--lmgc90", tmp_path / "near", "--steps", 0).stderr
+    assert "'table': expected its spheres farther than the alert distance" in note
+    cylinder = 'shape = "cylinder"\nfrom = [0, 3, 0]\nto = [0, 4, 0]\nradius = 0.2\nside = "outside"\n'
+    (tmp_path / "case.toml").write_text(TABLE.format(centre=[0, 0, 0.3]) + '[[boundary]]\npart_of = "table"\n' + cylinder)
+    call("simulate", tmp_path / "case.toml", "-o", tmp_path / "run.h5", "--steps", 0, "--force")
+    with pytest.raises(subprocess.CalledProcessError) as refused:
+        call("export", tmp_path / "run.h5", "--lmgc90", tmp_path / "round", "--steps", 0)
+    assert "'table': expected a free body of one wall, plank or cylinder" in refused.value.stderr
 
 
 def test_what_slid_in_the_last_step_has_the_dynamic_friction(tmp_path):

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bodies of LMGC90 that move freely along some degrees of freedom, their forces, and laws of pairs of colours, by hand.
 #include "../support/datbox_texts.hpp"
+#include "../support/run_program.hpp"
 #include "../support/spoilt.hpp"
 
 #include <doctest/doctest.h>
@@ -48,10 +49,8 @@ std::string law_head(const std::string& kind) { return kind + std::string(32 - k
 
 std::string numbers_line(const std::string& numbers) { return "\n" + std::string(40, ' ') + numbers; }
 
-Eigen::Vector3d force_of(const Motion& load, double t) {
-  const RigidVelocity force = load.at(t);
-  return {force.x, force.y, force.spin};
-}
+Eigen::Vector3d in_plane(const RigidVelocity& v) { return {v.x, v.y, v.spin}; }
+Eigen::Vector3d force_of(const Motion& load, double t) { return in_plane(load.at(t)); }
 
 }  // namespace
 
@@ -68,14 +67,13 @@ TEST_CASE("DATBOX: a plank that nothing drives is free, with the mass and inerti
   CHECK(plank.body->mass == doctest::Approx(5000 * pi));
   CHECK(plank.body->inertia[2] == doctest::Approx(5000 * pi));  // gyrd = 1
   CHECK(plank.body->load.velocity.empty());
-  REQUIRE(plank.motion.initial.has_value());
-  CHECK(plank.motion.initial->x == 1);
-  CHECK(plank.motion.initial->y == 2);
-  CHECK(plank.motion.initial->spin == 3);
+  CHECK(in_plane(plank.motion.initial.value()) == Eigen::Vector3d(1, 2, 3));
   CHECK(plank.motion.velocity.empty());
   texts.bodies =
       replaced(texts.bodies, "avrd= 0.1000000D+01  gyrd= 0.1000000D+01", "avrd= 0.1000000D+01  gyrd= 0.0000000D+00");
-  check_error([&] { dynamics_of(texts); }, {"BODIES.DAT:14:", "avrd and gyrd"});
+  const FreeBody own = *dynamics_of(texts).boundaries.at(0).body;  // half axes 3 and 0.5, as LMGC90 counts them
+  CHECK(own.mass == doctest::Approx(5000 * (6 + pi / 4)));
+  CHECK(own.inertia[2] == doctest::Approx(5000 * (pi / 4 * 9.125 + 3 * 9.25)));
 }
 
 TEST_CASE("DATBOX: a plank that is driven along some degrees of freedom and pushed along another") {
@@ -135,8 +133,7 @@ TEST_CASE("DATBOX: a free disk with a force or with another inertia is a body of
   CHECK(disk.body->inertia[2] == doctest::Approx(1000 * pi * 0.04 * 0.03125));
   CHECK(force_of(disk.body->load, 1) == Eigen::Vector3d(4, 0, -0.5));
   CHECK(disk.motion.centre == std::array<double, 3>{1.5, 1.75, 0});
-  CHECK(disk.motion.initial->x == 7);
-  CHECK(disk.motion.initial->y == -8);
+  CHECK(in_plane(disk.motion.initial.value()) == Eigen::Vector3d(7, -8, 0));
   texts = small_datbox();
   texts.bodies = replaced(texts.bodies, "gyrd= 0.1767767D+00", "gyrd= 0.2000000D+00");
   const Dynamics ring = dynamics_of(texts);
@@ -159,8 +156,7 @@ TEST_CASE("DATBOX: a free cluster in the plane has the centre of its areas if it
   texts.bodies =
       replaced(texts.bodies, "avrd= 0.0000000D+00  gyrd= 0.0000000D+00", "avrd= 0.1000000D+01  gyrd= 0.5000000D+00");
   const BoundarySpec askew = dynamics_of(texts).boundaries.at(1);
-  CHECK(askew.motion.centre[0] == 10);
-  CHECK(askew.motion.centre[1] == 20);
+  CHECK(askew.motion.centre == std::array<double, 3>{10, 20, 0});
   REQUIRE(askew.body.has_value());
   CHECK(askew.body->directions == std::array<bool, 6>{true, true, false, false, false, true});
   CHECK(askew.body->mass == doctest::Approx(5000 * pi));
@@ -228,6 +224,61 @@ TEST_CASE("DATBOX: a free cluster of spheres has the centre, mass, principal mom
   CHECK(given.axes.w() == 1);
 }
 
+TEST_CASE("DATBOX: two planks and a sphere are one body; planks side by side weigh as a box") {
+  DatboxTexts texts = small_datbox_in_space();
+  texts.driven = texts.driven.substr(0, texts.driven.find("$bdyty", 1));
+  // Boxes of 1 x 2 x 4 along x, y and z, whose axes are y, z and x, 1 m to either side of the node along y.
+  const std::string planks = read_file(source_folder() / "tests/data/lmgc90/two_planks.DAT");
+  texts.bodies = replaced(texts.bodies, " SPHER      1  color  ROUGE  byrd= 0.2000000D+01\n", planks);
+  std::vector<BoundarySpec> shapes = dynamics_of(texts).boundaries;
+  REQUIRE(shapes.size() == 3);  // the plank of body 2 is the first
+  CHECK(shapes[1].body->mass == doctest::Approx(5000 * 16));
+  for (const std::size_t k : {0U, 1U, 2U})
+    CHECK(shapes[1].body->inertia[k] == doctest::Approx(5000 * 16.0 / 3 * std::array{8.0, 4.25, 4.25}[k]));
+  CHECK((shapes[2].part && shapes[2].name == "body 3" && !shapes[2].body && shapes[1].body->axes.w() == 1));
+  for (const auto& [shape, y] : {std::pair(1U, 3.0), {2U, 1.0}}) {
+    CHECK(shapes[shape].point[1] == doctest::Approx(y));
+    CHECK(shapes[shape].axis == std::array<double, 3>{0, 1, 0});
+    CHECK(shapes[shape].normal == std::array<double, 3>{1, 0, 0});
+  }
+  DatboxTexts more = texts;
+  more.bodies = replaced(texts.bodies, planks,
+                         planks + " SPHEb      3  color  ROUGE  byrd= 0.1000000D+01\n" + std::string(29, ' ') +
+                             "coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00\n");
+  shapes = dynamics_of(more).boundaries;
+  REQUIRE(shapes.size() == 4);
+  CHECK((shapes[1].shape == BoundaryShape::grains && shapes[1].first == 1 && shapes[1].last == 1 && shapes[3].part));
+  CHECK(shapes[1].body->mass == doctest::Approx(5000 * (16 + 4 * pi / 3)));
+  for (const PairSpec& pair : dynamics_of(more).pairs)  // a body does not meet itself
+    CHECK(pair.colours != std::array<std::string, 2>{"PLANx ROUGE", "SPHER ROUGE"});
+  const std::string first = planks.substr(0, planks.find('\n') + 1);
+  more.bodies = replaced(texts.bodies, planks, planks + replaced(first, "PLANx", "CYLND"));
+  check_error([&] { dynamics_of(more); }, {"BODIES.DAT:", "a cylinder alone"});
+  more = texts;
+  more.bodies.replace(more.bodies.rfind("ROUGE"), 5, "BLEUx");
+  more.tact = replaced(more.tact, "PLANx  WALLx", "PLANx  BLEUx");  // colours matter: WALLx is not seen
+  check_error([&] { dynamics_of(more); }, {"BODIES.DAT:", "one kind and colour", "PLANx ROUGE as before"});
+}
+
+TEST_CASE("DATBOX: a plank and disks in the plane are one body, turned about the centre of all if the node is at 0") {
+  DatboxTexts texts = small_datbox();
+  const std::string disk = " DISKb      1  color  ROUGE",
+                    plank = " JONCx      1  color  ROUGE  ax1 = 0.3141593D+01  ax2 = 0.1000000D+01\n";
+  texts.bodies = replaced(texts.bodies, disk, plank + disk);
+  std::vector<BoundarySpec> shapes = dynamics_of(texts).boundaries;
+  REQUIRE(shapes.size() == 3);
+  CHECK((shapes[1].shape == BoundaryShape::grains && shapes[1].first == 1 && shapes[1].last == 2 && shapes[2].part));
+  CHECK(shapes[2].from[1] == doctest::Approx(20 - pi));
+  CHECK(shapes[2].to[0] == doctest::Approx(10));
+  texts.bodies = replaced(texts.bodies, "coo1= 0.1000000D+02  coo2= 0.2000000D+02  coo3= 0.1570796D+01",
+                          "coo1= 0.0000000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00");
+  shapes = dynamics_of(texts).boundaries;  // areas over pi 5 at the node, 1 and 4 at (3, 0) and (0, 4)
+  CHECK(shapes[1].motion.centre[0] == doctest::Approx(0.3));
+  CHECK(shapes[1].motion.centre[1] == doctest::Approx(1.6));
+  CHECK(shapes[2].from[0] == doctest::Approx(-pi));
+  CHECK(std::abs(shapes[2].from[1]) < 1e-12);
+}
+
 TEST_CASE("DATBOX: spheres with a force or other moments of inertia are bodies; moments on them are refused") {
   DatboxTexts texts = small_datbox_in_space();
   texts.driven += body_of_drives(true, 1, drive_line("force", 3, " 0.4000000D+01"));
@@ -263,6 +314,7 @@ TEST_CASE("DATBOX: a velocity and a force of one degree of freedom are refused b
   texts.driven = replaced(texts.driven, "vlocy      2  0.3000000D+01", "force      2  0.3000000D+01");
   texts.bodies =
       replaced(texts.bodies, "avrd= 0.1000000D+01  gyrd= 0.1000000D+01", "avrd= 0.0000000D+00  gyrd= 0.1000000D+01");
+  texts.bodies = replaced(texts.bodies, "JONCx      1  color  WALLx  ax1 ", "xKSID      1  color  WALLx  byrd");
   check_error([&] { dynamics_of(texts); }, {"BODIES.DAT:14:", "avrd", "met 0"});
   texts = small_datbox();
   texts.bodies = replaced(texts.bodies, "$tacty\n DISKx      1  color  BLEUx  byrd= 0.2500000D+00\n", "");
@@ -276,9 +328,8 @@ TEST_CASE("DATBOX: colours that see each other by another friction, or not at al
   CHECK(frictions.interaction.friction == 0.3);  // of the first pair, BLEUx and ROUGE
   REQUIRE(frictions.pairs.size() == 1);
   CHECK(frictions.pairs[0].colours == std::array<std::string, 2>{"DISKx BLEUx", "JONCx WALLx"});
-  CHECK(frictions.pairs[0].rule.touch);
-  CHECK(frictions.pairs[0].rule.friction == 0.5);
-  CHECK_FALSE(frictions.pairs[0].rule.restitution.has_value());
+  const PairRule& rule = frictions.pairs[0].rule;
+  CHECK((rule.touch && rule.friction == 0.5 && !rule.restitution));
   REQUIRE(frictions.colours.size() == 2);  // also of the disks of the cluster
   CHECK(frictions.colours[1].name == "DISKx ROUGE");
   CHECK(std::pair(frictions.colours[1].first, frictions.colours[1].last) == std::pair<Index, Index>(1, 2));
@@ -305,18 +356,16 @@ TEST_CASE("DATBOX: colours that see each other by another restitution are pairs"
   const Dynamics dynamics = dynamics_of(texts);
   CHECK(dynamics.interaction.restitution == 0.7);
   REQUIRE(dynamics.pairs.size() == 1);
-  CHECK(dynamics.pairs[0].rule.restitution == 0.5);
-  CHECK_FALSE(dynamics.pairs[0].rule.tangential_restitution.has_value());
-  CHECK_FALSE(dynamics.pairs[0].rule.friction.has_value());
+  const PairRule& rule = dynamics.pairs[0].rule;
+  CHECK((rule.restitution == 0.5 && !rule.tangential_restitution && !rule.friction));
 }
 
 TEST_CASE("DATBOX: COUPLED_DOF is a bond of its pair of colours") {
   DatboxTexts texts = with_law("COUPLED_DOF");
   texts.tact = replaced(texts.tact, "ROUGE  iqsc1", "ROUGE  iqsc0");
   const Dynamics dynamics = dynamics_of(texts);
-  CHECK(dynamics.interaction.law == "cohesive");
-  CHECK(dynamics.interaction.cohesion == 0);
-  CHECK(dynamics.interaction.friction == 0.3);
+  const Interaction& interaction = dynamics.interaction;
+  CHECK((interaction.law == "cohesive" && interaction.cohesion == 0 && interaction.friction == 0.3));
   REQUIRE(dynamics.pairs.size() == 1);
   CHECK(dynamics.pairs[0].colours == std::array<std::string, 2>{"DISKx BLEUx", "JONCx WALLx"});
   CHECK(dynamics.pairs[0].rule.bond);
@@ -339,25 +388,20 @@ TEST_CASE("DATBOX: one Signorini condition and one cohesion for all contacts") {
 TEST_CASE("DATBOX: laws with a static and a dynamic friction, IQS_WET_DS_CLB as a cohesion within a range") {
   for (const std::string law : {"IQS_DS_CLB", "VEL_SGR_DS_CLB", "GAP_SGR_DS_CLB"}) {
     const Dynamics read = dynamics_of(with_law(law_head(law) + "dfrc= 0.4000000D+00  sfrc= 0.6000000D+00"));
-    CHECK(read.interaction.friction == 0.4);
-    CHECK(read.interaction.static_friction == 0.6);
+    CHECK((read.interaction.friction == 0.4 && read.interaction.static_friction == 0.6));
     CHECK(read.interaction.on_velocity() == (law == "VEL_SGR_DS_CLB"));
     CHECK((read.time.maximum_push_speed == 1e100) == (law == "GAP_SGR_DS_CLB"));
   }
   const Dynamics shock = dynamics_of(with_law(law_head("RST_DS_CLB") + "rstn= 0.5000000D+00  rstt= 0.2500000D+00" +
                                               numbers_line("dfrc= 0.4000000D+00  sfrc= 0.4000000D+00")));
-  CHECK(shock.interaction.restitution == 0.5);
-  CHECK(shock.interaction.tangential_restitution == 0.25);
-  CHECK(shock.interaction.friction == 0.4);
-  CHECK(shock.interaction.static_friction == -1);
+  CHECK((shock.interaction.restitution == 0.5 && shock.interaction.tangential_restitution == 0.25));
+  CHECK((shock.interaction.friction == 0.4 && shock.interaction.static_friction == -1));
   const std::string wet = law_head("IQS_WET_DS_CLB") + "cohn= 0.2000000D+02  coht= 0.0000000D+00" +
                           numbers_line("Weth= 0.1000000D-02") +
                           numbers_line("dfrc= 0.3000000D+00  sfrc= 0.3000000D+00");
   const Interaction interaction = dynamics_of(with_law(wet)).interaction;
-  CHECK(interaction.law == "cohesive");
-  CHECK(interaction.cohesion == 20);
-  CHECK(interaction.cohesion_range == 1e-3);
-  CHECK(interaction.friction == 0.3);
+  CHECK((interaction.law == "cohesive" && interaction.cohesion == 20));
+  CHECK((interaction.cohesion_range == 1e-3 && interaction.friction == 0.3));
   check_error([&] { dynamics_of(with_law(replaced(wet, "coht= 0.0", "coht= 0.1"))); }, {"TACT_BEHAV.DAT:8:", "coht:"});
   CHECK(dynamics_of(with_law(replaced(wet, "sfrc= 0.3", "sfrc= 0.5"))).interaction.static_friction == 0.5);
   check_error([&] { dynamics_of(with_law(replaced(wet, "coht=", "xxxx="))); },

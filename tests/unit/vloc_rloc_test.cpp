@@ -12,6 +12,7 @@
 #include <doctest/doctest.h>
 
 #include <cstdlib>
+#include <numbers>
 
 using namespace nscdd;
 using namespace nscdd::testing;
@@ -167,13 +168,18 @@ TEST_CASE("vloc_rloc: what does not fit is refused by file and line") {
   };
   spoil_input(&DatboxTexts::tact, "IQS_CLB", "MAC_CZM", {"TACT_BEHAV.DAT:2:", "VEL_SGR_CLB or RST_CLB", "MAC_CZM"});
   spoil_input(&DatboxTexts::bulk, "STONE", "STEEL", {"BODIES.DAT:2:", "STONE", "RIGID"});
-  spoil_input(
-      &DatboxTexts::driven,
-      " vlocy      3  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00\n", "",
-      {"BODIES.DAT:17:", "avrd and gyrd", "0"});
-  spoil_input(&DatboxTexts::bodies, " POLYG      1  color  BLEUx  nb_vertex=    5",
-              " DISKx      1  color  BLEUx  byrd= 0.1000000D+01\n POLYG      1  color  BLEUx  nb_vertex=    5",
-              {"BODIES.DAT:9:", "POLYG"});  // whose centre would have to be computed
+  NetworkTexts hollow = square_on_plank();
+  hollow.datbox.driven = replaced(hollow.datbox.driven, " vlocy      3  0.0", "!vlocy      3  0.0");
+  hollow.datbox.bodies =
+      replaced(hollow.datbox.bodies, "JONCx      1  color  WALLx  ax1 ", "xKSID      1  color  WALLx  byrd");
+  check_error([&] { problem_of(hollow); }, {"BODIES.DAT:17:", "avrd and gyrd", "0"});
+  NetworkTexts two = square_on_plank();  // a disk of radius 1 at the node, which moves to the middle of both
+  two.datbox.bodies = replaced(two.datbox.bodies, " POLYG      1  color  BLEUx  nb_vertex=    5",
+                               " DISKx      1  color  BLEUx  byrd= 0.1000000D+01\n"
+                               " POLYG      2  color  BLEUx  nb_vertex=    5");
+  const Datbox weighed = parse_datbox(two.datbox, "box", DatboxShapes::any);
+  CHECK(std::pow(weighed.bodies[0].average_radius, 2) == doctest::Approx(1 + 4 / std::numbers::pi));
+  CHECK(weighed.bodies[0].position[0] == doctest::Approx(4 / (4 + std::numbers::pi)));
   spoil_input(&DatboxTexts::bodies, "nb_vertex=    5", "nb_vertex=    2", {"BODIES.DAT:8:", "polygon", "0 m^2"});
   spoil_input(&DatboxTexts::bodies, "coo1= 0.2000000D+01  coo2= 0.2000000D+01",
               "coo1=-0.2000000D+01  coo2=-0.1000000D+02", {"BODIES.DAT:8:", "counter-clockwise"});

@@ -22,26 +22,24 @@ template <class... Arguments>
   fail("{}:{}: {}", place.file, place.line, fmt::format(format, std::forward<Arguments>(arguments)...));
 }
 
-/// The solid that a polygon POLYG or a polyhedron POLYR bounds.
-struct DatboxSolid {
-  double volume = 0;                                  ///< m^3, in the plane its area, m^2
-  Eigen::Vector3d centre{0, 0, 0};                    ///< of mass, m, in the axes of the body
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre, over the density
-  double reach = 0;                                   ///< m, from the centre to the farthest vertex
-};
-
 /// A shape of a body.
 struct DatboxContactor {
   /// JONCx, a plank with round ends, or PLANx in space; xKSID, a hollow disk; DNLYC, a hollow cylinder, or CYLND, a
   /// full one, about the third axis of the body. Empty: a disk DISKx or a sphere SPHER (DISKb, SPHEb in a cluster).
   std::string wall = {};
-  double radius = 0;                   ///< m, of a disk, sphere or cylinder
-  double length = 0, thickness = 0;    ///< m: half the length without round ends, half the thickness of a plank
-  double width = 0;                    ///< m, of a plank in space: half its width
-  Eigen::Vector3d shift{0, 0, 0};      ///< m, from the centre of the body, in its axes
-  std::optional<DatboxSolid> solid{};  ///< of a POLYG or POLYR
-  std::string colour;
-  DatboxPlace place;
+  double radius = 0;                 ///< m, of a disk, sphere or cylinder
+  double length = 0, thickness = 0;  ///< m: half the length without round ends, half the thickness of a plank
+  double width = 0;                  ///< m, of a plank in space: half its width
+  double reach = 0;                  ///< m, of a POLYG or POLYR from its centre to the farthest vertex
+  Eigen::Vector3d shift{0, 0, 0};    ///< m, of its centre from that of the body, in the axes of the body
+  /// In space: its axes in those of the body.
+  Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
+  double weight = 0;  ///< m^3, its volume; in the plane its area over pi, m^2. 0: without mass, or not known
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about its centre, along its axes, over mass / weight
+  std::string colour = {};
+  DatboxPlace place = {};
+
+  bool cylinder() const { return wall == "DNLYC" || wall == "CYLND"; }
 };
 
 /// Prescribed velocity of a degree of freedom: [constant + amplitude cos(omega t + phase)] min(1, initial + rate t), or
@@ -64,15 +62,15 @@ struct DatboxBody {
   /// In space: the initial axes of the body as columns (the third normal to a plank), and its spin along them, rad/s.
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
   Eigen::Vector3d spin{0, 0, 0};
-  bool own_axes = false;     ///< of a cluster in space whose inertia is computed: places are along its principal axes
+  bool own_axes = false;     ///< of several contactors in space: computed principal axes, along which places are
   bool read_axes = false;    ///< DOF.INI has other axes than x, y and z
   double written_digit = 0;  ///< m, half of the last digit of its written place
-  std::string bulk;          ///< name of its bulk law
-  std::vector<DatboxContactor> contactors;           ///< at least one
-  std::array<std::optional<DatboxDrive>, 6> drives;  ///< three in the plane
-  std::array<std::optional<DatboxDrive>, 6> forces;  ///< N or N m
-  DatboxPlace place;
-  std::string unmodelled;  ///< the error about its first shape that no packing has; empty: none
+  std::string bulk = {};     ///< name of its bulk law
+  std::vector<DatboxContactor> contactors = {};           ///< at least one
+  std::array<std::optional<DatboxDrive>, 6> drives = {};  ///< three in the plane
+  std::array<std::optional<DatboxDrive>, 6> forces = {};  ///< N or N m
+  DatboxPlace place = {};
+  std::string unmodelled = {};  ///< the error about its first shape that no packing has; empty: none
 
   bool driven() const {
     return std::ranges::any_of(drives, [](const auto& drive) { return drive.has_value(); });
@@ -80,7 +78,9 @@ struct DatboxBody {
   bool fully_driven(Index dimension) const {
     return std::all_of(drives.begin(), drives.begin() + (dimension == 2 ? 3 : 6), [](auto& one) { return one; });
   }
-  const std::string& wall() const { return contactors[0].wall; }  ///< its kind; empty: grains
+  Index grains() const { return std::ranges::count(contactors, "", &DatboxContactor::wall); }
+  /// The place of the middle of one of its contactors at the beginning, m.
+  Eigen::Vector3d place_of(const DatboxContactor& one, bool space) const;
 };
 
 /// A contact law: IQS_CLB, GAP_SGR_CLB, VEL_SGR_CLB or RST_CLB, or one of them with a static friction (_DS_CLB, here
@@ -193,7 +193,8 @@ CaseSpec case_of_datbox(const std::string& path, bool moving);
 /// Whether a body is a grain of the packing of a case that moves: free, without forces, one full disk or sphere.
 bool is_free_grain(const DatboxBody& body, bool space);
 
-/// All other bodies: walls, and driven or free clusters. `coloured`: they get the colour of their first contactor.
+/// All other bodies, with a part for each further shape. `coloured`: they get the colour of their walls, which is one,
+/// or else that of their first grain.
 std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool coloured);
 
 /// The first rule by which contactors such as "DISKx BLEUx" see each other, colours in either order; null if none does.

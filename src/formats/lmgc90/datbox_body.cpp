@@ -23,23 +23,23 @@ void read_node(FixedColumns& lines, DatboxBody& body, Index dimension) {
   body.written_digit = half_digit(body.position, dimension);
 }
 
-void require_frame(const DatboxBody& body, const DatboxPlace& place) {
-  const Eigen::Matrix3d rest = body.frame.transpose() * body.frame - Eigen::Matrix3d::Identity();
-  if (!(rest.cwiseAbs().maxCoeff() < 1e-5) || !(body.frame.determinant() > 0))
+void require_frame(const Matrix3& frame, const DatboxPlace& place) {
+  const Matrix3 rest = frame.transpose() * frame - Matrix3::Identity();
+  if (!(rest.cwiseAbs().maxCoeff() < 1e-5) || !(frame.determinant() > 0))
     refuse(place, "expected three axes of a body that are unit, orthogonal and right-handed, met others");
 }
 
 // "localframe" after a PLANx or CYLND: its axes, and the shift of its centre from the node.
-void read_frame(FixedColumns& lines, DatboxBody& body) {
+void read_frame(FixedColumns& lines, DatboxContactor& contactor) {
   const DatboxPlace place = lines.place();
   Index k = 0;
   for (const char* name : {"alp{}", "bet{}", "gam{}"}) {
     lines.require_next("the axes of the frame");
-    body.frame.col(k++) = lines.three_numbers(name);
+    contactor.frame.col(k++) = lines.three_numbers(name);
   }
-  require_frame(body, place);
+  require_frame(contactor.frame, place);
   lines.require_next("the shift of the frame");
-  body.position += lines.three_numbers("coo{}");
+  contactor.shift = lines.three_numbers("coo{}");
 }
 
 DatboxContactor read_contactor(FixedColumns& lines, bool space, DatboxBody& body) {
@@ -64,94 +64,40 @@ DatboxContactor read_contactor(FixedColumns& lines, bool space, DatboxBody& body
       body.unmodelled = fmt::format(
           "{}:{}: expected contactors {}: other shapes are not modelled, met {}", contactor.place.file,
           contactor.place.line, space ? "SPHER, SPHEb, PLANx, DNLYC or CYLND" : "DISKx, DISKb, JONCx or xKSID", kind);
-    if (kind == (space ? "POLYR" : "POLYG") && lines.text(30, 38) == "nb_vertex")
-      contactor.solid = read_solid(lines, space);
+    if (kind == (space ? "POLYR" : "POLYG") && lines.text(30, 38) == "nb_vertex") read_solid(lines, space, contactor);
   }
   if (cluster) {
     lines.require_next(fmt::format("a line with the place of {}", kind));
     contactor.shift = {lines.number(35, "coo1"), lines.number(56, "coo2"), space ? lines.number(77, "coo3") : 0};
   }
+  if (contactor.weight == 0) weigh(contactor, space);
   return contactor;
 }
 
-// The centre of disks or spheres, weighted by area or volume; 0 if there are none.
-Eigen::Vector3d centre_of_grains(const DatboxBody& body, Index dimension) {
-  double weights = 0;
-  Eigen::Vector3d centre(0, 0, 0);
-  for (const DatboxContactor& one : body.contactors) {
-    const double weight = one.radius * one.radius * (dimension == 3 ? one.radius : 1);
-    weights += weight;
-    centre += weight * one.shift;
-  }
-  return weights > 0 ? Eigen::Vector3d(centre / weights) : centre;
+// The inertia of the contactors of a body about its centre, along its axes.
+Matrix3 inertia_of(const DatboxBody& body) {
+  Matrix3 inertia = Matrix3::Zero();
+  for (const DatboxContactor& one : body.contactors)
+    inertia += one.frame * one.inertia * one.frame.transpose() +
+               one.weight * (one.shift.squaredNorm() * Matrix3::Identity() - one.shift * one.shift.transpose());
+  return inertia;
 }
 
-// The mean radius and inertia of spheres about their centre, each counted whole, and the axes of a cluster along its
-// principal ones, as LMGC90 has them.
-void complete_cluster(DatboxBody& body) {
-  double volume = 0;
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-  for (const DatboxContactor& one : body.contactors) {
-    const double own = 4.0 / 3 * std::numbers::pi * one.radius * one.radius * one.radius;
-    volume += own;
-    inertia += own * (0.4 * one.radius * one.radius + one.shift.squaredNorm()) * Eigen::Matrix3d::Identity() -
-               own * one.shift * one.shift.transpose();
-  }
-  if (body.average_radius == 0) body.average_radius = std::cbrt(0.75 * volume / std::numbers::pi);
-  if (!body.inertia.isZero(0)) return;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(inertia);
+// Sets moments of inertia, and turns the axes of a body along its principal ones.
+void take_inertia(DatboxBody& body) {
+  const Matrix3 inertia = inertia_of(body);
+  body.inertia = inertia.diagonal();
+  const Matrix3 coupling = inertia - Matrix3(body.inertia.asDiagonal());
+  if (coupling.cwiseAbs().maxCoeff() <= 1e-12 * body.inertia.maxCoeff()) return;  // LMGC90 keeps their order
+  body.own_axes = body.contactors.size() > 1;  // DOF.INI has those of a single contactor
+  const Eigen::SelfAdjointEigenSolver<Matrix3> principal(inertia);
+  Matrix3 axes = principal.eigenvectors();
+  if (axes.determinant() < 0) axes.col(2) *= -1;
   body.inertia = principal.eigenvalues();
-  body.frame = principal.eigenvectors();
-  if (body.frame.determinant() < 0) body.frame.col(2) *= -1;
-  for (DatboxContactor& one : body.contactors) one.shift = body.frame.transpose() * one.shift;
-  body.own_axes = true;
-}
-
-// Radii of a cluster of disks about its node, each disk counted whole, as LMGC90 has them.
-void complete_cluster_in_plane(DatboxBody& body) {
-  double square = 0, moment = 0;  // of the area and its moment, over pi
-  for (const DatboxContactor& one : body.contactors) {
-    const double own = one.radius * one.radius;
-    square += own;
-    moment += own * (own / 2 + one.shift.squaredNorm());
-  }
-  body.average_radius = std::sqrt(square);
-  body.gyration_radius = std::sqrt(moment / square);
-}
-
-// Computes, as LMGC90 does, the centre of a body (in the plane only if its node is at 0), the inertia of a cylinder,
-// and radii and inertia that are 0 in BODIES.DAT. (Those of planks and hollow disks stay 0: refused in free bodies.)
-void complete(DatboxBody& body, Index dimension) {
-  if (body.contactors.size() == 1 && body.contactors[0].solid) return complete_solid(body, dimension);
-  const bool single = body.contactors.size() == 1;
-  if (single && dimension == 2) {  // the node moves to an eccentric disk; LMGC90 leaves out less than 1 mm
-    const Eigen::Vector3d shift = std::exchange(body.contactors[0].shift, Eigen::Vector3d::Zero());
-    if (body.position.isZero(0) || shift.squaredNorm() >= 1e-6) body.position += shift;
-  }
-  if (dimension == 3 || (!single && body.position.isZero(0))) {
-    if (dimension == 2 && !body.unmodelled.empty()) fail("{}", body.unmodelled);  // only disks have weights here
-    const Eigen::Vector3d centre = centre_of_grains(body, dimension);
-    body.position += centre;
-    for (DatboxContactor& one : body.contactors) one.shift -= centre;
-  }
-  if (!single && dimension == 3 && body.unmodelled.empty()) complete_cluster(body);
-  if (!single && dimension == 2 && body.unmodelled.empty() && body.average_radius * body.gyration_radius == 0)
-    complete_cluster_in_plane(body);
-  if (!single || body.wall() == "xKSID") return;
-  const double radius = body.contactors[0].radius;
-  if (dimension == 3 && radius > 0 && !body.wall().empty()) {
-    const double half = body.contactors[0].length, square = radius * radius,
-                 volume = 2 * half * std::numbers::pi * square;
-    if (body.average_radius == 0) body.average_radius = std::cbrt(0.75 * volume / std::numbers::pi);
-    const double across = volume * (square / 4 + half * half / 3);
-    body.inertia = {across, across, volume * square / 2};
-  } else if (dimension == 3) {
-    if (body.average_radius == 0) body.average_radius = radius;
-    if (body.inertia.isZero(0))
-      body.inertia.setConstant(0.4 * radius * radius * (4.0 / 3 * std::numbers::pi * radius * radius * radius));
-  } else if (body.average_radius == 0 || body.gyration_radius == 0) {
-    body.average_radius = radius;
-    body.gyration_radius = radius / std::numbers::sqrt2;
+  body.frame *= axes;
+  for (DatboxContactor& one : body.contactors) {
+    one.shift = axes.transpose() * one.shift;
+    one.frame = axes.transpose() * one.frame;
   }
 }
 
@@ -168,8 +114,8 @@ void read_line(FixedColumns& lines, const std::string& section, Index dimension,
   else if (section == "$nodty" && space && met[section] == 2)
     return;  // coo4 to coo6, which LMGC90 sets to 0
   else if (section == "$tacty" && space && again && lines.text(30, 39) == "localframe" &&
-           (body.wall() == "PLANx" || body.wall() == "CYLND"))
-    read_frame(lines, body);
+           (body.contactors.back().wall == "PLANx" || body.contactors.back().wall == "CYLND"))
+    read_frame(lines, body.contactors.back());
   else if (section == "$tacty" && lines.text(2, 6).empty() && !body.unmodelled.empty())
     return;  // more of a shape that is not modelled
   else if (section == "$tacty")
@@ -179,6 +125,58 @@ void read_line(FixedColumns& lines, const std::string& section, Index dimension,
 }
 
 }  // namespace
+
+void weigh(DatboxContactor& one, bool space) {
+  constexpr double pi = std::numbers::pi;
+  const double a = one.length, b = one.width, c = one.thickness, square = one.radius * one.radius;
+  if (one.wall == "JONCx") {  // not the exact inertia of its middle
+    one.weight = 4 * a * c / pi + c * c;
+    one.inertia(2, 2) = c * c * (a * a + c * c / 2) + 2 * a * c / pi * (a * a + c * c);
+  } else if (one.wall == "PLANx") {
+    one.weight = 8 * a * b * c;
+    one.inertia.diagonal() = one.weight / 3 * Vector3(b * b + c * c, a * a + c * c, a * a + b * b);
+  } else if (one.cylinder()) {
+    one.weight = 2 * a * pi * square;
+    const double across = one.weight * (square / 4 + a * a / 3);
+    one.inertia.diagonal() << across, across, one.weight * square / 2;
+  } else if (space) {
+    one.weight = 4.0 / 3 * pi * square * one.radius;
+    one.inertia.diagonal().setConstant(0.4 * square * one.weight);
+  } else if (one.wall.empty()) {
+    one.weight = square;
+    one.inertia(2, 2) = square * square / 2;
+  }
+}
+
+void complete(DatboxBody& body, Index dimension) {
+  const bool single = body.contactors.size() == 1, space = dimension == 3;
+  DatboxContactor& first = body.contactors[0];
+  double weight = 0;
+  Vector3 centre = Vector3::Zero();
+  for (const DatboxContactor& one : body.contactors) {
+    weight += one.weight;
+    centre += one.weight * one.shift;
+  }
+  if (weight > 0) centre /= weight;
+  if (single) centre = first.shift;
+  const bool known = std::ranges::all_of(
+      body.contactors, [](auto& one) { return one.weight > 0 || !one.wall.empty() || one.radius > 0; });
+  // The node moves to the centre of a single disk or polygon; LMGC90 leaves out less than 1 mm.
+  if (space || body.position.isZero(0) || (single && centre.squaredNorm() >= 1e-6)) {
+    if (!single && !space && !known) fail("{}", body.unmodelled);
+    body.position += centre;
+    for (DatboxContactor& one : body.contactors) one.shift -= centre;
+  }
+  if (single) first.shift.setZero();
+  if (weight == 0 || !known) return;
+  if (space && body.average_radius == 0) body.average_radius = std::cbrt(0.75 * weight / std::numbers::pi);
+  if (space && single) body.frame = std::exchange(first.frame, Matrix3::Identity());
+  if (space && (first.cylinder() || body.inertia.isZero(0))) take_inertia(body);
+  if (!space && body.average_radius * body.gyration_radius == 0) {
+    body.average_radius = std::sqrt(weight);
+    body.gyration_radius = std::sqrt(inertia_of(body)(2, 2) / weight);
+  }
+}
 
 double half_digit(const Eigen::Vector3d& place, Index dimension) {
   const double largest = place.head(dimension).cwiseAbs().maxCoeff();
@@ -190,7 +188,7 @@ const char* datbox_body_kind(Index dimension) { return dimension == 2 ? "RBDY2" 
 void set_axes(DatboxBody& body, const Eigen::Matrix3d& axes, const DatboxPlace& place) {
   body.read_axes = !axes.isIdentity(0);
   if (body.read_axes || !body.own_axes) body.frame = axes;  // LMGC90 writes principal axes, others x, y and z
-  require_frame(body, place);
+  require_frame(body.frame, place);
 }
 
 DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first) {
@@ -211,13 +209,11 @@ DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first) {
   const auto require_that = [&](bool holds, const std::string& expected) {
     if (!holds) refuse(body.place, "expected {}", expected);
   };
-  const std::size_t contactors = body.contactors.size();
   require_that(lines.key() == "$$$$$$", "a body that ends with $$$$$$, met one that does not");
   require_that(seen["$blmty"] > 0 && seen["$nodty"] > 0, "a body with a bulk element and a node, met one without");
-  require_that(contactors > 0, "a body with a contactor, met one without");
-  for (const DatboxContactor& one : body.contactors)
-    require_that(contactors == 1 || one.wall.empty(),
-                 fmt::format("a contactor {} alone in its body, met one with others", one.wall));
+  require_that(!body.contactors.empty(), "a body with a contactor, met one without");
+  require_that(body.contactors.size() == 1 || std::ranges::none_of(body.contactors, &DatboxContactor::cylinder),
+               "a cylinder alone in its body, met one with others");
   complete(body, dimension);
   return body;
 }

@@ -8,14 +8,17 @@ namespace nscdd {
 /// A body of BODIES.DAT. The first one sets the dimension. Its number is not read: LMGC90 counts bodies.
 DatboxBody read_datbox_body(FixedColumns& lines, Index& dimension, bool first);
 
-/// Reads the vertices (and faces) behind the line of a contactor POLYG, or in space POLYR. A polyhedron is the union of
-/// the tetrahedra from the mean of its vertices to its faces, of any orientation; polygons are counter-clockwise.
-DatboxSolid read_solid(FixedColumns& lines, bool space);
+/// Sets weight and inertia as LMGC90 counts them, each contactor whole.
+void weigh(DatboxContactor& one, bool space);
 
-/// Computes what is 0 in BODIES.DAT from the solid of a body with one contactor, as LMGC90 does: radii, moments of
-/// inertia, and the axes in which they are diagonal. The centre of the solid becomes that of the body; in the plane an
-/// offset below 1 mm is ignored, unless the node is at 0.
-void complete_solid(DatboxBody& body, Index dimension);
+/// Computes, as LMGC90 does, the centre of a body (in the plane only if its node is at 0), and radii and inertia that
+/// are 0 in BODIES.DAT. The inertia of a cylinder is its own, also where the file has another.
+void complete(DatboxBody& body, Index dimension);
+
+/// Reads the vertices (and faces) behind the line of a contactor POLYG, or in space POLYR, and weighs it. A polyhedron
+/// is the union of the tetrahedra from the mean of its vertices to its faces, of any orientation; polygons are
+/// counter-clockwise.
+void read_solid(FixedColumns& lines, bool space, DatboxContactor& contactor);
 
 /// RBDY2 or RBDY3.
 const char* datbox_body_kind(Index dimension);

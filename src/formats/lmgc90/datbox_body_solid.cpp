@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/lmgc90/datbox_body.hpp"
 
-#include <Eigen/Eigenvalues>
-
 #include <numbers>
 
 namespace nscdd {
@@ -51,7 +49,7 @@ void add_faces(FixedColumns& lines, Index faces, const std::vector<Vector3>& ver
 
 }  // namespace
 
-DatboxSolid read_solid(FixedColumns& lines, bool space) {
+void read_solid(FixedColumns& lines, bool space, DatboxContactor& contactor) {
   const DatboxPlace place = lines.place();
   const Index number = lines.integer(40, 47, "nb_vertex");
   const Index faces = space ? lines.integer(60, 67, "nb_face") : 0;
@@ -68,36 +66,13 @@ DatboxSolid read_solid(FixedColumns& lines, bool space) {
     refuse(place, "expected a {}, met one of {} {}",
            space ? "polyhedron with a volume" : "polygon with vertices in counter-clockwise order", moments.volume,
            space ? "m^3" : "m^2");
+  const double over = space ? 1 : std::numbers::pi;
   const Vector3 centre = moments.first / moments.volume;
   const Matrix3 about = moments.second - moments.volume * centre * centre.transpose();
-  DatboxSolid solid{.volume = moments.volume, .centre = middle + centre};
-  solid.inertia = about.trace() * Matrix3::Identity() - about;
-  for (const Vector3& vertex : vertices) solid.reach = std::max(solid.reach, (vertex - solid.centre).norm());
-  return solid;
-}
-
-void complete_solid(DatboxBody& body, Index dimension) {
-  const DatboxSolid& solid = *body.contactors[0].solid;
-  if (dimension == 2) {
-    constexpr double ignored_offset_squared = 1e-6;  // m^2
-    if (body.average_radius == 0 || body.gyration_radius == 0) {
-      body.average_radius = std::sqrt(solid.volume / std::numbers::pi);
-      body.gyration_radius = std::sqrt(solid.inertia(2, 2) / solid.volume);
-    }
-    if (body.position.isZero(0) || solid.centre.squaredNorm() >= ignored_offset_squared)
-      body.position.head<2>() += solid.centre.head<2>();
-    return;
-  }
-  if (body.average_radius == 0) body.average_radius = std::cbrt(0.75 * solid.volume / std::numbers::pi);
-  body.position += solid.centre;
-  if (!body.inertia.isZero(0)) return;
-  body.inertia = solid.inertia.diagonal();
-  const Matrix3 coupling = solid.inertia - Matrix3(body.inertia.asDiagonal());
-  if (coupling.cwiseAbs().maxCoeff() <= 1e-12 * body.inertia.maxCoeff()) return;  // else axes could be permuted
-  const Eigen::SelfAdjointEigenSolver<Matrix3> principal(solid.inertia);
-  body.inertia = principal.eigenvalues();
-  body.frame = principal.eigenvectors();
-  if (body.frame.determinant() < 0) body.frame.col(2) *= -1;
+  contactor.weight = moments.volume / over;
+  contactor.shift = middle + centre;
+  contactor.inertia = (about.trace() * Matrix3::Identity() - about) / over;
+  for (const Vector3& vertex : vertices) contactor.reach = std::max(contactor.reach, (vertex - contactor.shift).norm());
 }
 
 }  // namespace nscdd

@@ -103,11 +103,11 @@ Motion datbox_motion(const DatboxBody& body, double start, Index dimension) {
   motion.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0};
   const auto turns = [](const auto& drive) { return drive && !drive->none(); };
   if (dimension == 3 && body.contactors.size() > 1 && body.own_axes &&
-      (body.read_axes || !body.spin.isZero(0) || std::any_of(body.drives.begin() + 3, body.drives.end(), turns)) &&
-      body.fully_driven(dimension))
+      (body.read_axes || !body.spin.isZero(0) || std::any_of(body.drives.begin() + 3, body.drives.end(), turns)))
     refuse(body.place,
-           "expected I1 to I3 of a cluster that turns or has axes of its own, met 0: LMGC90 takes its principal axes, "
-           "which are in no file");
+           "expected I1 to I3 of a body with several contactors that turns or has axes of its own, met 0: LMGC90 takes "
+           "its "
+           "principal axes, which are in no file");
   const Vector3 spin = body.frame * body.spin, &v0 = body.velocity;
   motion.initial = dimension == 2 ? RigidVelocity{v0[0], v0[1], v0[2]}
                                   : RigidVelocity{v0[0], v0[1], spin[2], v0[2], spin[0], spin[1]};
@@ -115,35 +115,60 @@ Motion datbox_motion(const DatboxBody& body, double start, Index dimension) {
   return motion;
 }
 
-// A hollow one has no ends here. LMGC90 has contacts at wrong distances beyond the ends of a DNLYC.
-void set_cylinder(const DatboxBody& body, BoundarySpec& cylinder) {
-  const DatboxContactor& shape = body.contactors[0];
-  cylinder.shape = BoundaryShape::cylinder;
-  cylinder.radius = shape.radius;
-  cylinder.ends = shape.wall == "CYLND";
-  cylinder.side = cylinder.ends ? CylinderSide::outside : CylinderSide::inside;
-  const bool space = shape.wall != "xKSID";
-  const Vector3 middle(body.position[0], body.position[1], space ? body.position[2] : 0);
-  Vector3::Map(cylinder.from.data()) = middle - shape.length * body.frame.col(2);
-  Vector3::Map(cylinder.to.data()) = middle + shape.length * body.frame.col(2);
-}
-
-void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& plank) {
-  const DatboxContactor& shape = body.contactors[0];
-  if (shape.radius > 0) return set_cylinder(body, plank);
-  plank.shape = BoundaryShape::plank;
-  plank.radius = shape.thickness;
-  if (datbox.space()) {
-    Vector3::Map(plank.point.data()) = body.position;
-    Vector3::Map(plank.axis.data()) = body.frame.col(0);
-    Vector3::Map(plank.normal.data()) = body.frame.col(2);
-    plank.length = 2 * shape.length;
-    plank.width = 2 * shape.width;
+// A hollow cylinder has no ends here. LMGC90 has contacts at wrong distances beyond the ends of a DNLYC.
+void set_wall(const DatboxBody& body, const DatboxContactor& shape, bool space, BoundarySpec& wall) {
+  const Vector3 middle = body.place_of(shape, space);
+  const Matrix3 frame = body.frame * shape.frame;
+  const double angle = body.position[2];
+  const bool round = shape.radius > 0;
+  wall.shape = round ? BoundaryShape::cylinder : BoundaryShape::plank;
+  wall.radius = round ? shape.radius : shape.thickness;
+  if (round) {
+    wall.ends = shape.wall == "CYLND";
+    wall.side = wall.ends ? CylinderSide::outside : CylinderSide::inside;
+  }
+  if (round || !space) {
+    const Vector3 along = space ? Vector3(frame.col(2)) : Vector3(std::cos(angle), std::sin(angle), 0);
+    Vector3::Map(wall.from.data()) = middle - shape.length * along;
+    Vector3::Map(wall.to.data()) = middle + shape.length * along;
     return;
   }
-  const double angle = body.position[2], x = shape.length * std::cos(angle), y = shape.length * std::sin(angle);
-  plank.from = {body.position[0] - x, body.position[1] - y, 0};
-  plank.to = {body.position[0] + x, body.position[1] + y, 0};
+  Vector3::Map(wall.point.data()) = middle;
+  Vector3::Map(wall.axis.data()) = frame.col(0);
+  Vector3::Map(wall.normal.data()) = frame.col(2);
+  wall.length = 2 * shape.length;
+  wall.width = 2 * shape.width;
+}
+
+// The shapes of a body whose first disk or sphere has number `first` in the packing: these, then its walls.
+void add_shapes(const DatboxBody& body, bool space, Index first, BoundarySpec boundary,
+                std::vector<BoundarySpec>& boundaries) {
+  BoundarySpec part;
+  part.name = boundary.name;
+  part.part = true;
+  part.dimension = boundary.dimension;
+  const auto add = [&](const auto& set) { set(boundaries.emplace_back(std::exchange(boundary, part))); };
+  if (const Index grains = body.grains(); grains > 0)
+    add([&](BoundarySpec& spec) {
+      spec.shape = BoundaryShape::grains;
+      spec.first = first;
+      spec.last = first + grains - 1;
+    });
+  for (const DatboxContactor& shape : body.contactors)
+    if (!shape.wall.empty()) add([&](BoundarySpec& spec) { set_wall(body, shape, space, spec); });
+}
+
+// The colour of its walls, or that of its first grain.
+std::string colour_of_boundary(const Datbox& datbox, const DatboxBody& body) {
+  const DatboxContactor* wall = nullptr;
+  for (const DatboxContactor& one : body.contactors) {
+    if (one.wall.empty()) continue;
+    if (wall != nullptr && colour_of(datbox, *wall) != colour_of(datbox, one))
+      refuse(one.place, "expected one kind and colour of all walls of a body, {} as before, met {}",
+             colour_of(datbox, *wall), colour_of(datbox, one));
+    wall = &one;
+  }
+  return colour_of(datbox, wall != nullptr ? *wall : body.contactors[0]);
 }
 
 void require_one_drive(const DatboxBody& body) {
@@ -175,8 +200,8 @@ FreeBody free_body(const Datbox& datbox, const DatboxBody& body) {
                                            [](double one) { return one > 0; });
   if (!(result.mass > 0) || (turns && !inertia))
     refuse(body.place,
-           "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which only disks, spheres "
-           "and cylinders in space replace",
+           "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which is computed of "
+           "disks, spheres and planks, and of cylinders in space",
            space ? "I1 to I3" : "gyrd");
   if (space && turns) result.axes = Eigen::Quaterniond(body.frame).normalized();
   add_functions(body, body.forces, datbox.start, datbox.dimension, result.load);
@@ -193,7 +218,7 @@ void add_source(const Datbox& datbox, std::vector<BoundarySpec>& boundaries) {
       refuse(body.place, "expected a free {} as the source point of {}:{} releases, met another body",
              shape_of_grains(datbox.dimension), source.place.file, source.place.line);
     if (k + 1 == source.first) first = grains;
-    if (body.wall().empty()) grains += count(body.contactors);
+    grains += body.grains();
   }
   if (first < 0)
     refuse(source.place, "expected a source point of one of the {} bodies, met body {}", datbox.bodies.size(),
@@ -214,22 +239,16 @@ std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool colour
   Index grains = 0;
   for (std::size_t k = 0; k < datbox.bodies.size(); ++k) {
     const DatboxBody& body = datbox.bodies[k];
-    const Index own = !body.wall().empty() ? 0 : count(body.contactors), first = std::exchange(grains, grains + own);
+    const Index first = std::exchange(grains, grains + body.grains());
     if (is_free_grain(body, datbox.space())) continue;
-    BoundarySpec& boundary = boundaries.emplace_back();
+    BoundarySpec boundary;
     boundary.name = fmt::format("body {}", k + 1);
     boundary.dimension = datbox.dimension;
-    boundary.colour = coloured ? colour_of(datbox, body.contactors[0]) : "";
+    boundary.colour = coloured ? colour_of_boundary(datbox, body) : "";
     boundary.motion = datbox_motion(body, datbox.start, datbox.dimension);
     require_one_drive(body);
     if (!body.fully_driven(datbox.dimension)) boundary.body = free_body(datbox, body);
-    if (!body.wall().empty()) {
-      set_wall(datbox, body, boundary);
-    } else {
-      boundary.shape = BoundaryShape::grains;
-      boundary.first = first;
-      boundary.last = grains - 1;
-    }
+    add_shapes(body, datbox.space(), first, std::move(boundary), boundaries);
   }
   if (datbox.command.source) add_source(datbox, boundaries);
   return boundaries;

@@ -30,13 +30,6 @@ void require_grain(const DatboxBody& body, bool space) {
            space ? "I1 to I3" : "gyrd", grain);
 }
 
-Vector3 place_of(const DatboxBody& body, const DatboxContactor& grain, bool space) {
-  if (space) return body.position + body.frame * grain.shift;
-  const double c = std::cos(body.position[2]), s = std::sin(body.position[2]);
-  return {body.position[0] + c * grain.shift[0] - s * grain.shift[1],
-          body.position[1] + s * grain.shift[0] + c * grain.shift[1], 0};
-}
-
 // Calls `visit(body, disk, number)` for every grain of the packing.
 template <class Visit>
 void for_each_grain(const Datbox& datbox, DatboxGrains which, Visit visit) {
@@ -71,9 +64,15 @@ std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxGrains
 
 }  // namespace
 
+Vector3 DatboxBody::place_of(const DatboxContactor& one, bool space) const {
+  if (space) return position + frame * one.shift;
+  const double c = std::cos(position[2]), s = std::sin(position[2]);
+  return {position[0] + c * one.shift[0] - s * one.shift[1], position[1] + s * one.shift[0] + c * one.shift[1], 0};
+}
+
 bool is_free_grain(const DatboxBody& body, bool space) {
   const bool loaded = std::ranges::any_of(body.forces, [](const auto& one) { return one.has_value(); });
-  return !body.driven() && !loaded && body.contactors.size() == 1 && body.wall().empty() &&
+  return !body.driven() && !loaded && body.contactors.size() == 1 && body.grains() == 1 &&
          body.contactors[0].shift.isZero(0) && has_full_inertia(body, space);
 }
 
@@ -92,7 +91,7 @@ Packing datbox_packing(const Datbox& datbox, DatboxGrains which) {
     const bool space = datbox.space(), grain = which == DatboxGrains::free || is_free_grain(body, space);
     const double size = grain ? body.average_radius : disk.radius;  // a mass of another body has no effect
     if (which == DatboxGrains::free) require_grain(body, space);
-    const Vector3 place = place_of(body, disk, space);
+    const Vector3 place = body.place_of(disk, space);
     packing.x.push_back(place[0]);
     packing.y.push_back(place[1]);
     if (space) packing.z.push_back(place[2]);

@@ -68,6 +68,13 @@ bool turns_about_one_axis(const Motion& motion) {
                               [&](const auto& spin) { return first.cross(spin).norm() > 1e-12 * first.squaredNorm(); });
 }
 
+// The gap of a sphere and a plank of one body.
+double gap_between(const DatboxContactor& sphere, const DatboxContactor& plank) {
+  const Eigen::Vector3d from = (plank.frame.transpose() * (sphere.shift - plank.shift)).cwiseAbs();
+  const double along = std::max(from[0] - plank.length, 0.0), across = std::max(from[1] - plank.width, 0.0);
+  return std::hypot(along, across, from[2]) - plank.thickness - sphere.radius;
+}
+
 }  // namespace
 
 std::string datbox_number(double value) {
@@ -84,46 +91,39 @@ std::string datbox_named(DatboxNumbers values) {
   return text;
 }
 
-// LMGC90 takes the centre of spheres, weighted by volume, moments along the axes of a body, and as the inertia of a
-// single contactor that of a full sphere, box or cylinder.
+// LMGC90 takes the centre of the contactors, weighted by volume, moments along the axes of a body, and as the inertia
+// of a single contactor that of a full sphere, box or cylinder.
 std::string DatboxWriter::without_free(const Body& body) const {
   const FreeBody* free = free_body(body);
   if (!space_ || free == nullptr) return {};
-  const std::vector<double>& radius = first_.system.radius;
   if (turns(free->load))
     return "expected no torque on a body in space, which LMGC90 takes along axes that turn with it";
-  if (body.wall >= 0 && !free->free(BodyDirection::spin)) return {};
+  if (body.wall() >= 0 && !free->free(BodyDirection::spin)) return {};
   constexpr double tolerance = 1e-5;  // of numbers with seven digits, in the fifth power
   const Node node = node_of(body, first_.state);
   const Pose& pose = first_.state.poses[at(body.boundary)];
-  Eigen::Vector3d middle = body.wall < 0 ? Eigen::Vector3d(0, 0, 0) : node.place;
-  double volume = 0;
-  for (const std::size_t i : body.grains) {
-    const double own = datbox_volume(radius[i]);
-    middle += (centre(first_.state, i) - middle) * (own / (volume += own));
-  }
+  DatboxBody read{.contactors = contactors_of(body, node)};
+  const bool single = read.contactors.size() == 1;
+  for (DatboxContactor& one : read.contactors) weigh(one, space_);
+  const double alert = first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius);
+  for (const DatboxContactor& plank : read.contactors)
+    for (const DatboxContactor& sphere : plank.wall.empty() ? std::span<DatboxContactor>() : std::span(read.contactors))
+      if (sphere.wall.empty() && gap_between(sphere, plank) < alert)
+        return "expected its spheres farther than the alert distance from its planks: LMGC90 would have contacts there";
+  const std::string kind = read.contactors[0].wall;
+  complete(read, 3);
+  const Eigen::Vector3d middle = node.place + node.frame * read.position;
   if ((middle - Eigen::Vector3d(pose.x, pose.y, pose.z)).norm() > tolerance * (margin_ + middle.norm()))
-    return fmt::format("expected its centre to be {}", body.wall < 0 ? "that of its spheres, weighted by volume"
-                                                                     : "the middle of its plank or cylinder");
-  if (body.grains.size() > 1 || !free->free(BodyDirection::spin)) return {};
-  Eigen::Vector3d expected = Eigen::Vector3d::Ones();
-  const char* shape = "sphere";
-  if (body.wall < 0) {
-    expected *= 0.4 * volume * radius[body.grains[0]] * radius[body.grains[0]];
-  } else if (const Wall& wall = first_.system.walls[at(body.wall)]; wall.round()) {
-    shape = "cylinder";
-    const double half = planks_[at(body.wall)].length, square = wall.radius * wall.radius;
-    const double across = square / 4 + half * half / 3;
-    expected = 2 * half * std::numbers::pi * square * Eigen::Vector3d(across, across, square / 2);
-  } else {
-    shape = "box";
-    const auto& [frame, c, a, b, along, across] = planks_[at(body.wall)];
-    expected = 8 * a * b * c / 3 * Eigen::Vector3d(b * b + c * c, a * a + c * c, a * a + b * b);
-  }
-  expected *= density_;
+    return fmt::format("expected its centre to be {}", body.wall() < 0 ? "that of its shapes, weighted by volume"
+                                                                       : "the middle of its plank or cylinder");
+  if (!single || !free->free(BodyDirection::spin)) return {};
+  const Eigen::Vector3d expected = density_ * read.inertia;
   const Eigen::Matrix3d excess = inertia_in(*free, body, node.frame) - Eigen::Matrix3d(expected.asDiagonal());
   if (excess.cwiseAbs().maxCoeff() <= tolerance * expected.maxCoeff()) return {};
-  return fmt::format("expected the inertia of a full {} with the density of grains, {}, {} and {} kg m^2", shape,
+  return fmt::format("expected the inertia of a full {} with the density of grains, {}, {} and {} kg m^2",
+                     kind.empty()      ? "sphere"
+                     : kind == "PLANx" ? "box"
+                                       : "cylinder",
                      expected[0], expected[1], expected[2]);
 }
 
@@ -147,7 +147,7 @@ std::string DatboxWriter::without_datbox() const {
     const Boundary& boundary = first_.system.boundaries[at(body.boundary)];
     if (const std::string reason = without_free(body); !reason.empty())
       return fmt::format("boundary '{}': {}", boundary.name, reason);
-    const bool has_middle = body.wall >= 0 && first_.system.walls[at(body.wall)].radius != 0;
+    const bool has_middle = body.wall() >= 0 && first_.system.walls[at(body.wall())].radius != 0;
     const bool spins = boundary.body && boundary.body->free(BodyDirection::spin);
     if (!turns(boundary.motion) && !(has_middle && spins)) continue;
     const char* expected = nullptr;
@@ -155,11 +155,11 @@ std::string DatboxWriter::without_datbox() const {
     const Eigen::Vector3d centre(pose.x, pose.y, pose.z);
     if (has_middle && (node_of(body, first_.state).place - centre).norm() > 1e-7 * margin_)
       expected = "a plank or cylinder that turns about its middle";
-    else if (body.wall >= 0 && !(planks_[at(body.wall)].thickness > 0))
+    else if (body.wall() >= 0 && !(planks_[at(body.wall())].thickness > 0))
       expected = "a wall that turns about a point on it or behind it, as a plank does";
-    else if (body.wall < 0 && space_)
-      expected = "spheres of boundaries that do not turn";
-    else if (body.wall < 0 && boundary.orientation == Orientation::fixed)
+    else if (body.wall() < 0 && space_)
+      expected = "a boundary of spheres, or of several shapes, that does not turn";
+    else if (body.wall() < 0 && boundary.orientation == Orientation::fixed)
       expected = "disks that turn with their boundary, as a rigid body does";
     else if (space_ && !turns_about_one_axis(boundary.motion))  // spins are along axes that turn with the plank
       expected = "a wall that turns about one axis";
@@ -202,7 +202,7 @@ std::vector<DatboxWriter::Driven> DatboxWriter::driven_bodies() const {
     if (body.boundary < 0) continue;
     const Boundary& boundary = first_.system.boundaries[at(body.boundary)];
     Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
-    if (body.wall >= 0) frame = node_of(body, first_.state).frame;
+    if (body.wall() >= 0) frame = node_of(body, first_.state).frame;
     const auto numbers = [&](const RigidVelocity& v) {
       const Eigen::Vector3d spin = frame.transpose() * spin_vector(v);
       return space_ ? std::vector<double>{v.x, v.y, v.z, spin[0], spin[1], spin[2]}

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/lmgc90/datbox.hpp"
 
+#include <set>
+
 namespace nscdd {
 namespace {
 
 struct Seen {
-  bool grain = false, moves = false;  // one that is no wall; one that is not driven in all directions
-  Index free = 0;                     // contactors of free bodies
-  bool boundary = false;              // one of another body
+  bool grain = false, moves = false;    // one that is no wall; one that is not driven in all directions
+  bool free = false, boundary = false;  // one of a free body; one of another body
+  std::set<const DatboxBody*> bodies = {};
 };
 
 std::map<std::string, Seen> colours_of(const Datbox& datbox) {
@@ -18,8 +20,9 @@ std::map<std::string, Seen> colours_of(const Datbox& datbox) {
       const bool boundary = body.driven();  // a wall that nothing drives is a free body
       seen.grain = seen.grain || one.wall.empty();
       seen.moves = seen.moves || !body.fully_driven(datbox.dimension);
-      seen.free += !boundary;
+      seen.free = seen.free || !boundary;
       seen.boundary = seen.boundary || boundary;
+      seen.bodies.insert(&body);
     }
   return colours;
 }
@@ -38,8 +41,8 @@ std::vector<Meeting> meetings_of(const Datbox& datbox) {
     for (auto b = a; b != colours.end(); ++b) {
       const Seen &one = a->second, &other = b->second;
       if (!(one.grain || other.grain) || !(one.moves || other.moves)) continue;
-      if (a == b && one.free + one.boundary < 2) continue;  // a body does not meet itself
-      meetings.push_back({a->first, b->first, one.free > 0 && other.free > 0, one.boundary || other.boundary,
+      if (one.bodies.size() == 1 && one.bodies == other.bodies) continue;  // a body does not meet itself
+      meetings.push_back({a->first, b->first, one.free && other.free, one.boundary || other.boundary,
                           sight_of(datbox, a->first, b->first)});
     }
   return meetings;

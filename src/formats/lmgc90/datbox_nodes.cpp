@@ -27,13 +27,13 @@ void DatboxWriter::number_bodies() {
   for (Index w = 0; w < count(system.walls); ++w) {
     const Index boundary = system.walls[at(w)].boundary;
     Body* body = &body_of(boundary);
-    if (body->wall >= 0 || !body->grains.empty()) {
-      if (free_body(*body) != nullptr)
-        fail("LMGC90: boundary '{}': expected a body of one wall, plank or cylinder, or of grains, met one of several",
-             system.boundaries[at(boundary)].name);
+    const auto plank = [&](std::size_t one) { return system.walls[one].plank(); };
+    if (const bool first = body->walls.empty() && body->grains.empty(); !first && free_body(*body) == nullptr)
       body = &driven.emplace_back(Body{.boundary = boundary});
-    }
-    body->wall = w;
+    else if (!first && !(space_ && plank(at(w)) && std::ranges::all_of(body->walls, plank)))
+      fail("LMGC90: boundary '{}': expected a free body of one wall, plank or cylinder, or of grains{}, met several",
+           system.boundaries[at(boundary)].name, space_ ? " and planks" : "");
+    body->walls.push_back(at(w));
   }
   bodies_.insert(bodies_.end(), driven.begin(), driven.end());
   constexpr Index most = 99'999;  // their numbers have five columns
@@ -41,12 +41,12 @@ void DatboxWriter::number_bodies() {
   places_.resize(system.radius.size() + system.walls.size());
   Index number = 0;
   for (const Body& body : bodies_) {
-    if (count(body.grains) > most)
-      fail("LMGC90: expected at most {} contactors in a body, met {}", most, body.grains.size());
+    if (const Index many = count(body.grains) + count(body.walls); many > most)
+      fail("LMGC90: expected at most {} contactors in a body, met {}", most, many);
     Index contactor = 0;
     ++number;
     for (const std::size_t i : body.grains) places_[i] = {number, ++contactor};
-    if (body.wall >= 0) places_[at(system.grains() + body.wall)] = {number, 1};
+    for (const std::size_t w : body.walls) places_[at(system.grains()) + w] = {number, ++contactor};
   }
 }
 
@@ -63,7 +63,7 @@ Eigen::Matrix3d DatboxWriter::inertia_in(const FreeBody& free, const Body& body,
 
 // A node of several disks at 0 would make LMGC90 compute another node: its angle is not exactly 0.
 DatboxWriter::Node DatboxWriter::node_of(const Body& body, const GranularState& state) const {
-  if (body.wall >= 0) return plank_node(at(body.wall), state.poses[at(body.boundary)]);
+  if (body.wall() >= 0) return plank_node(at(body.wall()), state.poses[at(body.boundary)]);
   if (const FreeBody* free = free_body(body); space_ && free != nullptr) {
     const Pose& pose = state.poses[at(body.boundary)];
     return {{pose.x, pose.y, pose.z}, principal_axes(*free, pose)};

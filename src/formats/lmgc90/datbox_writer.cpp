@@ -8,10 +8,16 @@
 namespace nscdd {
 namespace {
 
-std::string frame_text(const Matrix3& frame) {
-  return fmt::format("{:29}localframe\n", "") + datbox_three("alp{}=", frame.col(0)) +
-         datbox_three("bet{}=", frame.col(1)) + datbox_three("gam{}=", frame.col(2)) +
-         datbox_three("coo{}=", Vector3::Zero());
+std::string sizes_of(const DatboxContactor& one) {
+  if (one.wall == "PLANx") return datbox_named({{"axe1=", one.length}, {"axe2=", one.width}, {"axe3=", one.thickness}});
+  if (one.wall == "JONCx") return datbox_named({{"ax1 =", one.length}, {"ax2 =", one.thickness}});
+  return (one.cylinder() ? datbox_named({{"High=", one.length}}) : "") + datbox_named({{"byrd=", one.radius}});
+}
+
+std::string frame_lines(const DatboxContactor& one) {
+  return fmt::format("{:29}localframe\n", "") + datbox_three("alp{}=", one.frame.col(0)) +
+         datbox_three("bet{}=", one.frame.col(1)) + datbox_three("gam{}=", one.frame.col(2)) +
+         datbox_three("coo{}=", one.shift);
 }
 
 }  // namespace
@@ -63,7 +69,7 @@ std::string DatboxWriter::bodies() const {
     const Body& body = bodies_[at(number - 1)];
     const Node node = node_of(body, first_.state);
     const FreeBody* free = free_body(body);
-    const bool grain = free == nullptr && (space_ ? body.wall < 0 : body.boundary < 0);  // of others radii are unused
+    const bool grain = free == nullptr && (space_ ? body.wall() < 0 : body.boundary < 0);  // of others radii are unused
     const double radius = grain ? system.radius[body.grains[0]] : margin_;
     const double size = body.boundary < 0 ? system.mass[body.grains[0]] / density_ : datbox_volume(radius);
     text += fmt::format("$bdyty\n {}{:{}}\n$blmty\n PLAIN      1  behav  {}", kind(), number, space_ ? 9 : 7,
@@ -84,7 +90,7 @@ std::string DatboxWriter::bodies() const {
       text += datbox_named({{"avrd=", average}, {"gyrd=", gyration}}) + "\n";
     }
     text += node_text("coo{}=", node.place, node.angle);
-    text += "$tacty\n" + contactors(body, node) + "$$$$$$\n\n";
+    text += "$tacty\n" + contactor_lines(body, node) + "$$$$$$\n\n";
   }
   return text;
 }
@@ -98,40 +104,45 @@ std::string DatboxWriter::node_text(const char* names, const Vector3& place, dou
 
 const char* DatboxWriter::colour_of(const Body& body) const {
   const GranularSystem& system = first_.system;
-  const Index one = body.wall < 0 ? static_cast<Index>(body.grains[0]) : system.grains() + body.wall;
+  const Index one = static_cast<Index>(body.grains.empty() ? at(system.grains()) + body.walls[0] : body.grains[0]);
   return !system.is_boundary(one) ? datbox_grains : system.moves(one) ? datbox_half_free : datbox_boundaries;
 }
 
-std::string DatboxWriter::contactors(const Body& body, const Node& node) const {
-  const char* colour = colour_of(body);
-  std::string text;
-  if (body.wall >= 0) {
-    const Plank& plank = planks_[at(body.wall)];
-    const Wall& wall = first_.system.walls[at(body.wall)];
-    const std::string height = space_ ? datbox_named({{"High=", plank.length}}) : "";  // of a cylinder
-    const std::string sizes =
-        wall.round() ? height + datbox_named({{"byrd=", std::abs(wall.radius)}})
-        : space_     ? datbox_named({{"axe1=", plank.length}, {"axe2=", plank.width}, {"axe3=", plank.thickness}})
-                     : datbox_named({{"ax1 =", plank.length}, {"ax2 =", plank.thickness}});
-    text = fmt::format(" {}      1  color  {}{}\n", wall_kind(at(body.wall)).contactor, colour, sizes);
-    const bool hollow = wall.round() && wall.radius > 0;  // the axes of DNLYC are those of DOF
-    return space_ && !hollow ? text + frame_text(node.frame) : text;
+std::vector<DatboxContactor> DatboxWriter::contactors_of(const Body& body, const Node& node) const {
+  const Matrix3 into =
+      Eigen::AngleAxisd(-node.angle, Vector3::UnitZ()) * node.frame.transpose();  // the axes of the body
+  std::vector<DatboxContactor> all;
+  for (const std::size_t i : body.grains)
+    all.push_back({.radius = first_.system.radius[i], .shift = into * (centre(first_.state, i) - node.place)});
+  for (const std::size_t w : body.walls) {
+    const auto& [frame, thickness, length, width, along, across] = planks_[w];
+    const Wall& wall = first_.system.walls[w];
+    DatboxContactor& one = all.emplace_back(DatboxContactor{.wall = std::string(wall_kind(w).contactor),
+                                                            .radius = wall.round() ? std::abs(wall.radius) : 0,
+                                                            .length = length,
+                                                            .thickness = thickness,
+                                                            .width = width,
+                                                            .frame = node.frame});
+    if (body.wall() >= 0) continue;  // its own frame becomes that of the body
+    const Node own = plank_node(w, first_.state.poses[at(body.boundary)]);
+    one.shift = into * (own.place - node.place);
+    one.frame = into * own.frame;
   }
-  for (const std::size_t i : body.grains) {
-    const bool cluster = space_ ? free_body(body) != nullptr : body.boundary >= 0;
-    text += fmt::format(" {}  {:5}  color  {}{}\n",
-                        cluster  ? (space_ ? "SPHEb" : "DISKb")
-                        : space_ ? "SPHER"
-                                 : "DISKx",
-                        places_[i].contactor, colour, datbox_named({{"byrd=", first_.system.radius[i]}}));
-    if (!cluster) continue;
-    if (space_) {
-      text += datbox_three("coo{}=", node.frame.transpose() * (centre(first_.state, i) - node.place));
-      continue;
-    }
-    const double x = first_.state.x[i] - node.place[0], y = first_.state.y[i] - node.place[1];
-    const double c = std::cos(node.angle), sine = std::sin(node.angle);  // into the axes of the body
-    text += datbox_line({{"coo1=", c * x + sine * y}, {"coo2=", c * y - sine * x}});
+  return all;
+}
+
+std::string DatboxWriter::contactor_lines(const Body& body, const Node& node) const {
+  const bool cluster = space_ ? free_body(body) != nullptr : body.boundary >= 0;
+  const std::string grain = space_ ? (cluster ? "SPHEb" : "SPHER") : cluster ? "DISKb" : "DISKx";
+  std::string text;
+  Index number = 0;
+  for (const DatboxContactor& one : contactors_of(body, node)) {
+    const bool wall = !one.wall.empty();
+    text += fmt::format(" {}  {:5}  color  {}{}\n", wall ? one.wall : grain, ++number, colour_of(body), sizes_of(one));
+    if (wall && space_ && one.wall != "DNLYC") text += frame_lines(one);  // the axes of DNLYC are those of DOF
+    if (wall || !cluster) continue;
+    text +=
+        space_ ? datbox_three("coo{}=", one.shift) : datbox_line({{"coo1=", one.shift[0]}, {"coo2=", one.shift[1]}});
   }
   return text;
 }
@@ -166,7 +177,7 @@ std::string DatboxWriter::dof(const TrajectoryStep& step) const {
     } else {
       velocity =
           datbox_vector(velocity_of_point(motions[b], state.poses[b], {now.place[0], now.place[1], now.place[2]}));
-      if (!space_ || body.wall >= 0 || system.boundaries[b].orientation == Orientation::turning)
+      if (!space_ || body.wall() >= 0 || system.boundaries[b].orientation == Orientation::turning)
         spin = spin_vector(motions[b]);
       turned = state.poses[b].angle - first_.state.poses[b].angle;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "formats/lmgc90/datbox_body.hpp"
 #include "simulation/simulation.hpp"
 #include "simulation/trajectory_step.hpp"
 
@@ -35,8 +36,11 @@ class DatboxWriter {
  private:
   struct Body {
     Index boundary = -1;                // that drives it; -1: free
-    Index wall = -1;                    // that it is; -1: none
-    std::vector<std::size_t> grains{};  // its contactors
+    std::vector<std::size_t> grains{};  // its contactors: these, then walls
+    std::vector<std::size_t> walls{};
+
+    // The wall that it is; -1: none, or several shapes.
+    Index wall() const { return grains.empty() && walls.size() == 1 ? static_cast<Index>(walls[0]) : -1; }
   };
   // The number of a body and of a contactor in it, both from 1.
   struct Place {
@@ -75,7 +79,8 @@ class DatboxWriter {
   }
   Node plank_node(std::size_t wall, const Pose& pose) const;
   Node node_of(const Body& body, const GranularState& state) const;
-  std::string contactors(const Body& body, const Node& node) const;
+  std::vector<DatboxContactor> contactors_of(const Body& body, const Node& node) const;
+  std::string contactor_lines(const Body& body, const Node& node) const;
   const char* colour_of(const Body& body) const;
   const FreeBody* free_body(const Body& body) const;  // null: none of its directions is free
   /// Of a body in space in its first state, along the axes of a frame, kg m^2.

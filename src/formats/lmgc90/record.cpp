@@ -145,7 +145,7 @@ DatboxNetwork read_network(const RecordPlace& place, const Datbox& datbox) {
     contact.kind = whole(k, 0) == 1 ? "DKDKx" : "";
     contact.candidate = one_of(whole(k, 6), count(datbox.bodies), contact.place, "bodies of BODIES.DAT");
     contact.antagonist = one_of(whole(k, 7), count(datbox.bodies), contact.place, "bodies of BODIES.DAT");
-    if (contact.candidate == contact.antagonist)
+    if (contact.within() && datbox.bodies[at(contact.candidate)].contactors.size() == 1)
       refuse(contact.place, "expected two bodies, met body {} twice", contact.candidate + 1);
     contact.candidate_shape = whole(k, 12) - 1;
     contact.antagonist_shape = whole(k, 13) - 1;

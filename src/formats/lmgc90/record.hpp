@@ -8,9 +8,10 @@ namespace nscdd {
 
 /// A contact. The candidate moves away from the antagonist along the normal.
 struct DatboxContact {
-  std::string kind;                                 ///< of the contactors, such as DKDKx
-  Index candidate = 0, antagonist = 0;              ///< bodies, from 0
-  Index candidate_shape = 0, antagonist_shape = 0;  ///< contactors of the body, from 0
+  std::string kind;                                        ///< of the contactors, such as DKDKx
+  Index candidate = 0, antagonist = 0;                     ///< bodies, from 0
+  Index candidate_shape = 0, antagonist_shape = 0;         ///< contactors of the body, from 0
+  bool within() const { return candidate == antagonist; }  ///< of two shapes of one body, which LMGC90 lets touch
   std::string law;
   Eigen::Vector3d point{0, 0, 0};  ///< m
   Eigen::Matrix3d frame;           ///< n, t and s as columns; s = (0, 0, 1) in the plane

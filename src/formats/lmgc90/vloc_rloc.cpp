@@ -38,8 +38,8 @@ Vector6 masses_of(const Datbox& datbox, const DatboxBody& body) {
   mass << m, m, (datbox.space() ? m : m * gyration * gyration), density * body.inertia;
   if (!((datbox.space() ? mass.minCoeff() : mass.head<3>().minCoeff()) > 0))
     refuse(body.place,
-           "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which only disks, spheres, "
-           "cylinders in space, and a single POLYG or POLYR replace",
+           "avrd and {}: expected numbers above 0 of a body that is not driven, met 0, which is computed of "
+           "disks, spheres, polygons, polyhedra and planks, and of cylinders in space",
            datbox.space() ? "I1 to I3" : "gyrd");
   return mass;
 }
@@ -84,16 +84,16 @@ Vector3 lever_of(const DatboxContact& contact, const DatboxBody& body, bool cand
   const DatboxContactor& shape = body.contactors[0];
   const Vector3 n = contact.frame.col(0), centre(body.position[0], body.position[1], space ? body.position[2] : 0);
   const Vector3 lever = contact.point - centre;
-  const bool single = body.contactors.size() == 1 && shape.wall.empty();
-  const double reach = shape.solid ? shape.solid->reach : shape.radius;
+  const bool single = body.contactors.size() == 1, grain = single && shape.wall.empty();
+  const double reach = std::max(shape.reach, shape.radius);
   constexpr double margin = 1.5;  // places and points belong to instants one step apart
-  if (single && reach > 0 && lever.norm() > margin * reach + std::abs(contact.gap))
+  if (grain && reach > 0 && lever.norm() > margin * reach + std::abs(contact.gap))
     refuse(contact.place,
            "expected a point of the {} within {} m of its centre, met one at {} m: an image in a periodic cell, whose "
            "period is in no file, is not modelled",
            candidate ? "candidate" : "antagonist", reach, lever.norm());
-  if (shape.wall == "xKSID") return -shape.radius * n;
-  if (single && shape.radius > 0 && shape.shift.isZero(0)) return (candidate ? -shape.radius : shape.radius) * n;
+  if (single && shape.wall == "xKSID") return -shape.radius * n;
+  if (grain && shape.radius > 0 && shape.shift.isZero(0)) return (candidate ? -shape.radius : shape.radius) * n;
   return contact.kind == "DKDKx" && !candidate ? Vector3(lever - contact.gap * n) : lever;  // the point is on the other
 }
 
@@ -138,18 +138,20 @@ DatboxNetwork network_at_state(const std::string& path, const Datbox& datbox, co
 
 ContactForces contact_forces_of(const Datbox& datbox, const DatboxNetwork& network) {
   ContactForces result{datbox.dimension};
-  std::vector<Index> first;  // number of the first shape of a body: grains in the order of the files, then walls
-  for (const DatboxBody& body : datbox.bodies)
-    first.push_back(body.wall().empty() ? std::exchange(result.grains, result.grains + count(body.contactors))
-                                        : result.walls++);
-  for (std::size_t k = 0; k < first.size(); ++k)
-    if (!datbox.bodies[k].wall().empty()) first[k] += result.grains;
+  std::vector<std::vector<Index>> numbers;  // of the shapes of each body, as a case has them
+  for (const DatboxBody& body : datbox.bodies) result.grains += body.grains();
+  Index grains = 0;
+  for (const DatboxBody& body : datbox.bodies) {
+    std::vector<Index>& own = numbers.emplace_back();
+    for (const DatboxContactor& one : body.contactors)
+      own.push_back(one.wall.empty() ? grains++ : result.grains + result.walls++);
+  }
   const auto number = [&](Index body, Index shape) -> Index {  // -1 of what is not there
-    if (body >= count(first) || shape < 0 || shape >= count(datbox.bodies[at(body)].contactors)) return -1;
-    return first[at(body)] + shape;
+    if (body >= count(numbers) || shape < 0 || shape >= count(numbers[at(body)])) return -1;
+    return numbers[at(body)][at(shape)];
   };
   for (const DatboxContact& contact : network.contacts) {
-    if (contact.force.isZero(0)) continue;  // as in impulses_to_remember
+    if (contact.force.isZero(0) || contact.within()) continue;  // as in impulses_to_remember
     const Index candidate = number(contact.candidate, contact.candidate_shape),
                 antagonist = number(contact.antagonist, contact.antagonist_shape);
     if (candidate < 0 || antagonist < 0) continue;
@@ -185,7 +187,7 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
       refuse(one.place, "expected two of the {} bodies of BODIES.DAT with contactors that they have, met {} and {}",
              bodies.size(), one.candidate + 1, one.antagonist + 1);
   std::erase_if(contacts, [&](const DatboxContact& one) {
-    return bodies[at(one.candidate)].row < 0 && bodies[at(one.antagonist)].row < 0;
+    return one.within() || (bodies[at(one.candidate)].row < 0 && bodies[at(one.antagonist)].row < 0);
   });
   if (contacts.empty()) fail("{}: expected contacts of bodies that are not driven, met none", name);
   FclibFile file;

@@ -33,7 +33,8 @@ void read_pair(const FixedColumns& lines, const Datbox& datbox, DatboxContact& c
   contact.slid = std::any_of(second, words.end(), [](const auto& word) { return word.find("sl") != word.npos; });
   if (std::min({contact.candidate, contact.antagonist, contact.candidate_shape, contact.antagonist_shape}) < 0)
     lines.refuse("expected numbers of bodies and contactors from 1", "'" + line + "'");
-  if (contact.candidate == contact.antagonist)
+  if (contact.within() && contact.candidate < count(datbox.bodies) &&
+      datbox.bodies[at(contact.candidate)].contactors.size() == 1)
     lines.refuse("expected two bodies", fmt::format("body {} twice", contact.candidate + 1));
 }
 
