@@ -79,6 +79,18 @@ def reactions(*paths):
     return found
 
 
+def gaps(path):
+    """Gaps of all contacts of a file Vloc_Rloc, m, by the numbers of both bodies, ascending."""
+    found = {}
+    pair = None
+    for line in Path(path).read_text().splitlines():
+        if match := re.match(r"\s*RBDY2\s+(\d+)\s.*RBDY2\s+(\d+)\s", line):
+            pair = tuple(sorted(int(match.group(k)) for k in (1, 2)))
+        if match := re.match(r"\s*gapTT(.{14})", line):
+            found[pair] = number(match.group(1))
+    return found
+
+
 def distance(one, other):
     """|one - other| / |other| over the keys of OTHER and of ONE; what one of them lacks is 0."""
     keys = one.keys() | other.keys()

@@ -11,6 +11,7 @@ usage: check_folders.py PROGRAM SOURCE UNIT_TESTS
 Exit code 0: as expected; 1: not; 77: no folders."""
 import math
 import os
+import statistics
 import subprocess
 import sys
 import tarfile
@@ -20,7 +21,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "studies" / "paper-samples"))
-from lmgc90_files import velocities  # noqa: E402
+from lmgc90_files import gaps, reactions, velocities  # noqa: E402
 
 THOROUGH = "NSCDD_THOROUGH" in os.environ
 # The folders of disks or spheres, and how many steps of them are solved; with NSCDD_THOROUGH=1 (tools/nightly) 20 of
@@ -61,6 +62,22 @@ def distance(one, other):
         sys.exit(f"expected the bodies of LMGC90, {len(other)}, met {len(one)}")
     norm = math.hypot(*(v for body in other.values() for v in body))
     return math.hypot(*(a - b for k in other for a, b in zip(one[k], other[k]))) / norm
+
+
+def first_contacts(own, initial, tight):
+    """What is wrong with the contacts of step 1 in the file `own`; empty if nothing. They are those of LMGC90's `initial`
+    file, with its gaps, but for contacts that part within the step. Reactions are compared with its run to 1e-7."""
+    met, expected, forces, of_lmgc90 = gaps(own), gaps(initial), reactions(own), reactions(tight)
+    parted = expected.keys() - met.keys()
+    difference = max(abs(met[pair] - expected.get(pair, math.inf)) for pair in met)
+    pairs = sorted(met.keys() & of_lmgc90.keys())
+    correlation = statistics.correlation(*([one[pair][0] for pair in pairs] for one in (forces, of_lmgc90)))
+    print(f"Ddm_exemple1, step 1: {len(met)} of {len(expected)} contacts, {len(parted)} part; gaps differ by up to "
+          f"{difference:.1e} m; correlation of normal reactions {correlation:.4f}")
+    wrong = [] if len(met) > 1500 and len(pairs) == len(met) else ["other contacts"]
+    wrong += ["a contact that carries is missing"] * any(of_lmgc90[pair][0] != 0 for pair in parted)
+    wrong += ["gaps"] * (not difference < 1e-6) + ["reactions"] * (not correlation > 0.99)
+    return ", ".join(wrong)
 
 
 def main(program, source, unit_tests):
@@ -104,6 +121,12 @@ def main(program, source, unit_tests):
             return int(failed)
         subprocess.run([program, "export", work / "Ddm_exemple1.h5", "--lmgc90", work / "out"], check=True,
                        stdout=subprocess.DEVNULL)
+        home_of_sample = (work / "corpus" if packed_folders else home) / "Ddm_exemple1"
+        wrong = first_contacts(work / "out/OUTBOX/Vloc_Rloc.OUT.1", home_of_sample / "Vloc_Rloc.INI",
+                               reference / "ex1_seq_tight/Vloc_Rloc.OUT.1.of_1")
+        if wrong:
+            failed = True
+            print(f"  expected those of LMGC90: {wrong}")
         for step, run, most in [(1, "ex1_seq_tight", STEP_ONE), *((k, "ex1_seq", most) for k, most in LATER.items())]:
             of_lmgc90 = velocities(*(reference / run).glob(f"DOF.OUT.{step}.of_*"))
             met = distance(velocities(work / "out" / "OUTBOX" / f"DOF.OUT.{step}"), of_lmgc90)

@@ -409,7 +409,7 @@ TEST_CASE("DATBOX: laws with a static and a dynamic friction, IQS_WET_DS_CLB as 
 }
 
 TEST_CASE("DATBOX: laws that are no impulses of one contact are refused by name where contacts use them") {
-  for (const std::string law : {"MD_JKRs", "ELASTIC_REPELL_CLB", "PERIO_DOF"})
+  for (const std::string law : {"MD_JKRs", "ELASTIC_REPELL_CLB", "PERIO_DOF", "IQS_MOHR_DS_CLB"})
     check_error([&] { dynamics_of(with_law(law_head(law) + "fric= 0.5000000D+00")); },
                 {"TACT_BEHAV.DAT:8:", "IQS_CLB", "met " + law});
 }
