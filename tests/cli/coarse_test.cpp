@@ -64,6 +64,9 @@ TEST_CASE_FIXTURE(Session, "coarse: rigid motions cure a lattice, in the plane, 
     CHECK((table.number(1, "kappa") < 10 && table.number(1, "iterations") < 40));
     CHECK(table.text(0, "certified") == "true");
   }
+  const std::string all =
+      "coarse deposit --set packing.grains=1000 --subdomains 3x3 --epsilon 1e-8W --coarse-space geneo ";
+  CHECK(read_table(answer(all + "--scaling multiplicity --csv -")).text(0, "certified") == "true");
   // Layers touch their own images and do not turn: 8 translations, which two relations make dependent.
   CHECK(read_table(answer(periodic + "--subdomains 1x4 --coarse-space rigid --csv -")).number(0, "modes") == 6);
 }

@@ -198,8 +198,7 @@ TEST_CASE("inspection: 12 disks isostatic; a lattice hyperstatic with cross poin
   apart.packing = {{0.0, 2.0, 9.0}, {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {}};
   apart.spec.partition = GridPartitioner{{3, 3}};
   const Inspection sparse = inspect(build(apart));
-  CHECK(sparse.isolated_grains == 1);
-  CHECK(sparse.components == 1);
+  CHECK((sparse.isolated_grains == 1 && sparse.components == 1));
   CHECK(sparse.empty_subdomains == 8);
 }
 
@@ -329,8 +328,7 @@ TEST_CASE("study: parameters that vary together run through their lists at once,
   CHECK(varied_case_count(table) == 6);
   CHECK(row_count(table) == 6);
   const Table found = run(table);
-  CHECK(found.columns[1].name == "packing.grains");
-  CHECK(found.columns[2].name == "partition.grid");
+  CHECK((found.columns[1].name == "packing.grains" && found.columns[2].name == "partition.grid"));
   CHECK(found.columns[3].name == "packing.radius");
   REQUIRE(found.rows.size() == 6);
   for (std::size_t i = 0; i < found.rows.size(); ++i) {
