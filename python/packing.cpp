@@ -137,8 +137,7 @@ void bind_network(py::module_& module) {
 
 }  // namespace
 
-void warn_of(const std::vector<std::string>& remarks) {
-  constexpr py::ssize_t caller = 2;  // of the function in python/nscdd/
+void warn_of(const std::vector<std::string>& remarks, Py_ssize_t caller) {
   for (const std::string& remark : remarks)
     if (PyErr_WarnEx(PyExc_UserWarning, remark.c_str(), caller) != 0) throw py::error_already_set();
 }

@@ -4,8 +4,8 @@
 #include "long_work.hpp"
 #include "module.hpp"
 #include "options.hpp"
+#include "study/linear/sweep_points.hpp"
 #include "study/linear/values.hpp"
-#include <nscdd/study/sweep.hpp>
 
 namespace nscdd::python {
 namespace {
@@ -25,7 +25,9 @@ Contraction contraction_of(const std::shared_ptr<Model>& model, const std::strin
   check_bounds(relaxation, Field{.above = 0}, "relaxation");
   const ContactSet set = Choice<ContactSet>::parse(contacts, "contacts");
   const auto scheme_asked = Choice<DecompositionScheme>::parse(scheme_text, "scheme");
-  check_sweep({.eta = {eta}, .scheme = scheme_asked});
+  const SweepParameters point{.epsilon = {epsilon}, .eta = {eta}, .relaxation = {relaxation}, .scheme = scheme_asked};
+  check_sweep(point);
+  warn_of(remarks_on(*model, point));
   LongWork work;
   return work.run(0, [&] {
     const Enriched scheme{eta};  // eta = infinity is the generic algorithm

@@ -5,6 +5,7 @@
 #include "module.hpp"
 #include "study/linear/curve.hpp"
 #include "study/linear/optimum.hpp"
+#include "study/linear/sweep_points.hpp"
 #include "study/linear/values.hpp"
 
 namespace nscdd::python {
@@ -48,6 +49,7 @@ py::list swept(const Model& model, const std::string& epsilon, const std::string
   std::tie(parameters.eta, parameters.relative_eta) = parse_eta(eta);
   parameters.relaxation = parse_relaxation(relaxation);
   parameters.gauss_seidel_sweeps = parse_sweeps(sweeps);
+  warn_of(remarks_on(model, parameters), 3);  // _arguments.takes calls the function in python/nscdd/
   LongWork watch(options.progress);
   return table<SweepResult>(sweep_columns(parameters), parameters, watch, options.threads,
                             [&](const auto& sink, const Monitor& monitor) { sweep(model, parameters, sink, monitor); });

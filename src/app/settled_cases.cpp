@@ -248,9 +248,11 @@ Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs)
   require_no_input(outputs, files_behind(spec));
   for (const auto& [parameter, remark] : spec.remarks) note("{}: {}", spec.name, remark);
   Case one = resolve_nested(spec, {});
-  one.made = [partitioner = spec.partition, told = std::make_shared<std::set<std::string>>()](const Model& model) {
-    for (const std::string& remark : remarks_on(model, partitioner))
-      if (told->insert(remark).second) note("{}", remark);  // a study makes many models of one packing
+  one.remark = [told = std::make_shared<std::set<std::string>>()](const std::string& remark) {
+    if (told->insert(remark).second) note("{}", remark);  // a study makes many models of one packing
+  };
+  one.made = [partitioner = spec.partition, tell = one.remark](const Model& model) {
+    std::ranges::for_each(remarks_on(model, partitioner), tell);
   };
   return one;
 }

@@ -4,6 +4,7 @@
 #include "files/hdf5.hpp"
 #include "study/linear/curve.hpp"
 #include "study/linear/inspection.hpp"
+#include "study/linear/sweep_points.hpp"
 #include "study/linear/values.hpp"
 
 namespace nscdd::app {
@@ -18,18 +19,6 @@ struct SweepOptions {
   Limits limits;
 };
 
-// With q copies of a body, eigenvalues of Schwarz at relaxation 1 are above 1 - q; at epsilon = 0 one may be 1 - q.
-void warn_of_relaxation(const Model& model, const SweepParameters& sweep) {
-  if (!sweep.schwarz()) return;
-  const Interface& glued = model.parts.interface;
-  const Index q = glued.processes().maximum(largest_multiplicity(glued.of_copies()));
-  const bool rigid = std::ranges::find(sweep.epsilon, 0.0) != sweep.epsilon.end();
-  for (const std::optional<double>& relaxation : sweep.relaxation)
-    if (const double product = relaxation.value_or(0) * static_cast<double>(q); product > 2 || (product == 2 && rigid))
-      note("up to {} subdomains share a body, and schwarz may not converge with a relaxation of {:.3g} or more, met {}",
-           q, 2 / static_cast<double>(q), *relaxation);
-}
-
 // Passes all rows of the sweep, old and new, to `sink`. Notes rows without proof, unless interrupted.
 int work_through(const Model& model, const StudyTable& work, SharedTable& csv, Interruption& interruption,
                  const RowSink& sink) {
@@ -37,7 +26,7 @@ int work_through(const Model& model, const StudyTable& work, SharedTable& csv, I
   const Table layout{headings(columns), {}};
   Index unproved = 0, uncertified = 0, told = 0, diverging = 0, exact = 0;
   const bool certify = work.sweep.spectral.certify;
-  warn_of_relaxation(model, work.sweep);
+  for (const std::string& remark : remarks_on(model, work.sweep)) note("{}", remark);
   const auto take = [&, converged = layout.column("converged"),
                      certified = certify ? layout.column("certified") : 0](const Row& cells) {
     const bool open = !std::get<bool>(cells[converged]);

@@ -2,6 +2,7 @@
 """Spectra from outside: what the library finds against dense spectra of NumPy and sparse ones of SciPy, which see only
 M, H and A, or the operators."""
 import inspect
+import warnings
 
 import numpy as np
 import pytest
@@ -253,6 +254,20 @@ def test_the_scheme_schwarz_is_block_jacobi_on_all_contacts():
     assert abs(nscdd.mode(b).shares.sum() - 1) < 1e-10
     with pytest.raises(nscdd.Error, match="eta: expected none with scheme schwarz"):
         nscdd.contraction(parts, epsilon, 0.3, scheme="schwarz")
+
+
+def test_relaxations_with_which_schwarz_may_not_converge_are_warned_of():
+    parts = nscdd.decompose(lattice(6, 5, 1), (2, 2))
+    words = "up to 4 subdomains share a body, and schwarz may not converge with a relaxation of 0.5 or more, met 0.6"
+    with pytest.warns(UserWarning, match=words):
+        nscdd.sweep(parts, [0, 1], relaxation=[0.4, 0.6], scheme="schwarz")
+    with pytest.warns(UserWarning, match=words):
+        nscdd.contraction(parts, 1, relaxation=0.6, scheme="schwarz")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        nscdd.sweep(parts, 0, relaxation=[0.49, "optimal"], scheme="schwarz")
+        nscdd.contraction(parts, 1, relaxation=0.5, scheme="schwarz")
+        nscdd.contraction(parts, 1, relaxation=1.5)
 
 
 def test_the_residual_holds_what_small_flexibilities_and_unequal_masses_lose():

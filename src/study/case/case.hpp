@@ -17,8 +17,8 @@ struct Case {
   Matrix points = {};                  ///< of its contacts, D x contacts, m; empty where the file has none
   /// Of a settled packing: the case file it was settled from, then those which that one was settled from in turn.
   std::string settled_from = {};
-  /// Called with every model of this case before it is decomposed, for remarks on its contacts and subdomains.
-  Sink<Model> made = {};
+  Sink<std::string> remark = {};  ///< takes remarks for a user on models of this case and on work with them
+  Sink<Model> made = {};          ///< takes every model of this case before it is decomposed
 };
 
 /// A fingerprint of the bits of its forces.

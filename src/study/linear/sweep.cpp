@@ -143,6 +143,21 @@ SweepPoint at_scale(SweepPoint point, const SweepParameters& parameters, double 
 
 double flexibility_scale(const Model& model) { return model.flexibility; }
 
+std::vector<std::string> remarks_on(const Model& model, const SweepParameters& sweep) {
+  if (!sweep.schwarz()) return {};
+  const Interface& glued = model.parts.interface;
+  const Index q = glued.processes().maximum(largest_multiplicity(glued.of_copies()));
+  const bool rigid = std::ranges::find(sweep.epsilon, 0.0) != sweep.epsilon.end();
+  std::vector<std::string> remarks;
+  for (const std::optional<double>& relaxation : sweep.relaxation)
+    if (const double product = relaxation.value_or(0) * static_cast<double>(q); product > 2 || (product == 2 && rigid))
+      remarks.push_back(
+          fmt::format("{}: up to {} subdomains share a body, and schwarz may not converge with a relaxation of {:.3g} "
+                      "or more, met {}",
+                      model.name, q, 2 / static_cast<double>(q), *relaxation));
+  return remarks;
+}
+
 Index point_count(const SweepParameters& parameters) {
   return count(parameters.epsilon) * count(parameters.eta) * count(parameters.relaxation) *
          count(parameters.gauss_seidel_sweeps);

@@ -22,4 +22,8 @@ Selection select(const Model& model, ContactSet contacts, const ContactChoice& c
 Index sweep(const Model& model, const Selection& selection, const SweepParameters& parameters,
             const Sink<SweepResult>& sink, const Monitor& monitor = {}, Index first = 0);
 
+/// Remarks on relaxations of the scheme schwarz with which it may not converge. Its eigenvalues at relaxation 1 are
+/// above 1 - q with q copies of a body, where epsilon is 0 also 1 - q. Processes call it together.
+std::vector<std::string> remarks_on(const Model& model, const SweepParameters& sweep);
+
 }  // namespace nscdd

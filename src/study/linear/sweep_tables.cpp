@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/linear/sweep_points.hpp"
 #include "study/tables/study.hpp"
 
 namespace nscdd {
@@ -142,8 +143,9 @@ constinit const Observable observables::spectral_radius{
     .run =
         [](const ObservedCase& work) {
           const SweepParameters& parameters = work.table.sweep;
-          return sweep(build(work.one), parameters, as_rows(sweep_columns(parameters), work.sink), work.monitor,
-                       work.first);
+          const Model model = build(work.one);
+          if (work.one.remark) std::ranges::for_each(remarks_on(model, parameters), work.one.remark);
+          return sweep(model, parameters, as_rows(sweep_columns(parameters), work.sink), work.monitor, work.first);
         },
     .rows = [](const StudyTable& table) { return point_count(table.sweep); },
     .known = known_of_point};
