@@ -121,7 +121,8 @@ TEST_CASE("FETI-Dirichlet and the balanced primal interface have one upper spect
         const auto interface = weighted(model, epsilon, scaling);
         const auto none = std::make_shared<const CoarseProblem>(no_coarse_space(*interface));
         const auto geneo = std::make_shared<const CoarseProblem>(*interface, geneo_vectors(*interface, 0.5));
-        for (const auto& coarse : {none, geneo}) {
+        const auto rigid = std::make_shared<const CoarseProblem>(*interface, rigid_vectors(*interface, model.parts));
+        for (const auto& coarse : {none, rigid, geneo}) {
           const BalancedSpectrum spectrum(*interface, *coarse);
           const Vector primal = spectrum.all(coarse->size());
           if (primal.size() > 0) CHECK(primal[0] > 1 - 1e-7);
