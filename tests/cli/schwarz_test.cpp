@@ -82,7 +82,7 @@ TEST_CASE_FIXTURE(Session, "schwarz: what has no meaning with it is refused by n
 
 TEST_CASE_FIXTURE(Session, "schwarz: a run that does not converge warns of a relaxation that may diverge") {
   const std::string run =
-      "simulate shear-1k --algorithm schwarz --subdomains 2x2 --steps 1 --iterations 2 --force -o run.h5 ";
+      "simulate shear-1k --scheme schwarz --subdomains 2x2 --steps 1 --iterations 2 --force -o run.h5 ";
   const std::string words =
       "3 subdomains share a body, and schwarz may diverge with an interface_relaxation of 0.667 or more, met ";
   CHECK(contains(answer(run), words + "1\n"));
