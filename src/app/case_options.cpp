@@ -58,7 +58,7 @@ void CaseOptions::declare_options(Command& command) {
 void set_partition(CaseSpec& spec, const std::string& subdomains, GivenParameters& given) {
   if (subdomains.empty()) return;
   spec.partition = parse_partitioner(subdomains, "--subdomains");
-  std::erase_if(spec.lines, [](const auto& line) { return line.first.starts_with("partition"); });
+  std::erase_if(spec.places, [](const auto& one) { return one.first.starts_with("partition"); });
   const auto name = [](const auto& partitioner) { return partitioner.name; };
   add_given(given, fmt::format("partition.{}", std::visit(name, spec.partition)), "--subdomains");
 }
@@ -69,7 +69,7 @@ Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
   set_partition(spec, subdomains, given);
   if (!prescribed.empty()) {
     spec.prescribed.clear();
-    std::erase_if(spec.lines, [](const auto& line) { return line.first.starts_with("prescribed"); });
+    std::erase_if(spec.places, [](const auto& one) { return one.first.starts_with("prescribed"); });
   }
   for (const std::string& text : prescribed) {
     const PrescribedVelocity velocity = parse_prescribed(text);

@@ -152,6 +152,10 @@ def test_a_folder_starts_with_the_forces_of_its_last_step(tmp_path, case, packin
     assert left.keys() == {pair for pair in met if pair[0] > 0}  # body 99 is not there
     (tmp_path / "out/DATBOX/Vloc_Rloc.INI").unlink()
     assert len(nscdd.simulate(tmp_path / "out", settings=settings).last.contact_a) == 0
+    if case is SPACE:
+        (tmp_path / "out/DATBOX/COMMAND.DAT").write_text("TIME STEP :\n0.002 :\nYPERIODIC CONDITION :\n1.9 : m\n")
+        with pytest.raises(nscdd.Error, match=r"DATBOX/COMMAND.DAT:4: contacts.period_y: .*two diameters.*met 1\.9 m"):
+            nscdd.simulate(tmp_path / "out")
 
 
 def test_a_body_of_planks_and_spheres_goes_on_from_its_folder(tmp_path):

@@ -148,14 +148,14 @@ std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
   return dynamics;
 }
 
-// Stores the line of each node below `node`, by its path.
-void note_lines(const toml::node& node, const std::string& path, CaseSpec& spec) {
-  if (const auto line = node.source().begin.line; line > 0) spec.lines[path] = line;
+// Stores the place of each node below `node`, by its path.
+void note_places(const toml::node& node, const std::string& path, CaseSpec& spec) {
+  if (const auto line = node.source().begin.line; line > 0) spec.places[path] = fmt::format("{}:{}", spec.source, line);
   if (const toml::table* table = node.as_table())
     for (const auto& [key, value] : *table)
-      note_lines(value, (path.empty() ? "" : path + ".") + std::string(key.str()), spec);
+      note_places(value, (path.empty() ? "" : path + ".") + std::string(key.str()), spec);
   if (const toml::array* array = node.as_array())
-    for (std::size_t i = 0; i < array->size(); ++i) note_lines((*array)[i], fmt::format("{}[{}]", path, i), spec);
+    for (std::size_t i = 0; i < array->size(); ++i) note_places((*array)[i], fmt::format("{}[{}]", path, i), spec);
 }
 
 // Sections of a packing are unknown keys of a contact problem.
@@ -203,7 +203,7 @@ CaseSpec parse_case(std::string_view text, const std::string& file, bool of_traj
   spec.source = file;
   read_sections(root, spec, !of_trajectory);
   root.finish();
-  note_lines(document, "", spec);
+  note_places(document, "", spec);
   return spec;
 }
 

@@ -117,8 +117,9 @@ struct DatboxSource {
 
 /// What COMMAND.DAT says, the command file of older versions; empty where it says nothing.
 struct DatboxCommand {
-  std::optional<double> step{}, theta{};         ///< s
-  std::optional<double> period_x{}, period_y{};  ///< m
+  std::optional<double> step{}, theta{};                     ///< s
+  std::optional<double> period_x{}, period_y{};              ///< m
+  std::map<std::string, std::string, std::less<>> places{};  ///< as CaseSpec::places
   std::optional<DatboxSource> source{};
 };
 

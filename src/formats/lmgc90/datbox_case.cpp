@@ -138,6 +138,7 @@ CaseSpec case_of_datbox(const std::string& path, bool moving) {
   spec.prescribed = moving_grains(datbox, moving ? DatboxGrains::all : DatboxGrains::free);
   spec.contacts.period_x = datbox.command.period_x.value_or(0);
   spec.contacts.period_y = datbox.command.period_y.value_or(0);
+  spec.places = datbox.command.places;
   spec.remarks = datbox.remarks;
   if (!moving) return spec;
   spec.dynamics = datbox_dynamics(datbox);

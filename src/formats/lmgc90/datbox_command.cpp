@@ -35,26 +35,30 @@ DatboxSource read_source(FixedColumns& lines, Index dimension) {
 
 DatboxCommand read_datbox_command(FixedColumns lines, Index dimension) {
   DatboxCommand command;
-  const std::pair<std::string_view, std::optional<double>*> keys[] = {
-      {"TIME STEP", &command.step},
-      {"THETA", &command.theta},
-      {dimension == 2 ? "PERIODIC CONDITION" : "XPERIODIC CONDITION", &command.period_x},
-      {"YPERIODIC CONDITION", &command.period_y}};
+  const struct {
+    std::string_view name;
+    std::optional<double>* value;
+    const char* key;  // of a case
+  } keys[] = {{"TIME STEP", &command.step, "dynamics.step"},
+              {"THETA", &command.theta, "dynamics.theta"},
+              {dimension == 2 ? "PERIODIC CONDITION" : "XPERIODIC CONDITION", &command.period_x, "contacts.period_x"},
+              {"YPERIODIC CONDITION", &command.period_y, "contacts.period_y"}};
   while (lines.next()) {
     const std::string_view key = before_colon(lines);
     if (!command.source && (key == "INIT SOURCE POINT" || key == "FD INIT SOURCE POINT")) {
       command.source = read_source(lines, dimension);
       continue;
     }
-    const auto* const found = std::ranges::find(keys, key, [](const auto& one) { return one.first; });
-    if (found == std::end(keys) || found->second->has_value()) continue;
-    lines.require_next(fmt::format("the value of {}", found->first));
-    const double value = lines.number_in(before_colon(lines), found->first);
-    const bool theta = found->second == &command.theta;
+    const auto* const found = std::ranges::find(keys, key, [](const auto& one) { return one.name; });
+    if (found == std::end(keys) || found->value->has_value()) continue;
+    lines.require_next(fmt::format("the value of {}", found->name));
+    const double value = lines.number_in(before_colon(lines), found->name);
+    const bool theta = found->value == &command.theta;
     if (theta ? !(value >= 0.5 && value <= 1) : !(value > 0))
-      lines.refuse(fmt::format("{}: expected a number {}", found->first, theta ? "in 0.5..1" : "> 0"),
+      lines.refuse(fmt::format("{}: expected a number {}", found->name, theta ? "in 0.5..1" : "> 0"),
                    before_colon(lines));
-    *found->second = value;
+    *found->value = value;
+    command.places[found->key] = fmt::format("{}:{}", lines.place().file, lines.place().line);
   }
   return command;
 }

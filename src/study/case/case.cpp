@@ -221,7 +221,7 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   Packing packing = with_masses(packing_of(one, monitor), one.spec.masses);
   // The default is downwards in either dimension, see gravity_of. A stated one must fit the dimension.
   if (const auto& gravity = one.spec.dynamics->time.gravity;
-      one.spec.lines.contains("dynamics.gravity") || gravity != TimeStepping().gravity)
+      one.spec.places.contains("dynamics.gravity") || gravity != TimeStepping().gravity)
     require_components(gravity, packing.dimension(), "dynamics.gravity");
   if (packing.dimension() == 3 && one.spec.dynamics->solver.model == SwitchedModel::homogenised)
     throw Error("solver.switch", "expected none or linear with spheres in space, met homogenised");

@@ -22,10 +22,9 @@ void override_section(std::string_view section, Parameters& parameters, std::str
 
 // "file:line: ", as far as known.
 std::string place(const CaseSpec& spec, std::string_view key) {
-  if (spec.source.empty()) return {};
-  const auto line = spec.lines.find(key);
-  if (key.empty() || line == spec.lines.end() || line->second == 0) return spec.source + ": ";
-  return fmt::format("{}:{}: ", spec.source, line->second);
+  const auto found = spec.places.find(key);
+  if (!key.empty() && found != spec.places.end() && !found->second.empty()) return found->second + ": ";
+  return spec.source.empty() ? "" : spec.source + ": ";
 }
 
 }  // namespace
@@ -72,7 +71,7 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
   if (found == known.end())
     fail("{}: no such parameter; expected one of {}.*{}", path, fmt::join(known, ".*, "), suggestion(section, known));
   sections[at(found - known.begin())].second();
-  spec.lines[std::string(path)] = 0;  // the value is stated, but no longer that of the file
+  spec.places[std::string(path)] = "";  // the value is stated, but no longer that of the file
 }
 
 std::string to_toml(const CaseSpec& spec) {

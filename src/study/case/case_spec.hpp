@@ -38,8 +38,8 @@ struct CaseSpec {
   std::vector<PrescribedVelocity> prescribed;  ///< grain numbers from 0; negative ones from the end, -1 the last
   Loads loads;
   std::optional<Dynamics> dynamics;  ///< none for a case that does not move
-  /// The line of each key of the case file ("solver.eta", "prescribed[0].grain"), for errors.
-  std::map<std::string, Index, std::less<>> lines;
+  /// "file:line" of each key ("solver.eta", "prescribed[0].grain"), for errors; empty if its value is of no file.
+  std::map<std::string, std::string, std::less<>> places;
   /// On what a folder of LMGC90 does not state, or states in vain, by the parameter that states it instead.
   std::map<std::string, std::string> remarks = {};
 };
