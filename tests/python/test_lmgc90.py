@@ -169,6 +169,11 @@ def test_a_body_of_planks_and_spheres_goes_on_from_its_folder(tmp_path):
     met = nscdd.simulate(tmp_path / "out", settings={"dynamics.steps": 1, "dynamics.step": 0.002, **{
         f"solver.{key}": value for key, value in (("algorithm", "nlgs"), ("criterion", "natural_map"),
                                                    ("tolerance", 1e-10))}}).last
+    # Its contacts as a problem: that of the last step, a step's motion apart, with spins along the axes of the body.
+    call("export", tmp_path / "run.h5", "--fclib", 40, "-o", tmp_path / "step.hdf5")
+    own, network = (np.linalg.eigvalsh(nscdd.read_contact_problem(file).reduced().W.toarray())
+                    for file in (tmp_path / "step.hdf5", tmp_path / "out/DATBOX/Vloc_Rloc.INI"))
+    np.testing.assert_allclose(network, own, rtol=3e-3, atol=1e-6)
     order = [0, 4, 1, 2, 3]  # free spheres are written first
     assert np.abs(went_on.velocity_x).min() > 1e-3 and len(met.contact_a) == len(went_on.contact_a) >= 4
     for name in ("x", "y", "z", "velocity_x", "velocity_y", "velocity_z", "spin_x", "spin_y", "spin"):
@@ -194,6 +199,8 @@ def test_a_body_of_planks_and_spheres_goes_on_from_its_folder(tmp_path):
         text.replace(own, re.sub(r"(I\d  =) \S+", r"\1 0.0000000D+00", own)))
     with pytest.raises(nscdd.Error, match="expected I1 to I3 of a body with several contactors"):
         nscdd.simulate(tmp_path / "out")
+    with pytest.raises(nscdd.Error, match="BODIES.DAT:.*expected I1 to I3 of a body with several contactors"):
+        nscdd.read_contact_problem(forces)
     (tmp_path / "out/DATBOX/BODIES.DAT").write_text(text)
     within = re.sub(rf"(?m)^( RBDY3 +{number}  .*CLB_B  RBDY3 +)\d+  PLANx      1(  stick)",
                     rf"\g<1>{number}  PLANx      2\2", forces.read_text(), count=1)

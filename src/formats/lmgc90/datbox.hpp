@@ -149,7 +149,7 @@ struct DatboxTexts {
 /// Which bodies are read.
 enum class DatboxShapes {
   modelled,  ///< of the shapes of packings: disks, spheres, planks and cylinders
-  any,       ///< of all shapes but SPHEb; DatboxBody::unmodelled has the error that `modelled` throws
+  any,       ///< of all shapes; DatboxBody::unmodelled has the error that `modelled` throws
 };
 
 /// Reads the files by columns, as LMGC90 does. `folder` precedes the names of files in errors. Throws Error for bodies
@@ -193,6 +193,10 @@ CaseSpec case_of_datbox(const std::string& path, bool moving);
 
 /// Whether a body is a grain of the packing of a case that moves: free, without forces, one full disk or sphere.
 bool is_free_grain(const DatboxBody& body, bool space);
+
+/// Throws Error if the order of its principal axes matters and is in no file: of several contactors in space without
+/// I1 to I3.
+void require_known_axes(const DatboxBody& body);
 
 /// All other bodies, with a part for each further shape. `coloured`: they get the colour of their walls, which is one,
 /// or else that of their first grain.

@@ -163,7 +163,7 @@ void complete(DatboxBody& body, Index dimension) {
       body.contactors, [](auto& one) { return one.weight > 0 || !one.wall.empty() || one.radius > 0; });
   // The node moves to the centre of a single disk or polygon; LMGC90 leaves out less than 1 mm.
   if (space || body.position.isZero(0) || (single && centre.squaredNorm() >= 1e-6)) {
-    if (!single && !space && !known) fail("{}", body.unmodelled);
+    if (!single && !known) fail("{}", body.unmodelled);
     body.position += centre;
     for (DatboxContactor& one : body.contactors) one.shift -= centre;
   }

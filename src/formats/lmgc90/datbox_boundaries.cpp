@@ -101,13 +101,7 @@ void add_functions(const DatboxBody& body, const Drives& drives, double start, I
 Motion datbox_motion(const DatboxBody& body, double start, Index dimension) {
   Motion motion;
   motion.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0};
-  const auto turns = [](const auto& drive) { return drive && !drive->none(); };
-  if (dimension == 3 && body.contactors.size() > 1 && body.own_axes &&
-      (body.read_axes || !body.spin.isZero(0) || std::any_of(body.drives.begin() + 3, body.drives.end(), turns)))
-    refuse(body.place,
-           "expected I1 to I3 of a body with several contactors that turns or has axes of its own, met 0: LMGC90 takes "
-           "its "
-           "principal axes, which are in no file");
+  require_known_axes(body);
   const Vector3 spin = body.frame * body.spin, &v0 = body.velocity;
   motion.initial = dimension == 2 ? RigidVelocity{v0[0], v0[1], v0[2]}
                                   : RigidVelocity{v0[0], v0[1], spin[2], v0[2], spin[0], spin[1]};
@@ -233,6 +227,17 @@ void add_source(const Datbox& datbox, std::vector<BoundarySpec>& boundaries) {
 }
 
 }  // namespace
+
+void require_known_axes(const DatboxBody& body) {
+  const auto turns = [](const auto& drive) { return drive && !drive->none(); };
+  const auto spins = std::span(body.drives).last(3);
+  const auto driven = std::ranges::count_if(spins, [](const auto& drive) { return drive.has_value(); });
+  if (body.own_axes && (body.read_axes || !body.spin.isZero(0) || driven % 3 > 0 || std::ranges::any_of(spins, turns) ||
+                        std::ranges::any_of(std::span(body.forces).last(3), turns)))
+    refuse(body.place,
+           "expected I1 to I3 of a body with several contactors that turns or has axes of its own, met 0: LMGC90 takes "
+           "its principal axes, which are in no file");
+}
 
 std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool coloured) {
   std::vector<BoundarySpec> boundaries;

@@ -50,11 +50,7 @@ std::vector<NetworkBody> network_bodies(const Datbox& datbox, double h, Index& r
   if (!datbox.gravity) fail("{}/BULK_BEHAV.DAT: expected a section $gravy, met none", datbox.folder);
   std::vector<NetworkBody> bodies;
   for (const DatboxBody& body : datbox.bodies) {
-    if (datbox.space() && body.contactors.size() > 1)
-      refuse(body.place,
-             "expected a body in space with one contactor, met one with {}: LMGC90 computes the centre of a cluster, "
-             "which is in no file",
-             body.contactors.size());
+    require_known_axes(body);
     NetworkBody& own = bodies.emplace_back();
     own.spin_axes = datbox.space() ? Matrix(body.frame) : Matrix(Vector3::UnitZ());
     own.before << body.velocity, body.spin;
