@@ -91,7 +91,8 @@ struct FreeBody {
   Eigen::Quaterniond axes = Eigen::Quaterniond::Identity();  ///< principal axes at time 0
   /// Applied force, N, and moment, N m, without gravity, as a function of time; its `centre` is unused.
   Motion load = {};
-  double reach = 0;  ///< from its centre to the farthest point of its grains, m; 0: it has none
+  bool torque_turns = false;  ///< in space: moments are along the principal axes; else along x, y and z
+  double reach = 0;           ///< from its centre to the farthest point of its grains, m; 0: it has none
 
   bool free(BodyDirection direction) const { return directions[static_cast<std::size_t>(direction)]; }
   bool wholly_free(Index dimension) const { return std::ranges::count(directions, true) == (dimension == 2 ? 3 : 6); }

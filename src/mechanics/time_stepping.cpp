@@ -11,12 +11,16 @@ Place gravity_of(const TimeStepping& scheme, Index dimension) {
 
 namespace {
 
-// (1 - theta) F(t) + theta F(t + h), weight included, N and N m.
-RigidVelocity mean_load(const FreeBody& body, double time, const TimeStepping& scheme, Index dimension) {
+// (1 - theta) F(t) + theta F(t + h), weight included, N and N m. `pose`: where contacts are found.
+RigidVelocity mean_load(const FreeBody& body, double time, const TimeStepping& scheme, Index dimension,
+                        const Pose& pose) {
   const RigidVelocity begin = body.load.at(time), end = body.load.at(time + scheme.step);
   const Place g = gravity_of(scheme, dimension);
   const RigidVelocity weight{body.mass * g[0], body.mass * g[1], 0, body.mass * g[2]};
-  return sum(sum(weight, 1 - scheme.theta, begin), scheme.theta, end);
+  const RigidVelocity load = sum(sum(weight, 1 - scheme.theta, begin), scheme.theta, end);
+  if (!body.torque_turns) return load;
+  const Eigen::Vector3d torque = principal_axes(body, pose) * Eigen::Vector3d(load.spin_x, load.spin_y, load.spin);
+  return {load.x, load.y, torque[2], load.z, torque[0], torque[1]};
 }
 
 // Sets the spin that keeps the angular momentum of v, plus a given one, N m s, when the turn of a body changes.
@@ -44,15 +48,17 @@ RigidVelocity pushed(const FreeBody& body, const RigidVelocity& v, const RigidVe
 }
 
 // Work of the loads on bodies in a step, without their weight, J, at the mean of both velocities.
-double work_of_loads(const GranularSystem& system, const TimeStepping& scheme, double time,
-                     const std::vector<RigidVelocity>& before, const std::vector<RigidVelocity>& after) {
+double work_of_loads(const StepStart& start, const std::vector<RigidVelocity>& before,
+                     const std::vector<RigidVelocity>& after) {
+  const auto& [system, state, interaction, scheme] = start;
   TimeStepping weightless = scheme;
   weightless.gravity = {0, 0, 0};
+  const std::vector<Pose> poses = poses_at_contacts(start);
   double work = 0;
   for (const Index k : system.free_bodies) {
     const FreeBody& body = *system.boundaries[at(k)].body;
     RigidVelocity load, twice;
-    take_free(body, mean_load(body, time, weightless, system.dimension), load);
+    take_free(body, mean_load(body, state.time, weightless, system.dimension, poses[at(k)]), load);
     take_free(body, sum(before[at(k)], 1, after[at(k)]), twice);
     work += scheme.step / 2 *
             (load.x * twice.x + load.y * twice.y + load.z * twice.z + load.spin_x * twice.spin_x +
@@ -114,8 +120,8 @@ std::vector<RigidVelocity> step_motions(const StepStart& start) {
   for (const Index k : system.free_bodies) {
     const FreeBody& body = *system.boundaries[at(k)].body;
     take_free(body,
-              pushed(body, motions[at(k)], mean_load(body, state.time, scheme, system.dimension), scheme.step,
-                     state.poses[at(k)], poses[at(k)], system.dimension),
+              pushed(body, motions[at(k)], mean_load(body, state.time, scheme, system.dimension, poses[at(k)]),
+                     scheme.step, state.poses[at(k)], poses[at(k)], system.dimension),
               motions[at(k)]);
   }
   return motions;
@@ -206,7 +212,7 @@ StepEnergy finish_step(const StepStart& start, GranularState& state, const std::
   const auto motions = with_free_bodies(start, step_motions(start), velocities);
   const Place gravity = gravity_of(scheme, system.dimension);
   double lifted = 0;  // J, of grains that enter a periodic cell at its other end
-  const double loads = work_of_loads(system, scheme, state.time, first, motions);
+  const double loads = system.free_bodies.empty() ? 0 : work_of_loads(start, first, motions);
   // Part of the step in which a boundary has the velocity that contacts see.
   const auto whole = [&](std::size_t k) { return at_end || system.boundaries[k].body ? scheme.theta : 1; };
   const std::vector<Pose> poses = state.poses;

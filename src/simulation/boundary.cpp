@@ -124,6 +124,7 @@ std::string body_lines(const FreeBody& body, bool space) {
   if (const Eigen::Quaterniond& q = body.axes; space && q.w() != 1)
     text += fmt::format("axes = [{}, {}, {}, {}]\n", field_text(q.w()), field_text(q.x()), field_text(q.y()),
                         field_text(q.z()));
+  if (body.torque_turns) text += "torque_turns = true\n";
   return text + function_lines(body.load, keys_of_load, space);
 }
 

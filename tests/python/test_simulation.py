@@ -7,6 +7,8 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 
 import nscdd
 
@@ -121,6 +123,55 @@ velocity = [0, 0, 0.5]
         nscdd.contacts(found)
     with pytest.raises(nscdd.Error, match="clump: expected integers"):
         nscdd.Packing([0], [0], [1], clump=[0.5])
+
+
+TOP = """[packing]
+file = "top.csv"
+[partition]
+grid = [1, 1, 1]
+[dynamics]
+step = 0.001
+steps = 1000
+gravity = [0, 0, 0]
+[[boundary]]
+name = "top"
+shape = "grains"
+first = 0
+last = 0
+free = ["x", "y", "z", "spin_x", "spin_y", "spin"]
+mass = 2
+inertia = [1, 2, 3]
+axes = [0.8, 0, 0.6, 0]
+centre = [0, 0, 0]
+initial_spin = [1, 2, -1]
+torque = [3, 0, 1]
+load_turns
+"""
+
+
+@pytest.mark.parametrize("turns", [False, True])
+def test_torques_along_fixed_axes_and_along_those_of_a_body(tmp_path, turns):
+    """Against Euler's equations, dL/dt = T with L = R I R^T w, where T is fixed or R T_0."""
+    (tmp_path / "top.csv").write_text("x,y,z,radius\n0,0,0,1\n")
+    (tmp_path / "top.toml").write_text(TOP.replace("load_turns", "torque_turns = true" if turns else ""))
+    inertia, torque, spin = np.array([1, 2, 3]), np.array([3, 0, 1]), np.array([1, 2, -1])
+    start = Rotation.from_quat([0, 0.6, 0, 0.8])
+
+    def slope(_, state):
+        axes = Rotation.from_quat(state[:4])
+        own = axes.inv().apply(state[4:]) / inertia
+        v, s = state[:3], state[3]
+        return [*(0.5 * (s * own + np.cross(v, own))), -0.5 * v @ own, *(axes.apply(torque) if turns else torque)]
+
+    momentum = start.apply(inertia * start.inv().apply(spin))
+    end = solve_ivp(slope, (0, 1), [*start.as_quat(), *momentum], rtol=1e-10, atol=1e-12).y[:, -1]
+    axes = Rotation.from_quat(end[:4])
+    expected = axes.apply(axes.inv().apply(end[4:]) / inertia)
+    last = nscdd.simulate(tmp_path / "top.toml").last
+    np.testing.assert_allclose(last.body_velocities[0][3:], expected, atol=0.01)
+    turned = (axes * start.inv()).as_quat()
+    met = np.roll(last.body_poses[0][3:], -1)
+    np.testing.assert_allclose(met * np.sign(met @ turned), turned, atol=0.005)
 
 
 def test_clumps_begin_with_the_mean_of_the_loads(tmp_path):

@@ -34,7 +34,7 @@ const std::string bodies_in_space =
     "[[boundary]]\nname = \"clump\"\nshape = \"grains\"\nfirst = 0\nlast = 1\n"
     "free = [\"x\", \"y\", \"z\", \"spin_x\", \"spin_y\", \"spin\"]\nmass = 3\ninertia = [1, 2, 4]\n"
     "axes = [0.6, 0, 0.8, 0]\ncentre = [0, 0, 0]\nforce = [1, 2, 3]\ntorque = [4, 5, 6]\n"
-    "[[boundary.load_oscillation]]\ntorque = [0, 0, 7]\nomega = 8\n"
+    "torque_turns = true\n[[boundary.load_oscillation]]\ntorque = [0, 0, 7]\nomega = 8\n"
     "[[boundary]]\nname = \"board\"\nshape = \"plank\"\npoint = [1, 2, -9]\nnormal = [0, 0, 2]\naxis = [0, 1, 0]\n"
     "length = 4\nwidth = 3\nradius = 0.25\nvelocity = [0, 0, 1]\n"
     "[[boundary]]\nname = \"lid\"\nshape = \"wall\"\npoint = [0, 0, 90]\nnormal = [0, 0, -1]\n"

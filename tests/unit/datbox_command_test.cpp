@@ -26,8 +26,7 @@ TEST_CASE("COMMAND.DAT: time step, theta and periods, the first of each; comment
   CHECK(command.period_x == 25);
   CHECK(!command.period_y);
   const DatboxCommand empty = command_of("");
-  CHECK(!empty.step);
-  CHECK(!empty.period_x);
+  CHECK((!empty.step && !empty.period_x));
 }
 
 TEST_CASE("COMMAND.DAT: periods of spheres are along x and y; a source point has a first body, a distance, a place") {

@@ -147,9 +147,13 @@ std::optional<FreeBody> read_body(StrictTable& section, BoundaryNumbers& numbers
     numbers.take(section.node("inertia"), "inertia", dimension);
   if (!std::ranges::all_of(body.inertia, [](double one) { return one >= 0; }))
     section.fail("inertia", "moments of inertia >= 0", StrictTable::describe(*section.node("inertia")));
+  for (const char* key : {"axes", "torque_turns"})
+    if (section.has(key)) {
+      numbers.take(section.node(key), key, 3);
+      if (!body.free(BodyDirection::spin)) section.fail(key, "free rotations with it", "none");
+    }
+  section.read("torque_turns", body.torque_turns);
   if (section.has("axes")) {
-    numbers.take(section.node("axes"), "axes", 3);
-    if (!body.free(BodyDirection::spin)) section.fail("axes", "free rotations with them", "none");
     const toml::array* entries = section.node("axes")->as_array();
     std::vector<double> q;
     for (std::size_t k = 0; entries != nullptr && k < entries->size(); ++k)

@@ -46,12 +46,13 @@ Course table_of(const DatboxDrive& drive, double start) {
 }
 
 // The velocity of a body with these degrees of freedom. Spins in space are along axes of the body, which are those of
-// the beginning only if it turns about one `axis`.
-RigidVelocity velocity_of(const DatboxBody& body, Index dimension, const std::array<double, 6>& v, Vector3& axis) {
+// the beginning only if it turns about one `axis`. Null for its loads: moments are along its axes, too.
+RigidVelocity velocity_of(const DatboxBody& body, Index dimension, const std::array<double, 6>& v, Vector3* axis) {
   if (dimension == 2) return {v[0], v[1], v[2]};
+  if (axis == nullptr) return {v[0], v[1], v[5], v[2], v[3], v[4]};
   const Vector3 own(v[3], v[4], v[5]), spin = body.frame * own;
-  if (axis.isZero(0)) axis = own;
-  if (axis.cross(own).norm() > 1e-5 * axis.norm() * own.norm())
+  if (axis->isZero(0)) *axis = own;
+  if (axis->cross(own).norm() > 1e-5 * axis->norm() * own.norm())
     refuse(body.place, "expected a body that turns about one axis, met one that does not: not modelled");
   return {v[0], v[1], spin[2], v[2], spin[0], spin[1]};
 }
@@ -76,7 +77,8 @@ using Drives = std::array<std::optional<DatboxDrive>, 6>;
 void add_functions(const DatboxBody& body, const Drives& drives, double start, Index dimension, Motion& motion) {
   std::array<Course, 6> courses;
   std::set<double> times;
-  Vector3 axis = Vector3::Zero();
+  Vector3 first = Vector3::Zero();
+  Vector3* const axis = &drives == &body.forces ? nullptr : &first;
   for (std::size_t k = 0; k < drives.size(); ++k) {
     courses[k] = {{0, 0}};
     if (!drives[k]) continue;
@@ -185,10 +187,7 @@ FreeBody free_body(const Datbox& datbox, const DatboxBody& body) {
     const bool spin = k >= at(datbox.dimension);
     turns = turns || spin;
     result.directions[space ? k : spin ? 5 : k] = true;
-    if (space && spin && body.forces[k] && !body.forces[k]->none())
-      refuse(body.forces[k]->place,
-             "expected forces along x, y and z of a body in space, met a moment: LMGC90 takes it along an axis of the "
-             "body, which turns with it; not modelled");
+    result.torque_turns |= space && spin && body.forces[k] && !body.forces[k]->none();
   }
   const bool inertia = std::ranges::all_of(space ? std::span(result.inertia) : std::span(result.inertia).last(1),
                                            [](double one) { return one > 0; });
