@@ -178,9 +178,10 @@ void CountsTable::finish() {
   csv_->finish();
 }
 
-void declare_resume(Command& command, bool& resume) {
+void declare_reopening(Command& command, Reopening& how) {
+  command.add("--force", how.force, "replace existing outputs");
   command.add(
-      "--resume", resume,
+      "--resume", how.resume,
       "go on with the rows of an interrupted run; of the same case, options and program: what is missing is computed");
 }
 

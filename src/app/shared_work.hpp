@@ -92,8 +92,8 @@ class CountsTable {
   std::optional<CsvWriter> csv_;
 };
 
-/// Declares --resume.
-void declare_resume(Command& command, bool& resume);
+/// Declares --force and --resume.
+void declare_reopening(Command& command, Reopening& how);
 
 /// Whether --resume finds a complete table, for all ranks as rank 0 sees it; if so, prints a note. Throws Error without
 /// a table, if the table is known to be of other work, or if the HDF5 file is missing, which cannot be made of a table.

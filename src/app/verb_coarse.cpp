@@ -119,8 +119,7 @@ Action declare_coarse(Command& command) {
   command.add("--threshold NUMBER", coarse.threshold, "threshold of geneo, in place of that of --kappa");
   command.add("--counts", coarse.counts, "ranks and counts only, without spectra");
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
-  command.add("--force", options->how.force, "replace existing outputs");
-  declare_resume(command, options->how.resume);
+  declare_reopening(command, options->how);
   options->limits.declare(command);
   command.footer =
       R"(How many vectors a coarse space needs, and what it gains: condition numbers, iterations and the size of

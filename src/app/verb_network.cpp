@@ -28,7 +28,7 @@ int run_network(const NetworkOptions& options) {
   options.limits.limit_memory();
   const Model model = build(with_overlaps_of_motion(options.one.resolve({options.csv, options.grains})));
   if (!model.has_geometry()) return write_problem(options, model);
-  if (!options.grains.empty()) require_distinct(options.csv, options.grains);
+  require_distinct({options.csv, options.grains});
   const ContactSet contacts = options.contacts;
   const ResultColumns<Link> columns = link_columns(contacts, model.problem.dimension);
   CsvWriter links(options.csv, options.force, headings(columns));

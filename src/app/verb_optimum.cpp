@@ -80,8 +80,7 @@ Action declare_optimum(Command& command) {
   declare_scheme(command, options->work.sweep.scheme);
   command.fields(options->work.sweep.spectral, {"certify", "eigenvalues"});
   command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
-  command.add("--force", options->how.force, "replace existing outputs");
-  declare_resume(command, options->how.resume);
+  declare_reopening(command, options->how);
   options->limits.declare(command);
   command.footer =
       R"(The eta of the smallest radius of the enriched algorithm, from which eta on it converges, from which on it

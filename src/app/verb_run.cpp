@@ -168,9 +168,8 @@ Action declare_run(Command& command) {
   auto options = std::make_shared<RunOptions>();
   command.required("STUDY", options->study, "study folder, or the name of a known study");
   command.preset("--output FOLDER", options->output, "folder that receives STUDY/TABLE.csv and STUDY/STUDY.h5");
-  command.add("--force", options->how.force, "replace existing results");
   command.add("--large", options->large, "also the tables that the study marks as large");
-  declare_resume(command, options->how.resume);
+  declare_reopening(command, options->how);
   options->limits.declare(command);
   command.add("--check", options->check, "compare with the study's baseline; exit code 1 where it differs");
   command.footer = R"(Prints the names of the files written.

@@ -82,12 +82,9 @@ void require_not_beside(const std::string& output, const std::string& table) {
 void check_names(const SimulateOptions& options) {
   const RunFiles& files = options.files;
   require_ending(files.output, hdf5_endings);
+  require_distinct({files.output, files.convergence, options.counts});
   for (const std::string& table : {files.convergence, options.counts})
-    if (!table.empty()) {
-      require_distinct(files.output, table);
-      require_not_beside(files.output, table);
-    }
-  if (!files.convergence.empty() && !options.counts.empty()) require_distinct(files.convergence, options.counts);
+    if (!table.empty()) require_not_beside(files.output, table);
   if (options.restart && files.force)
     fail("--restart: expected either to go on with a run or to replace it, met --force too");
   if (options.restart) return;

@@ -159,7 +159,7 @@ void check_options(const SolveOptions& options) {
   if (!options.output.empty() && !has_siconos_name(options.output)) require_ending(options.output, hdf5_endings);
   const auto record = record_at(options.file);
   require_no_input({options.convergence, options.output}, {record ? record->file : options.file});
-  if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);
+  require_distinct({options.convergence, options.output});
 }
 
 int run_solve(const SolveOptions& options, const Context& context) {
@@ -245,8 +245,7 @@ Action declare_solve(Command& command) {
           "write the problem with its solution there, HDF5 of FCLIB, a guess where not converged; or FILE.dat of "
           "Siconos, only the problem")};
   for (Option* one : alone) one->excludes = csv;
-  command.add("--force", options->how.force, "replace existing outputs");
-  declare_resume(command, options->how.resume);
+  declare_reopening(command, options->how);
   command.named("--resume").needs = csv;
   command.footer =
       R"(Exit code 0: converged, 1: not (the status says why). With --csv 0: all problems were read, 1: some were not.

@@ -118,9 +118,7 @@ Asked asked(const SweepOptions& options, const Machine& machine) {
   }
   check_sweep(sweep, "--");
   asked.work.cases = {options.one.resolve({options.csv, options.hdf5, options.counts})};
-  if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
-  if (!options.counts.empty()) require_distinct(options.csv, options.counts);
-  if (!options.counts.empty() && !options.hdf5.empty()) require_distinct(options.hdf5, options.counts);
+  require_distinct({options.csv, options.hdf5, options.counts});
   return asked;
 }
 
@@ -190,8 +188,7 @@ Action declare_sweep(Command& command) {
   command.required("--csv FILE", options->csv, "where the table goes, - for standard output");
   CountsTable::declare(command, options->counts);
   command.add("--hdf5 FILE", options->hdf5, "also write the table, with its provenance, as HDF5");
-  command.add("--force", options->how.force, "replace existing outputs");
-  declare_resume(command, options->how.resume);
+  declare_reopening(command, options->how);
   options->limits.declare_memory(command);
   command.footer = R"(SPEC is a number, a comma list, or FROM:TO:COUNT (logarithmic; FROM:TO:COUNT:linear).
 One row per (epsilon, eta, relaxation, sweeps); columns are described in docs/formats.md.

@@ -9,6 +9,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <set>
 #include <system_error>
 
 namespace nscdd {
@@ -110,12 +111,14 @@ void require_writable(const fs::path& path, bool force, bool partial_accepted) {
     fail("{}: left by an interrupted run; move it away, or --force to replace it", partial_path(path).string());
 }
 
-void require_distinct(const std::string& first, const std::string& second) {
+void require_distinct(const std::vector<std::string>& names) {
   std::error_code ignored;
-  const bool same = first == second || fs::weakly_canonical(fs::absolute(first), ignored) ==
-                                           fs::weakly_canonical(fs::absolute(second), ignored);
-  if (!same || (is_stream(first) && first != "-")) return;
-  fail("{}: expected another name for each output, met the same twice", first);
+  std::set<fs::path> met;
+  for (const std::string& name : names) {
+    if (name.empty() || (is_stream(name) && name != "-")) continue;
+    const fs::path path = name == "-" ? fs::path(name) : fs::weakly_canonical(fs::absolute(name), ignored);
+    if (!met.insert(path).second) fail("{}: expected another name for each output, met the same twice", name);
+  }
 }
 
 void require_ending(const std::string& path, const std::array<std::string_view, 2>& endings) {

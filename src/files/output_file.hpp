@@ -19,8 +19,8 @@ bool is_file(const fs::path& path);
 /// `path.partial` of an interrupted run unless `partial_accepted`. Devices and pipes are accepted.
 void require_writable(const fs::path& path, bool force, bool partial_accepted = false);
 
-/// Throws Error if two outputs are the same file, unless it is a device or a pipe.
-void require_distinct(const std::string& first, const std::string& second);
+/// Throws Error if two outputs are the same file, unless it is a device or a pipe. Those without a name are not made.
+void require_distinct(const std::vector<std::string>& names);
 
 /// Throws Error for a device or a pipe, and unless the name has one of these endings, which tell readers the format.
 void require_ending(const std::string& path, const std::array<std::string_view, 2>& endings);
