@@ -78,9 +78,10 @@ py::list optimised(const Model& model, const std::string& epsilon, const std::st
                    const std::string& scheme, const TableOptions& options) {
   SweepParameters parameters = parameters_of(epsilon, contacts, scheme, options);
   LongWork watch(options.progress);
-  return table<OptimumResult>(
-      optimum_columns(parameters), parameters, watch, options.threads,
-      [&](const auto& sink, const Monitor& monitor) { optima(model, parameters, sink, monitor); });
+  return table<OptimumResult>(optimum_columns(parameters), parameters, watch, options.threads,
+                              [&](const auto& sink, const Monitor& monitor) {
+                                optima(model, select(model, parameters.contacts), parameters, sink, monitor);
+                              });
 }
 
 // Name and description of each column, for the documentation.

@@ -7,8 +7,7 @@ namespace nscdd::app {
 namespace {
 
 Index number_of(const std::map<std::string_view, Index>& counted, std::string_view word) {
-  const auto found = counted.find(word);
-  return found == counted.end() ? 0 : found->second;
+  return counted.contains(word) ? counted.at(word) : 0;
 }
 
 // Advice for steps that did not converge. If no solution may exist, no setting of a solver helps.

@@ -9,7 +9,6 @@
 
 #include <cstdlib>
 #include <set>
-#include <sstream>
 
 namespace nscdd::app {
 namespace {
@@ -65,10 +64,9 @@ struct Settled {
 };
 
 std::string entry_text(const Settled& settled, const std::string& resolved) {
-  std::istringstream lines(resolved);
   std::string text;
   for (const std::string& remark : settled.remarks) text += fmt::format("{}{}\n", remark_mark, remark);
-  for (std::string line; std::getline(lines, line);) text += fmt::format("# {}\n", line);
+  for (TextLines lines(resolved); lines.next();) text += fmt::format("# {}\n", lines.line());
   text += packing_csv(settled.packing);
   return fmt::format("{}{}\n{}", mark, fingerprint(text), text);
 }
@@ -82,9 +80,8 @@ std::optional<Settled> cached(const fs::path& entry) {
     if (text.substr(0, start) != fmt::format("{}{}\n", mark, fingerprint(std::string_view(text).substr(start))))
       return std::nullopt;
     Settled found{parse_packing(text, entry.string())};
-    std::istringstream lines(text);
-    for (std::string line; std::getline(lines, line);)
-      if (line.starts_with(remark_mark)) found.remarks.push_back(line.substr(remark_mark.size()));
+    for (TextLines lines(text); lines.next();)
+      if (lines.line().starts_with(remark_mark)) found.remarks.emplace_back(lines.line().substr(remark_mark.size()));
     return found;
   } catch (const Error&) {
     return std::nullopt;

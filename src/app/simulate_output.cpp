@@ -3,8 +3,6 @@
 
 #include "core/fail.hpp"
 
-#include <sstream>
-
 namespace nscdd::app {
 namespace {
 
@@ -80,12 +78,11 @@ void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
 
 // The lines of a case without those that change no step, or only the first, and an end.
 std::vector<std::string> lines_of(const std::string& text) {
-  std::istringstream stream(text);
   std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);)
-    if (!line.empty() && std::ranges::none_of(std::array{"steps = ", "forces = ", "verdict = ", "impossible = "},
-                                              [&](const char* key) { return line.starts_with(key); }))
-      lines.push_back(line);
+  for (TextLines each(text); each.next();)
+    if (!each.line().empty() && std::ranges::none_of(std::array{"steps = ", "forces = ", "verdict = ", "impossible = "},
+                                                     [&](const char* key) { return each.line().starts_with(key); }))
+      lines.emplace_back(each.line());
   lines.push_back("the end");
   return lines;
 }

@@ -47,7 +47,7 @@ int run_optimum(const OptimumOptions& options, const Context& context) {
   };
   if (options.csv.empty()) {
     Index reports = 0;
-    optima(model, work.sweep, [&](const OptimumResult& result) {
+    optima(model, select(model, work.sweep.contacts), work.sweep, [&](const OptimumResult& result) {
       if (reports++ > 0) fmt::print("\n");
       print_report(result, work.sweep.scheme);
       tell(result);
@@ -61,7 +61,8 @@ int run_optimum(const OptimumOptions& options, const Context& context) {
     tell(result);
     csv->write(row(columns, result));
   };
-  const Index failed = optima(model, work.sweep, write, interruption.watch(work.name, csv.kept()), csv.kept());
+  const Index failed = optima(model, select(model, work.sweep.contacts), work.sweep, write,
+                              interruption.watch(work.name, csv.kept()), csv.kept());
   if (interruption.stopped()) return leave(*csv, options.csv);
   csv->finish();
   csv.forget();

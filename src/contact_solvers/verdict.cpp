@@ -18,8 +18,7 @@ Vector polished(const LocalFrictionProblem& problem, std::vector<Index> chain, V
   for (Index& c : chain) c *= problem.dimension;
   const SparseMatrix columns = problem.h.cols() > 0 ? problem.h : SparseMatrix(problem.w.transpose());
   const SparseMatrix a = selected_columns(columns, chain), t = a.transpose();
-  SparseMatrix unit(a.rows(), a.rows());
-  unit.setIdentity();
+  const SparseMatrix unit = diagonal_matrix(Vector::Ones(a.rows()));
   r /= r.maxCoeff();
   for (int step = 0; step < most_steps; ++step) {
     const SparseMatrix product = SparseMatrix(a * r.cwiseAbs2().asDiagonal()) * t;

@@ -3,6 +3,7 @@
 
 #include "core/fail.hpp"
 #include "linalg/pencil.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd {
@@ -31,9 +32,8 @@ EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index d
     modes_ = diagonalised();
     return;
   }
-  SparseMatrix identity(inertia_.size(), inertia_.size());
-  identity.setIdentity();
-  stiffness_ = SparseMatrix(h_ * h_.transpose()) + 0.0 * identity;  // K = H H^T, with M in its pattern
+  // K = H H^T, with M in its pattern
+  stiffness_ = SparseMatrix(h_ * h_.transpose()) + diagonal_matrix(Vector::Zero(inertia_.size()));
 }
 
 EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {

@@ -49,15 +49,13 @@ Interface Interface::of_copies() const {
   one.gluing_.clear();
   one.between_neighbours_ = {};
   for (std::vector<Tie>& ties : one.ties_) ties.clear();
-  Index last = -1;
-  for (const Gluing& row : gluing_) {
-    if (std::exchange(last, row.grain) == row.grain) continue;
-    for (const GrainCopy& copy : copies(row.grain)) {
+  for_glued_grains([&](Index grain, Index, Index) {
+    for (const GrainCopy& copy : copies(grain)) {
       if (process_of(copy.subdomain) == processes_.rank)
         one.ties_[at(copy.subdomain)].push_back({count(one.gluing_), copy.grain, 1});
-      one.gluing_.push_back({row.grain, copy, {-1, -1}});
+      one.gluing_.push_back({grain, copy, {-1, -1}});
     }
-  }
+  });
   return one;
 }
 
@@ -90,16 +88,14 @@ void Interface::meet_neighbours() {
 std::function<void(std::span<double>)> Interface::between_neighbours(
     const std::function<Entries(Index, Index)>& entries) const {
   std::map<Index, std::vector<Index>> entries_with;
-  for (Index row = 0, next = 0, k = 0; row < count(gluing_); row = next) {
-    const Index grain = gluing_[at(row)].grain;
-    next = row + multiplicity(grain) - 1;
+  for_glued_grains([&, k = Index{0}](Index grain, Index row, Index) mutable {
     std::set<Index> holders;
     for (const GrainCopy& copy : copies(grain)) holders.insert(process_of(copy.subdomain));
-    if (holders.erase(processes_.rank) == 0) continue;
+    if (holders.erase(processes_.rank) == 0) return;
     const auto [first, last] = entries(row, k++);
     for (const Index process : holders)
       for (Index entry = first; entry < last; ++entry) entries_with[process].push_back(entry);
-  }
+  });
   std::vector<SharedEntries> shared;
   for (auto& [process, own] : entries_with) shared.push_back({process, std::move(own)});
   return processes_.between_neighbours(shared);

@@ -122,11 +122,10 @@ PrimalInterface condense(const Decomposition& parts, double flexibility) {
   interface.processes = glued.processes();
   interface.subdomains.resize(parts.subdomains.size());
   std::vector<std::vector<Index>> held(parts.subdomains.size());
-  for (Index last = -1; const Gluing& row : glued.gluing()) {
-    if (std::exchange(last, row.grain) == row.grain) continue;
+  glued.for_glued_grains([&](Index grain, Index, Index) {
     const Index shared = count(interface.sharing);
     std::vector<Index>& members = interface.sharing.emplace_back();
-    for (const GrainCopy& copy : glued.copies(row.grain)) {
+    for (const GrainCopy& copy : glued.copies(grain)) {
       members.push_back(copy.subdomain);
       held[at(copy.subdomain)].push_back(shared);
       CondensedSubdomain& one = interface.subdomains[at(copy.subdomain)];
@@ -135,7 +134,7 @@ PrimalInterface condense(const Decomposition& parts, double flexibility) {
         one.rows.push_back(d * shared + k);
       }
     }
-  }
+  });
   interface.glued = Interface(d, count(interface.sharing), {held.begin(), held.end()}, {}, glued.shape());
   for_each_in_parallel(count(parts.subdomains), [&](Index e) {
     CondensedSubdomain& one = interface.subdomains[at(e)];

@@ -16,18 +16,11 @@ Decomposition whole_masses(const Decomposition& parts) {
   return whole;
 }
 
-void for_shared_grains(const Interface& of_copies, const std::function<void(Index, Index)>& work) {
-  const std::vector<Gluing>& rows = of_copies.gluing();
-  for (Index first = 0, copies = 0; first < count(rows); first += copies) {
-    copies = of_copies.multiplicity(rows[at(first)].grain);
-    work(first, copies);
-  }
-}
-
 Vector sum_of_others(const Interface& interface, const Vector& p) {
   const Index d = interface.dofs_per_grain();
   Vector others(p.size());
-  for_shared_grains(interface, [&](Index first, Index copies) {
+  interface.for_glued_grains([&](Index, Index first, Index last) {
+    const Index copies = last - first;
     const auto own = p.segment(d * first, d * copies).reshaped(d, copies);
     const Vector sum = own.rowwise().sum();
     others.segment(d * first, d * copies).reshaped(d, copies) = sum.replicate(1, copies) - own;
@@ -37,7 +30,7 @@ Vector sum_of_others(const Interface& interface, const Vector& p) {
 
 Index largest_multiplicity(const Interface& of_copies) {
   Index largest = 1;
-  for_shared_grains(of_copies, [&](Index, Index copies) { largest = std::max(largest, copies); });
+  of_copies.for_glued_grains([&](Index, Index first, Index last) { largest = std::max(largest, last - first); });
   return largest;
 }
 

@@ -18,20 +18,19 @@ constexpr Index size_with_mark = size<D> + 1;  // of a grain that follows a copy
 
 template <int D>
 SharedCopies<D>::SharedCopies(const Interface& interface) {
-  Index last = -1;
   const auto is_own = [&](const GrainCopy& copy) {
     return interface.process_of(copy.subdomain) == interface.processes().rank;
   };
-  for (const Gluing& row : interface.gluing()) {
-    const std::span<const GrainCopy> copies = interface.copies(row.grain);
-    if (std::exchange(last, row.grain) == row.grain || std::ranges::none_of(copies, is_own)) continue;
+  interface.for_glued_grains([&](Index grain, Index, Index) {
+    const std::span<const GrainCopy> copies = interface.copies(grain);
+    if (std::ranges::none_of(copies, is_own)) return;
     const Index shared = count(start_) - 1;
     for (Index place = start_.back(); const GrainCopy& copy : copies) {
       if (is_own(copy)) own_.push_back({copy.subdomain, copy.grain, shared, place});
       ++place;
     }
     start_.push_back(start_.back() + count(copies));
-  }
+  });
   add_copies_ = interface.between_neighbours([&](Index, Index k) {
     return Interface::Entries{size<D> * start_[at(k)], size<D> * start_[at(k + 1)]};
   });

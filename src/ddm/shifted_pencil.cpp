@@ -140,11 +140,12 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
       return tied.process_of(tied.gluing()[nscdd::at(i / tied.dofs_per_grain())].first.subdomain) == processes().rank;
     };
     if (b.schwarz()) {
-      for_shared_grains(tied, [&, d = tied.dofs_per_grain()](Index first, Index copies) {
+      tied.for_glued_grains([&, d = tied.dofs_per_grain()](Index, Index first, Index last) {
         shared += d;
-        for (Index i = d * first; i < d * (first + copies); ++i)
+        const auto others = static_cast<double>(last - first - 1);
+        for (Index i = d * first; i < d * last; ++i)
           for (Index j = i; here(i) && j >= d * first; j -= d) {
-            const double own = b.preconditioner.scale()[i], mean = own / static_cast<double>(copies - 1);  // own = 1/m
+            const double own = b.preconditioner.scale()[i], mean = own / others;  // own = 1/m
             entries.add(interface + i, interface + j, (i == j ? own : 0) - mean, mean);
           }
       });

@@ -79,7 +79,6 @@ LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const Lin
       const Vector ax = a(w.block(0));
       w.block(1) = m_inverse(ax);
       w.block(0) = ax;  // mode 2 wants A x left in place of x
-      ++result.applications;
     } else if (w.ido == 2) {
       w.block(1) = m(w.block(0));
     } else {

@@ -13,9 +13,8 @@ inline constexpr Index arpack_smallest_size = 5;  ///< smallest problem of ARPAC
 
 /// One end of the spectrum of a symmetric definite pencil A x = lambda M x.
 struct LanczosResult {
-  double value = 0;        ///< Ritz value at the end asked for
-  Vector vector;           ///< its Ritz vector; empty if there is none
-  Index applications = 0;  ///< products with A, one solve with M each
+  double value = 0;  ///< Ritz value at the end asked for
+  Vector vector;     ///< its Ritz vector; empty if there is none
   bool converged = false;
 };
 

@@ -31,6 +31,13 @@ class SparseEntries {
   std::vector<Eigen::Triplet<double>> entries_;
 };
 
+/// diag(d); zeros are stored. (Eigen 3.4 ends the program where it makes a sparse matrix of an empty diagonal.)
+inline SparseMatrix diagonal_matrix(const Vector& d) {
+  SparseMatrix result(d.size(), d.size());
+  result = d.asDiagonal();
+  return result;
+}
+
 inline SparseMatrix selected_columns(const SparseMatrix& matrix, const std::vector<Index>& columns) {
   SparseEntries entries;
   for (Index j = 0; j < count(columns); ++j)

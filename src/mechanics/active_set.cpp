@@ -5,6 +5,7 @@
 #include "linalg/least_squares.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_cholesky.hpp"
+#include "linalg/sparse_entries.hpp"
 
 #include <fmt/format.h>
 
@@ -55,8 +56,7 @@ UnilateralImpulses project_on_cone(const SparseMatrix& b, const Vector& point, c
   const double scale = load.cwiseAbs().maxCoeff(), columns = static_cast<double>(b.cols());
   const double smallest = std::pow(1e-3 * options.tolerance * scale, 2);
   const SparseMatrix transposed = b.transpose();
-  SparseMatrix identity(b.rows(), b.rows());
-  identity.setIdentity();
+  const SparseMatrix identity = diagonal_matrix(Vector::Ones(b.rows()));
   const auto normal_matrix = [&](const Vector& weights) -> SparseMatrix {  // one pattern for all weights
     const SparseMatrix full = b * weights.asDiagonal() * transposed + identity;
     return full.triangularView<Eigen::Lower>();

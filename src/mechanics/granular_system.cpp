@@ -87,13 +87,13 @@ void release_grains(GranularSystem& system, GranularState& state) {
     }
     if (occupied) continue;
     *next = -1;
-    state.released.push_back({grain});
+    state.released.push_back(grain);
     move_grain(state, at(grain), source->point, {});
   }
 }
 
 void free_released_grains(GranularSystem& system, const GranularState& state) {
-  for (const ReleasedGrain& one : state.released) system.driven_by[at(one.grain)] = -1;
+  for (const Index grain : state.released) system.driven_by[at(grain)] = -1;
 }
 
 std::string body_name(const GranularSystem& system, Index body) {

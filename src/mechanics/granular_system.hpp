@@ -146,11 +146,6 @@ struct RememberedBond {
   double gap = 0;  ///< m, when it was made
 };
 
-/// A grain that a source has released.
-struct ReleasedGrain {
-  Index grain = 0;
-};
-
 /// Model of a subdomain in the last step of a run that switches models.
 struct RememberedModel {
   Index switched = 0;             ///< 1 if it ended the step with the simpler model, 0 if with the law itself
@@ -176,7 +171,7 @@ struct GranularState {
   std::vector<double> turn_w, turn_x, turn_y, turn_z;
   std::vector<Pose> poses;                      ///< of every boundary
   std::vector<RigidVelocity> body_velocities;   ///< of every boundary, along its free directions; 0 along the others
-  std::vector<ReleasedGrain> released;          ///< by all sources so far, in this order
+  std::vector<Index> released;                  ///< grains, by all sources so far, in this order
   std::vector<RememberedBond> bonds;            ///< on all ranks, ascending by (a, b)
   std::vector<RememberedImpulse> impulses;      ///< of the last step, ascending by (a, b)
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)

@@ -112,7 +112,7 @@ void add_idle_unknowns(GlobalFrictionProblem& problem, const std::vector<GrainCo
   problem.h = h.matrix(rows + count(mass), problem.h.cols());
   Vector all(rows + count(mass));
   all << problem.mass.diagonal(), Vector::Map(mass.data(), count(mass));
-  problem.mass = SparseMatrix(all.asDiagonal());
+  problem.mass = diagonal_matrix(all);
   problem.f.conservativeResizeLike(Vector::Zero(all.size()));
 }
 
@@ -184,8 +184,7 @@ StepProblem<D> prepare_step(const StepStart& start, bool warm_start, bool shallo
 
 template <int D>
 GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodies,
-                                       const std::vector<GrainContact<D>>& contacts,
-                                       const std::function<std::array<double, 3>(Index)>& rims) {
+                                       const std::vector<GrainContact<D>>& contacts, const Rims& rims) {
   std::vector<BodyRows> rows_of(bodies.size());  // lever arms are radii; driven bodies, such as walls, have no rows
   std::vector<std::array<double, 3>> rims_of(bodies.size());
   std::vector<double> inertia, momentum;
@@ -206,7 +205,7 @@ GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodi
   const Index rows = count(inertia), size = static_cast<Index>(contacts.size());
   GlobalFrictionProblem problem;
   problem.dimension = D;
-  problem.mass = SparseMatrix(Vector::Map(inertia.data(), rows).asDiagonal());
+  problem.mass = diagonal_matrix(Vector::Map(inertia.data(), rows));
   problem.f = Vector::Map(momentum.data(), rows);
   problem.w.resize(D * size);
   problem.friction.resize(size);
@@ -234,10 +233,8 @@ template StepProblem<3> step_of_contacts(const StepStart&, std::vector<StepConta
 template StepProblem<2> prepare_step(const StepStart&, bool, bool);
 template StepProblem<3> prepare_step(const StepStart&, bool, bool);
 template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<2>>&,
-                                                const std::vector<GrainContact<2>>&,
-                                                const std::function<std::array<double, 3>(Index)>&);
+                                                const std::vector<GrainContact<2>>&, const Rims&);
 template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<3>>&,
-                                                const std::vector<GrainContact<3>>&,
-                                                const std::function<std::array<double, 3>(Index)>&);
+                                                const std::vector<GrainContact<3>>&, const Rims&);
 
 }  // namespace nscdd

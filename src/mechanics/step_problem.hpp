@@ -121,17 +121,18 @@ std::vector<RememberedImpulse> impulses_to_remember(const StepProblem<D>& proble
   return impulses;
 }
 
+/// The rims of each body but the walls at the end, see GranularSystem::rims.
+using Rims = std::function<std::array<double, 3>(Index)>;
+
 /// The contact problem of a step in the unknowns of other programs: (v_x, v_y, spin) of the free bodies, three rows
 /// each in their order, in space (v, spin), six rows each; of a body with free directions the spins are about its
 /// principal axes, and rows of driven directions have no entries in H:
 ///     M = diag(m, m, m R^2 / 2), in space diag(m, m, m, 2/5 m R^2 I_3),   f = M V_free,
 ///     M v = H r + f,   u = H^T v + w.
 /// The law acts on u: w holds its biases (gap / h, restitution) and the velocities of driven bodies, which have no
-/// rows. In the rows of spin a tangential column has the lever arm, -R. `bodies`: V_free and inverse masses. `rims`: of
-/// each body but the walls at the end, see GranularSystem::rims.
+/// rows. In the rows of spin a tangential column has the lever arm, -R. `bodies`: V_free and inverse masses.
 template <int D>
 GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodies,
-                                       const std::vector<GrainContact<D>>& contacts,
-                                       const std::function<std::array<double, 3>(Index)>& rims);
+                                       const std::vector<GrainContact<D>>& contacts, const Rims& rims);
 
 }  // namespace nscdd

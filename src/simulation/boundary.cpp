@@ -12,10 +12,7 @@ Place along(const BoundarySpec& spec) { return difference(spec.to, spec.from); }
 
 double length_of(const Place& vector) { return std::hypot(vector[0], vector[1], vector[2]); }
 
-Place unit(const Place& vector) {
-  const double length = length_of(vector);
-  return {vector[0] / length, vector[1] / length, vector[2] / length};
-}
+Place unit(const Place& vector) { return divided(vector, length_of(vector)); }
 
 bool is_plane_in_space(const BoundarySpec& spec) { return spec.shape == BoundaryShape::wall && spec.dimension == 3; }
 bool is_plank_in_space(const BoundarySpec& spec) { return spec.shape == BoundaryShape::plank && spec.dimension == 3; }

@@ -174,9 +174,8 @@ void complete(GranularSystem& system, const GranularState& first, const Dynamics
   for (Index i = 0; i < system.grains(); ++i) {
     const Index k = system.driven_by[at(i)];
     if (k < 0 || !system.boundaries[at(k)].body) continue;
-    const Pose& pose = first.poses[at(k)];
     double& reach = system.boundaries[at(k)].body->reach;
-    const Place arm = difference(centre_of(first, at(i)), {pose.x, pose.y, pose.z});
+    const Place arm = difference(centre_of(first, at(i)), first.poses[at(k)].place());
     reach = std::max(reach, system.length(arm) + system.radius[at(i)]);
     // A body that does not turn may be as long as the cell and longer: any image of each of its grains will do.
     for (const double length : {system.period.x, system.period.y})

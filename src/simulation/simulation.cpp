@@ -169,10 +169,10 @@ std::pair<GranularStep<D>, GranularDecomposition<D>> divide_step(const Simulatio
     GranularStep<D> step = share_step<D>(simulation);
     auto parts = decompose(step.problem, step.partition, solver.order, seed, step.process_of_subdomain,
                            simulation.processes, copy_mass(solver));
-    for (const Gluing& row : parts.interface.gluing()) {
-      if (step.shared_grains.empty() || step.shared_grains.back() != row.grain) step.shared_grains.push_back(row.grain);
-      step.report.most_copies = std::max(step.report.most_copies, parts.interface.multiplicity(row.grain));
-    }
+    parts.interface.for_glued_grains([&](Index grain, Index, Index) {
+      step.shared_grains.push_back(grain);
+      step.report.most_copies = std::max(step.report.most_copies, parts.interface.multiplicity(grain));
+    });
     step.report.interface_size = parts.interface.size();
     step.report.residual.scale = parts.scale;
     return std::pair(std::move(step), std::move(parts));

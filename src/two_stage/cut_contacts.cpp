@@ -103,7 +103,7 @@ template <int D>
 SparseMatrix CutContacts<D>::system_of(Index i) const {
   const Subdomain& subdomain = parts_.subdomains[at(i)];
   SparseMatrix k = subdomain.h * blocks_of(i, e_, Zeros::stored) * SparseMatrix(subdomain.h.transpose());
-  k += SparseMatrix(subdomain.inertia.asDiagonal());
+  k += diagonal_matrix(subdomain.inertia);
   k.makeCompressed();
   return k;
 }

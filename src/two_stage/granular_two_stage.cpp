@@ -68,10 +68,7 @@ void GranularTwoStage<D>::start(const std::vector<RememberedGluing>& gluing) {
   // Along the chain of a grain, F of a row is that of the row before plus the impulse on the copy between.
   Vector f = Vector::Zero(parts_.interface_size());
   auto old = gluing.begin();
-  const auto& rows = parts_.interface.gluing();
-  for (Index first = 0, last = 0; first < count(rows); first = last) {
-    const Index grain = rows[at(first)].grain;
-    last = first + parts_.interface.multiplicity(grain) - 1;
+  parts_.interface.for_glued_grains([&](Index grain, Index first, Index last) {
     while (old != gluing.end() && old->grain < grain) ++old;
     const auto end = std::find_if(old, gluing.end(), [&](const auto& one) { return one.grain != grain; });
     const bool shared_alike = std::ranges::equal(std::span(old, end), parts_.interface.copies(grain), {},
@@ -81,7 +78,7 @@ void GranularTwoStage<D>::start(const std::vector<RememberedGluing>& gluing) {
         f[size * row + k] = old[row - first].impulse[at(k)];
         if (row > first) f[size * row + k] += f[size * (row - 1) + k];
       }
-  }
+  });
   correct(f);
 }
 

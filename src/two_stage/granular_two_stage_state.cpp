@@ -46,10 +46,8 @@ typename GranularTwoStage<D>::Solution GranularTwoStage<D>::gather(const StepPro
   std::vector<SentCopy<D>> copies;
   for (Index e = 0; e < count(parts_.subdomains); ++e) {
     const GranularSubdomain<D>& subdomain = parts_.subdomains[at(e)];
-    for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
-      GrainContact<D>& contact = result.contacts[at(subdomain.numbers[k])];
-      contact.impulse = in_frame(contact.normal, subdomain.contacts.impulses[k]);
-    }
+    for (std::size_t k = 0; k < subdomain.numbers.size(); ++k)
+      result.contacts[at(subdomain.numbers[k])].impulse = subdomain.contacts.impulse(k);
     for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
       const std::size_t body = at(subdomain.bodies[i]);
       const Index number = problem.numbers[body];
@@ -77,12 +75,9 @@ template <int D>
 std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
   constexpr Index size = unknowns_of_grain<D>;
   std::vector<RememberedGluing> result;
-  const auto& rows = parts_.interface.gluing();
   Index before = 0;  // shared grains
   // A_E^T F: along a chain, F of the row after a copy minus that before it.
-  for (Index first = 0, last = 0; first < count(rows); first = last, ++before) {
-    const Index grain = rows[at(first)].grain;
-    last = first + parts_.interface.multiplicity(grain) - 1;
+  parts_.interface.for_glued_grains([&](Index grain, Index first, Index last) {
     Index row = first;
     for (const GrainCopy& copy : parts_.interface.copies(grain)) {
       RememberedGluing one{grain, copy.subdomain};
@@ -96,7 +91,8 @@ std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
       result.push_back(one);
       ++row;
     }
-  }
+    ++before;
+  });
   return result;
 }
 

@@ -117,9 +117,8 @@ LinearSubdomain<D>::LinearSubdomain(const GranularSubdomain<D>& subdomain, const
       contacts_.impulses[k] = swept(c.normal, r);
     }
   if (network_.impulses.cols() == 0) return;
-  matrix_.resize(network_.root.size(), network_.root.size());
-  matrix_.setIdentity();
-  matrix_ = flexibility_ * matrix_ + SparseMatrix(network_.impulses * SparseMatrix(network_.resting.transpose()));
+  matrix_ = diagonal_matrix(Vector::Constant(network_.root.size(), flexibility_)) +
+            SparseMatrix(network_.impulses * SparseMatrix(network_.resting.transpose()));
   if (fields_) matrix_ = SparseMatrix(fields_->transpose()) * matrix_ * *fields_;
   solver_.emplace(matrix_);
   regular_ = solver_->factorise(matrix_);

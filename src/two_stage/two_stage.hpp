@@ -58,17 +58,10 @@ enum class UnitEigenvalues {
   passed_over,  ///< counted, and left out of everything
 };
 
-/// Spectral radius of a nonsymmetric iteration map.
-struct MapRadius {
-  double value = 0;
+/// Spectral radius of a nonsymmetric iteration map; it has no ends. `residual` is ||J x - lambda x|| / ||x||. Of unit
+/// eigenvalues `unit_multiplicity` is -1 if ARPACK did not count them, and `subdominant` NaN if it met one.
+struct MapRadius : SpectralRadius {
   std::complex<double> dominant;  ///< its eigenvalue; of a pair, the one with positive imaginary part
-  Index unit_multiplicity = 0;    ///< unit eigenvalues; -1 if ARPACK did not count them
-  double subdominant = 0;         ///< largest modulus of the others; NaN if ARPACK met a unit eigenvalue
-  std::string solver = "none";
-  Index applications = 0;    ///< of the map
-  double residual = 0;       ///< ||J x - lambda x|| / ||x||
-  bool converged = true;     ///< the residual is at most tolerance x max(1, value)
-  std::string failure = {};  ///< if not converged: why each solver failed
 };
 
 /// Dense eigenvalues or ARPACK's nonsymmetric driver, matrix-free, see choose_inexact_solver. A fallback follows if a

@@ -117,7 +117,8 @@ std::vector<Case> packings_up_to(Index largest) {
 
 Optimum optimum_of(const Model& model, double epsilon, ContactSet contacts) {
   Optimum best;
-  optima(model, {.epsilon = {epsilon}, .contacts = contacts}, [&](const OptimumResult& result) { best = result.best; });
+  optima(model, select(model, contacts), {.epsilon = {epsilon}, .contacts = contacts},
+         [&](const OptimumResult& result) { best = result.best; });
   return best;
 }
 

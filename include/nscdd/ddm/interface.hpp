@@ -71,6 +71,13 @@ class Interface {
   }
   /// Number of copies of a grain; split evenly, each has 1/number of its mass.
   Index multiplicity(Index grain) const { return start_[at(grain + 1)] - start_[at(grain)]; }
+  /// Calls work(grain, first, last) for each glued grain and its rows [first, last).
+  void for_glued_grains(auto&& work) const {
+    for (Index first = 0, last = 0; first < count(gluing_); first = last) {
+      while (last < count(gluing_) && gluing_[at(last)].grain == gluing_[at(first)].grain) ++last;
+      work(gluing_[at(first)].grain, first, last);
+    }
+  }
 
   const std::vector<Tie>& ties(Index subdomain) const { return ties_[at(subdomain)]; }  ///< rows ascending
   SparseMatrix matrix(Index subdomain) const;  ///< A_E, n_Gamma x d n_E, signed boolean

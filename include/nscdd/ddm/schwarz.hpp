@@ -20,9 +20,6 @@ Decomposition whole_masses(const Decomposition& parts);
 /// The resultants of the other copies of each grain: (1 1^T - I) p per grain. `interface`: of copies; p: its size.
 Vector sum_of_others(const Interface& interface, const Vector& p);
 
-/// Calls work(first, copies) for each shared grain: its first row block and the number of its copies.
-void for_shared_grains(const Interface& of_copies, const std::function<void(Index, Index)>& work);
-
 /// Subdomains that the most shared grain is in; 1 without a shared grain.
 Index largest_multiplicity(const Interface& of_copies);
 

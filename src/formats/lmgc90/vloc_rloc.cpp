@@ -208,7 +208,7 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
     mass.segment(own.row, dofs) = own.mass.head(dofs);
     free.segment(own.row, dofs) = own.after.head(dofs);
   }
-  problem.mass = SparseMatrix(mass.asDiagonal());
+  problem.mass = diagonal_matrix(mass);
   problem.h = entries.matrix(rows, d * count(contacts));
   problem.f = mass.cwiseProduct(free);
   check(problem, name);

@@ -132,9 +132,7 @@ inline constexpr auto start_columns = [](auto&& visit) {
   visit("slid", "1", [](auto& one) { return &one.slid; });
 };
 
-inline constexpr auto released_columns = [](auto&& visit) {
-  visit("grain", "1", [](auto& released) { return &released.grain; });
-};
+inline constexpr auto released_columns = [](auto&& visit) { visit("grain", "1", [](auto& grain) { return &grain; }); };
 
 inline constexpr auto model_columns = [](auto&& visit) {
   visit("switched", "1", [](auto& model) { return &model.switched; });

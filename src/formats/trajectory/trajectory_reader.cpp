@@ -63,7 +63,7 @@ void check_numbers(const TrajectoryStep& step, Index walls, const Group& group) 
   }
   for (const RememberedBond& one : step.state.bonds)
     for (const Index body : {one.a, one.b}) require_within(body, 0, bodies, "bonds/a or b", group);
-  for (const ReleasedGrain& one : step.state.released) require_within(one.grain, 0, disks, "released/grain", group);
+  for (const Index grain : step.state.released) require_within(grain, 0, disks, "released/grain", group);
   for (const RememberedModel& model : step.state.models) require_within(model.switched, 0, 2, "models/switched", group);
   for (const RememberedGluing& gluing : step.state.gluing) {
     require_within(gluing.grain, 0, disks + count(step.state.body_velocities), "interface/grain", group);
@@ -91,8 +91,7 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
   step.contacts = get_list<TrajectoryContact>(group.group("contacts"), layout::contact_columns(dimension), here);
   state.gluing = get_list<RememberedGluing>(group.group("interface"), layout::gluing_columns(dimension), here);
   if (group.has("bonds")) state.bonds = get_list<RememberedBond>(group.group("bonds"), layout::bond_columns, here);
-  if (group.has("released"))
-    state.released = get_list<ReleasedGrain>(group.group("released"), layout::released_columns, here);
+  if (group.has("released")) state.released = get_list<Index>(group.group("released"), layout::released_columns, here);
   if (group.has("models")) state.models = get_list<RememberedModel>(group.group("models"), layout::model_columns, here);
   const Index walls = root.group("system").group("walls").rows("point_x");
   check_numbers(step, walls, group);

@@ -76,13 +76,8 @@ void put_steps(const Group& group, Steps steps, bool append, const GranularSyste
     put_structs(group.make_group("bodies"), steps, of_state(&State::body_velocities),
                 layout::velocity_columns(dimension), form);
   for (const auto& array : layout::state_arrays(dimension)) {
-    std::vector<double> values;
-    for (const TrajectoryStep& step : steps) {
-      const std::vector<double>& own = step.state.*(array.values);
-      values.insert(values.end(), own.begin(), own.end());
-    }
-    form.attributes = {{"unit", array.unit}};
-    group.put<double>(array.name, values, form);
+    const auto column = [&](auto&& visit) { visit(array.name, array.unit, [](auto& number) { return &number; }); };
+    put_structs(group, steps, of_state(array.values), column, form);
   }
 }
 
@@ -109,8 +104,7 @@ void put_system(const Group& root, const GranularSystem& system) {
     group.put<double>("period", std::array{period.x, period.y}, {.attributes = {{"unit", "m"}}});
 }
 
-template <class Change>
-AlternatingFile::Change changing(Change change) {
+AlternatingFile::Change changing(std::function<void(const Group& root)> change) {
   return [change](const std::string& name) {
     const hdf5::File file(name, hdf5::Access::change, fmt::format("{}: cannot be changed as an HDF5 file", name));
     change(file.root());

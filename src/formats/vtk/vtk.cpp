@@ -49,10 +49,10 @@ void check(const Scene& scene) {
       fail("VTK: contact {}: expected two of {} grains, or a grain and a wall, met {} and {}", k, n, a, b);
 }
 
-// The values of grains, then `value` for each foot.
+// The values of grains, then `value` for each component of each foot.
 template <class Value>
-std::vector<Value> with_feet(const Scene& scene, std::vector<Value> values, Value value) {
-  values.resize(values.size() + scene.feet, value);
+std::vector<Value> with_feet(const Scene& scene, std::vector<Value> values, Value value, std::size_t components = 1) {
+  values.resize(values.size() + components * scene.feet, value);
   return values;
 }
 
@@ -84,9 +84,7 @@ std::vector<double> points_of(const Scene& scene) {
 std::vector<PictureArray> point_arrays_of(const Scene& scene, const Integers& subdomain, const Integers& multiplicity) {
   using State = GranularState;
   const auto with_zeros = [&](std::initializer_list<std::vector<double> State::*> of_grains) {
-    std::vector<double> values = together(scene, of_grains);
-    values.resize(of_grains.size() * (scene.grains + scene.feet), 0.0);
-    return values;
+    return with_feet(scene, together(scene, of_grains), 0.0, of_grains.size());
   };
   constexpr std::int64_t none = -1, no_subdomain = 0;
   const auto& driven_by = scene.system.driven_by;
@@ -148,7 +146,7 @@ class Writer {
   void line(std::string_view text) { xml_ += fmt::format("{}\n", text); }
 
   template <class Value>
-  void array(std::string_view name, const std::vector<Value>& values, int components = 1) {
+  void array(std::string_view name, const std::vector<Value>& values, std::size_t components = 1) {
     static_assert(std::is_same_v<Value, double> || std::is_same_v<Value, std::int64_t>);
     line(fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>)",
                      std::is_same_v<Value, double> ? "Float64" : "Int64", name, components, appended_.size()));

@@ -12,7 +12,7 @@ namespace nscdd {
 struct PictureArray {
   const char* name = "";
   std::variant<std::vector<double>, std::vector<std::int64_t>> values;
-  int components = 1;
+  std::size_t components = 1;
 };
 
 /// Points are the grains, then a foot per wall contact (radius 0, id, boundary and subdomain -1). Cells are a vertex

@@ -44,10 +44,8 @@ void put_array_offsets(const Group& offsets, const std::vector<PictureArray>& ar
 }
 
 void put_arrays(const Group& group, const std::vector<PictureArray>& arrays, std::size_t chunk) {
-  for (const PictureArray& array : arrays) {
-    const auto components = static_cast<std::size_t>(array.components);
-    std::visit([&](const auto& values) { append(group, array.name, values, chunk, components); }, array.values);
-  }
+  for (const PictureArray& array : arrays)
+    std::visit([&](const auto& values) { append(group, array.name, values, chunk, array.components); }, array.values);
 }
 
 }  // namespace

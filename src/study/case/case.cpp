@@ -81,9 +81,8 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   const ContactNetwork none{
       .contacts = {}, .grains = packing.size(), .dimension = packing.dimension(), .period = one.spec.contacts.period()};
   const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing);
-  const auto released = [&](Index grain) {  // by a source, at rest
-    return std::ranges::any_of(start.state.released, [&](const ReleasedGrain& out) { return out.grain == grain; });
-  };
+  // By a source, at rest.
+  const auto released = [&](Index grain) { return std::ranges::count(start.state.released, grain) > 0; };
   for (std::size_t k = 0; k < prescribed.size(); ++k)
     if (const Index grain = prescribed[k].grain; !start.system.free(grain) || released(grain))
       throw Error(grain_key(k), fmt::format("expected a free grain, met {}{}", body_name(start.system, grain),

@@ -5,6 +5,7 @@
 #include "core/fail.hpp"
 #include "ddm/local_preconditioner.hpp"
 #include "linalg/multifrontal/analysis.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include "spectra/balanced_spectrum.hpp"
 #include "study/linear/sweep_points.hpp"
@@ -35,9 +36,7 @@ FactorWork factor_work(const SparseMatrix& symmetric, Index dofs_per_grain) {
 // The work of factorising M_E + K_E / eps.
 FactorWork network_work(const Subdomain& subdomain, Index dofs_per_grain) {
   SparseMatrix k = subdomain.h * subdomain.h.transpose();
-  SparseMatrix diagonal(k.rows(), k.cols());
-  diagonal.setIdentity();
-  return factor_work(k + diagonal, dofs_per_grain);
+  return factor_work(k + diagonal_matrix(Vector::Ones(k.rows())), dofs_per_grain);
 }
 
 class CoarseStudy {
@@ -56,12 +55,10 @@ class CoarseStudy {
     common_.self_stresses = rigid.nullity();
     common_.rank = parts_.interface_size() - common_.self_stresses;
     common_.clear_ranks = rigid.nullity_is_clear();
-    for (Index row = 0, last = -1; row < count(glued.gluing()); ++row) {
-      const Index grain = glued.gluing()[at(row)].grain;
-      if (grain == std::exchange(last, grain)) continue;
+    glued.for_glued_grains([&](Index grain, Index, Index) {
       common_.primal_size += parts_.dofs_per_grain();
       common_.cross_points += glued.multiplicity(grain) > 2;
-    }
+    });
     Matrix local = Matrix::Zero(2, count(parts_.subdomains));  // entries and flops of each
     for (Index e = 0; e < local.cols(); ++e) {
       const FactorWork work = network_work(parts_.subdomains[at(e)], parts_.dofs_per_grain());

@@ -2,6 +2,7 @@
 #include "contact_solvers/solver_run.hpp"
 #include "core/fail.hpp"
 #include "linalg/random.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "study/linear/coarse.hpp"
 
 namespace nscdd {
@@ -65,7 +66,7 @@ void solve_bddc(CoarseResult& result, const Decomposition& parts, const CoarsePa
   if (adaptive) result.threshold = parameters.threshold.value_or(parameters.kappa.value_or(30));
   const Subdomain& own = parts.subdomains[at(own_subdomain(parts))];
   SparseMatrix k = own.h * SparseMatrix(own.h.transpose()) / result.epsilon;
-  k += SparseMatrix(own.inertia.asDiagonal());
+  k += diagonal_matrix(own.inertia);
   const BddcSystem system =
       parameters.bddc(parts, k, {*result.method.scaling, adaptive ? std::optional(result.threshold) : std::nullopt});
   const Vector right = RandomStream(1).normal_vector(system.size);

@@ -129,7 +129,7 @@ ResultColumns<Link> link_columns(ContactSet contacts, Index dimension) {
     return [member](const Link& link) { return std::invoke(member, link.contact()); };
   };
   const auto centre = [](Index Contact::*grain) {
-    return [=](const Link& link, Index k) { return coordinate(link.model.packing, link.contact().*grain, k); };
+    return [=](const Link& link, Index k) { return link.model.packing.centre(link.contact().*grain)[at(k)]; };
   };
   return joined<Link>(
       {{{"case", "", "name of the case", [](const Link& link) { return link.model.name; }},
@@ -193,7 +193,7 @@ ResultColumns<PackingGrain> grain_columns(Index dimension) {
         {"grain", "1", "number of the grain", &PackingGrain::number}},
        vector_columns<PackingGrain>(
            dimension, "{}", "m", "centre",
-           [](const PackingGrain& grain, Index k) { return coordinate(grain.model.packing, grain.number, k); }),
+           [](const PackingGrain& grain, Index k) { return grain.model.packing.centre(grain.number)[at(k)]; }),
        {{"radius", "m", "radius", of(&Packing::radius)},
         {"mass", "kg", "mass", of(&Packing::mass)},
         {"contacts", "1", "contacts of the grain", &PackingGrain::contacts},

@@ -46,7 +46,7 @@ void derive_schwarz(Mode& mode, const Contraction& b) {
 
 // The k-th coordinate of a grain, m; of a body of a contact problem unknown.
 double place_of(const Model& model, Index grain, Index k) {
-  return model.has_geometry() ? coordinate(model.packing, grain, k) : not_a_number;
+  return model.has_geometry() ? model.packing.centre(grain)[at(k)] : not_a_number;
 }
 
 using Velocity = std::array<double, 3>;

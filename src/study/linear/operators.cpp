@@ -23,7 +23,7 @@ std::string h_unit(const ReferenceProblem& problem) { return problem.columns_per
 void hand_undivided(const Model& model, const Sink<CaseOperator>& sink) {
   const ReferenceProblem& problem = model.problem;
   sink({"M", "M = diag(m)", fmt::format("inertia of the grains, {} in turn", unknowns(problem)), mass_unit(problem),
-        SparseMatrix(problem.inertia.asDiagonal()), true});
+        diagonal_matrix(problem.inertia), true});
   sink({"H", "H",
         fmt::format("H r: momenta that the contact impulses r give the grains; H^T V: the relative velocities of the "
                     "contacts; columns are {}, -n on one grain and +n on the other",
@@ -48,7 +48,7 @@ void hand_subdomains(const Model& model, const Selection& selection, const Sink<
     };
     hand("M", "M_E = diag(m / q)",
          "inertia of the copies in subdomain E: a q-th of that of a grain which q subdomains share",
-         mass_unit(model.problem), SparseMatrix(own.inertia.asDiagonal()), true);
+         mass_unit(model.problem), diagonal_matrix(own.inertia), true);
     hand("H", "H_E", "the rows and columns of H that subdomain E has", h_unit(model.problem), own.h, false);
     hand("grains", "", "numbers in the packing, from 0, of the grains of subdomain E", "", own.grains, false);
     hand("contacts", "", "numbers of the columns of H, from 0, that are the columns of H_E", "", own.contacts, false);

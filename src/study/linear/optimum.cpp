@@ -83,11 +83,6 @@ ResultColumns<OptimumResult> optimum_columns(const SweepParameters& sweep) {
   return all;
 }
 
-Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink, const Monitor& monitor,
-             Index first) {
-  return optima(model, select(model, sweep.contacts), sweep, sink, monitor, first);
-}
-
 Index optima(const Model& model, const Selection& selection, const SweepParameters& sweep,
              const Sink<OptimumResult>& sink, const Monitor& monitor, Index first) {
   const double scale = flexibility_scale(model);
@@ -120,7 +115,9 @@ constinit const Observable observables::optimum{
     .run =
         [](const ObservedCase& work) {
           const SweepParameters& sweep = work.table.sweep;
-          return optima(build(work.one), sweep, as_rows(optimum_columns(sweep), work.sink), work.monitor, work.first);
+          const Model model = build(work.one);
+          return optima(model, select(model, sweep.contacts), sweep, as_rows(optimum_columns(sweep), work.sink),
+                        work.monitor, work.first);
         },
     .rows = [](const StudyTable& table) { return count(table.sweep.epsilon); },
     .known =

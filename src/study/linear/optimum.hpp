@@ -20,11 +20,8 @@ struct OptimumResult {
 /// algorithm, and the relaxation below which it converges as `convergent_from`.
 ResultColumns<OptimumResult> optimum_columns(const SweepParameters& sweep);
 
-/// Computes the optima for every epsilon of `sweep` (its other lists are unused) from number `first` on. Returns how
-/// many did not converge. The monitor may stop it. Throws Error as choose_contacts.
-Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink,
-             const Monitor& monitor = {}, Index first = 0);
-/// The same with a choice of contacts.
+/// Computes the optima for every epsilon of `sweep` (its other lists are unused) with a choice of contacts from number
+/// `first` on. Returns how many did not converge. The monitor may stop it. Throws Error as choose_contacts.
 Index optima(const Model& model, const Selection& selection, const SweepParameters& sweep,
              const Sink<OptimumResult>& sink, const Monitor& monitor = {}, Index first = 0);
 

@@ -50,7 +50,7 @@ ResultColumns<PlacedGrain> grain_columns(Index dimension) {
         {"disk", "1", "number of the disk or sphere, grains first", &One::number}},
        vector_columns<One>(
            dimension, "{}", "m", "centre",
-           [](const One& grain, Index k) { return coordinate(grain.simulation.state, grain.number, k); }),
+           [](const One& grain, Index k) { return centre_of(grain.simulation.state, at(grain.number))[at(k)]; }),
        {{"radius", "m", "radius", [](const One& grain) { return grain.simulation.system.radius[at(grain.number)]; }},
         {"angle", "rad", "angle turned by, in space from 0 to pi about some axis",
          [](const One& grain) {

@@ -140,7 +140,4 @@ ResultColumns<Result> vector_columns(Index dimension, std::string_view name, con
   return columns;
 }
 
-/// The k-th coordinate of a grain of a packing or a state, m.
-double coordinate(const auto& of, Index grain, Index k) { return (k == 0 ? of.x : k == 1 ? of.y : of.z)[at(grain)]; }
-
 }  // namespace nscdd
