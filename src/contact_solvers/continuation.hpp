@@ -32,14 +32,14 @@ struct CurveWalk {
   static constexpr Index calm_steps = 4;      // after a retreat, which begin on the curve
 
   const SmoothedCurve<P>& curve;
-  CurvePoint point;
-  Vector impulses = {};                  // there
-  std::optional<CurveCourse> safe = {};  // at the last point on the curve
+  SmoothedPoint point;
+  Vector impulses = {};                     // there
+  std::optional<SmoothedCourse> safe = {};  // at the last point on the curve
   Index corrections = 0, calm = calm_steps;
   double taken = 0, length = first_length;  // of the last step; bounds the next one
   double last_off = infinity;
 
-  bool lost_at(const std::optional<CurveCourse>& here) const {
+  bool lost_at(const std::optional<SmoothedCourse>& here) const {
     return !here || !(here->off <= (corrections > 0 ? std::min(lost, contraction * last_off) : lost));
   }
   bool go_back() {
@@ -49,14 +49,14 @@ struct CurveWalk {
     corrections = calm = 0;
     return true;
   }
-  bool correct(const CurveCourse& here) {
+  bool correct(const SmoothedCourse& here) {
     last_off = here.off;
     if (here.off <= (calm < calm_steps ? on_curve : near_curve)) return false;
     ++corrections;
     move(here, 0);
     return true;
   }
-  void go_on(const SolverRun<P::dimension>& run, CurveCourse here) {
+  void go_on(const SolverRun<P::dimension>& run, SmoothedCourse here) {
     corrections = 0;
     ++calm;
     const double longest = std::min(largest_change / here.steepest, growth * length);
@@ -71,7 +71,7 @@ struct CurveWalk {
     here.length = taken;
     if (!safe || here.off <= on_curve) safe = std::move(here);
   }
-  void move(const CurveCourse& from, double by) {
+  void move(const SmoothedCourse& from, double by) {
     point = SmoothedCurve<P>::ahead(from, by);
     impulses = curve.impulses(point);
   }
@@ -90,7 +90,7 @@ bool follow_curve(P& problem, SolverRun<P::dimension>& run, double relative_smoo
   CurveWalk<P> walk{curve, curve.start()};
   double last_trial = newton_from / newton_after;
   for (Index step = 0; step < most_factorisations && !run.spent(); ++step) {
-    std::optional<CurveCourse> here = curve.course(walk.point);
+    std::optional<SmoothedCourse> here = curve.course(walk.point);
     const bool lost_here = walk.lost_at(here);
     if (lost_here && !walk.go_back()) return false;
     const bool goes_on = !lost_here && !walk.correct(*here);

@@ -23,14 +23,14 @@ struct SmoothedLaw {
 SmoothedLaw<2> smoothed_law(LocalVector<2> z, double friction, double t);
 SmoothedLaw<3> smoothed_law(LocalVector<3> z, double friction, double t);
 
-struct CurvePoint {
+struct SmoothedPoint {
   Vector z;
   double t;  // (N s)^2
 };
 
 /// The curve near a point, with the parameter log t.
-struct CurveCourse {
-  CurvePoint point;
+struct SmoothedCourse {
+  SmoothedPoint point;
   Vector tangent;                // dz / dlog t
   Vector correction;             // Newton's step to the curve, at right angles to it
   double direction;              // of log t along the curve, -1 or 1
@@ -59,10 +59,10 @@ class SmoothedCurve {
     slope_ = defect(start_, impulses(start_)) / start_.t;
   }
 
-  const CurvePoint& start() const { return start_; }
+  const SmoothedPoint& start() const { return start_; }
 
   /// None if the matrix of the linear systems of F, (1 - P') + P' rho W, is singular to rounding (r = P_t(z)).
-  std::optional<CurveCourse> course(const CurvePoint& point) {
+  std::optional<SmoothedCourse> course(const SmoothedPoint& point) {
     const Vector defects = defect(point, impulses(point));
     std::vector<ContactRelation<D>> relations(at(data_.contacts()));
     Vector along(point.z.size()), across(point.z.size());
@@ -79,10 +79,10 @@ class SmoothedCurve {
     }
     along = problem_.solve(along);
     across = problem_.solve(across);
-    CurveCourse found{.point = point,
-                      .tangent = along - velocities(along) + point.t * slope_,
-                      .correction = across - velocities(across) - defects,
-                      .direction = problem_.determinant_sign() < 0 ? 1.0 : -1.0};
+    SmoothedCourse found{.point = point,
+                         .tangent = along - velocities(along) + point.t * slope_,
+                         .correction = across - velocities(across) - defects,
+                         .direction = problem_.determinant_sign() < 0 ? 1.0 : -1.0};
     run_.now.operations += problem_.take_operations();
     // Lengths along the curve: the mean of the squared relative changes of z, and the square of that of log t.
     const Vector unit = weight(point), relative = found.tangent.cwiseProduct(unit);
@@ -98,13 +98,13 @@ class SmoothedCurve {
   }
 
   /// The point after a step of this length, the correction included.
-  static CurvePoint ahead(const CurveCourse& course, double length) {
+  static SmoothedPoint ahead(const SmoothedCourse& course, double length) {
     const double change = course.direction * length;
     return {course.point.z + course.correction + change * course.tangent,
             course.point.t * std::exp(change + course.log_correction)};
   }
 
-  Vector impulses(const CurvePoint& point) const {
+  Vector impulses(const SmoothedPoint& point) const {
     Vector r(point.z.size());
     for (Index c = 0; c < data_.contacts(); ++c)
       set_component(r, c, smoothed_law(component<D>(point.z, c), data_.friction[c], point.t).impulse);
@@ -112,14 +112,14 @@ class SmoothedCurve {
   }
 
   /// The largest component of F - t F_0 / t_0 with P_t(z) = r, in units of sqrt(z^2 + 4 t).
-  double residual(const CurvePoint& point, const Vector& r) const {
+  double residual(const SmoothedPoint& point, const Vector& r) const {
     return data_.sums.largest(defect(point, r).cwiseProduct(weight(point)).cwiseAbs());
   }
 
  private:
-  Vector weight(const CurvePoint& point) const { return (point.z.array().square() + 4 * point.t).rsqrt(); }
+  Vector weight(const SmoothedPoint& point) const { return (point.z.array().square() + 4 * point.t).rsqrt(); }
   // F - t F_0 / t_0, N s.
-  Vector defect(const CurvePoint& point, const Vector& r) const {
+  Vector defect(const SmoothedPoint& point, const Vector& r) const {
     return velocities(r) + q_ - r + point.z - point.t * slope_;
   }
   Vector velocities(const Vector& r) const { return rho_.cwiseProduct(problem_.symmetric_product(r)); }  // rho W r
@@ -128,7 +128,7 @@ class SmoothedCurve {
   SolverRun<D>& run_;
   const ContactData& data_ = run_.data;
   Vector rho_, q_, slope_;  // slope_: F_0 / t_0
-  CurvePoint start_;
+  SmoothedPoint start_;
 };
 
 }  // namespace nscdd
