@@ -20,7 +20,7 @@ void bind_friction(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);
 
 /// Warns (UserWarning) in the name of who called the Python function. Throws error_already_set where warnings are
-/// errors. `caller`: how many Python functions above this one.
+/// errors. `caller`: as `stacklevel` of warnings.warn.
 void warn_of(const std::vector<std::string>& remarks, Py_ssize_t caller = 2);
 
 /// How spectra are computed, from keyword arguments. Throws Error naming the argument.

@@ -11,6 +11,8 @@
 namespace nscdd::python {
 namespace {
 
+constexpr Py_ssize_t caller = 3;  // of a function in python/nscdd/ that _arguments.takes calls
+
 // How the spectra of a table are computed, and how the work is watched.
 struct TableOptions {
   SpectralOptions spectral;
@@ -49,7 +51,8 @@ py::list swept(const Model& model, const std::string& epsilon, const std::string
   std::tie(parameters.eta, parameters.relative_eta) = parse_eta(eta);
   parameters.relaxation = parse_relaxation(relaxation);
   parameters.gauss_seidel_sweeps = parse_sweeps(sweeps);
-  warn_of(remarks_on(model, parameters), 3);  // _arguments.takes calls the function in python/nscdd/
+  check_sweep(parameters);
+  warn_of(remarks_on(model, parameters), caller);
   LongWork watch(options.progress);
   return table<SweepResult>(sweep_columns(parameters), parameters, watch, options.threads,
                             [&](const auto& sink, const Monitor& monitor) { sweep(model, parameters, sink, monitor); });
@@ -57,12 +60,12 @@ py::list swept(const Model& model, const std::string& epsilon, const std::string
 
 // Curves of the radius with what became of each: (columns, statuses).
 py::tuple traced(const Model& model, const std::string& epsilon, const std::string& eta, double tolerance,
-                 const std::string& relaxation, const std::string& contacts, const TableOptions& options) {
-  SweepParameters sweep;
+                 const std::string& relaxation, const std::string& contacts, const std::string& scheme,
+                 const TableOptions& options) {
+  SweepParameters sweep = parameters_of("1", contacts, scheme, options);
   sweep.relaxation = parse_relaxation(relaxation);
-  sweep.contacts = Choice<ContactSet>::parse(contacts, "contacts");
-  sweep.spectral = options.spectral;
   CurveParameters parameters = curve_parameters(tolerance, epsilon, eta, std::move(sweep));
+  warn_of(remarks_on(model, parameters.sweep), caller);
   LongWork watch(options.progress);
   std::vector<CurveReport> reports;
   const auto columns = curve_columns(parameters.sweep);
@@ -105,7 +108,7 @@ void bind_tables(py::module_& module) {
   module.def("sweep", &swept, py::arg("parts"), py::arg("epsilon"), py::arg("eta"), py::arg("relaxation"),
              py::arg("gauss_seidel_sweeps"), py::arg("contacts"), py::arg("scheme"), py::arg("options"));
   module.def("curve", &traced, py::arg("parts"), py::arg("epsilon"), py::arg("eta"), py::arg("tolerance"),
-             py::arg("relaxation"), py::arg("contacts"), py::arg("options"));
+             py::arg("relaxation"), py::arg("contacts"), py::arg("scheme"), py::arg("options"));
   module.def("optimum", &optimised, py::arg("parts"), py::arg("epsilon"), py::arg("contacts"), py::arg("scheme"),
              py::arg("options"));
   module.attr("sweep_columns_text") = columns_text(sweep_columns());

@@ -74,8 +74,8 @@ class CurveTable(Table):
 @_arguments.takes(_core.spectral_options, without=["eigenvalues"])
 def curve(parts: Decomposition, epsilon: _arguments.Values | tuple[float, float],
           eta: _arguments.Values | tuple[float, float] | None = math.inf, *, tolerance: float = 1e-3,
-          relaxation: _arguments.Values = 1.0, contacts: str = "all", progress: _arguments.Progress = None,
-          threads: int = 0, **options: _arguments.Option) -> CurveTable:
+          relaxation: _arguments.Values = 1.0, contacts: str = "all", scheme: str = "nscdd",
+          progress: _arguments.Progress = None, threads: int = 0, **options: _arguments.Option) -> CurveTable:
     """Curves of the spectral radius that are proved between their points, which are placed automatically.
 
     epsilon, eta   one of them is a range, (1e-3, 1e3) or a text "1e-3:1e3" or "0.1:10W"; there is a curve for every
@@ -90,7 +90,7 @@ def curve(parts: Decomposition, epsilon: _arguments.Values | tuple[float, float]
     """
     how = _core.TableOptions(dict(options), _arguments.progress(progress), threads)
     return CurveTable(*_core.curve(parts, _arguments.interval(epsilon), _arguments.interval(eta), tolerance,
-                                   _arguments.spec(relaxation), contacts, how))
+                                   _arguments.spec(relaxation), contacts, scheme, how))
 
 
 @_arguments.takes(_core.spectral_options, without=["eigenvalues"])

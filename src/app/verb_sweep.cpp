@@ -26,7 +26,6 @@ int work_through(const Model& model, const StudyTable& work, SharedTable& csv, I
   const Table layout{headings(columns), {}};
   Index unproved = 0, uncertified = 0, told = 0, diverging = 0, exact = 0;
   const bool certify = work.sweep.spectral.certify;
-  for (const std::string& remark : remarks_on(model, work.sweep)) note("{}", remark);
   const auto take = [&, converged = layout.column("converged"),
                      certified = certify ? layout.column("certified") : 0](const Row& cells) {
     const bool open = !std::get<bool>(cells[converged]);
@@ -96,30 +95,25 @@ int trace(const Model& model, const CurveParameters& parameters, ResumableTable&
 }
 
 // The points of a sweep, or curves, which place their points.
-struct Asked {
-  StudyTable work;
+std::pair<StudyTable, std::optional<CurveParameters>> asked(const SweepOptions& options, const Machine& machine) {
+  StudyTable work = options.work;
   std::optional<CurveParameters> curve;
-};
-
-Asked asked(const SweepOptions& options, const Machine& machine) {
-  Asked asked{options.work, {}};
-  SweepParameters& sweep = asked.work.sweep;
+  SweepParameters& sweep = work.sweep;
   sweep.relaxation = parse_relaxation(options.relaxation);
   sweep.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
   sweep.spectral = spectra_on(machine, sweep.spectral);
   if (options.curve) {
-    if (sweep.schwarz()) fail("--curve: expected --scheme nscdd, whose curves have bounds, met schwarz");
     if (options.how.resume) fail("--resume: expected a sweep of points given, met --curve, which places them itself");
-    asked.curve = curve_parameters(*options.curve, options.epsilon, options.eta, sweep, "--");
-    sweep = asked.curve->sweep;
+    curve = curve_parameters(*options.curve, options.epsilon, options.eta, sweep, "--");
+    sweep = curve->sweep;
   } else {
     std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(options.epsilon);
     std::tie(sweep.eta, sweep.relative_eta) = parse_eta(options.eta);
   }
   check_sweep(sweep, "--");
-  asked.work.cases = {options.one.resolve({options.csv, options.hdf5, options.counts})};
+  work.cases = {options.one.resolve({options.csv, options.hdf5, options.counts})};
   require_distinct({options.csv, options.hdf5, options.counts});
-  return asked;
+  return {std::move(work), std::move(curve)};
 }
 
 int run_sweep(const SweepOptions& options, const Context& context) {
@@ -134,6 +128,7 @@ int run_sweep(const SweepOptions& options, const Context& context) {
   const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts);
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
+  for (const std::string& remark : remarks_on(model, work.sweep)) note("{}", remark);
   Interruption interruption(machine.processes);
   // Outputs are opened before the work and get their names after it: a run that fails leaves none.
   SharedTable csv(machine, options.csv, rows, options.how);

@@ -14,7 +14,7 @@ struct Concave {
   Side side;
 
   double stiffest() const { return law.stiffest > 0 ? law.stiffest : 1; }  // any bound will do
-  bool saturates() const { return (law.axis == CurveAxis::epsilon) == (side == low); }
+  bool saturates() const { return law.schwarz || (law.axis == CurveAxis::epsilon) == (side == low); }
   double u(double x) const { return saturates() ? x / (x + stiffest()) : 1 / x; }
   double du(double x) const {  // d u / d log x
     return saturates() ? x * stiffest() / ((x + stiffest()) * (x + stiffest())) : -1 / x;
@@ -65,6 +65,7 @@ struct Bounds {
 
 Bounds bounds_between(const CurveLaw& law, const CurvePoint& from, const CurvePoint& to) {
   Bounds bounds;
+  if (law.schwarz) bounds.lower.push_back({0, std::abs(1 - law.relaxation), 0, 1});  // lambda_low <= 1 <= lambda_high
   for (const Side side : {low, high}) {
     const Concave concave{law, side};
     bounds.upper.push_back(concave.chord(from, to));
@@ -144,6 +145,25 @@ void set_slope(CurveEnd& end, const Contraction& b, const Vector& mode, CurveAxi
   end.slope_error = (1e-12 + 2 * r * r / (lambda * lambda)) * std::abs(slope) + 2 * r + r * r / lambda + 10 * end.error;
 }
 
+// The impulses v = H_E^T (M_E + K_E / epsilon)^-1 N_E^T g of all contacts under the sums g of the other resultants have
+// the quotient (w + epsilon) / (d + epsilon) for every epsilon. It is computed on the interface, without v:
+// |v|^2 = epsilon slope(g), and (d + epsilon) |v|^2 = epsilon^2 g^T Y g with Y = M_b^-1 - F.
+void set_slope_of_schwarz(CurveEnd& end, const Contraction& b, const Vector& mode) {
+  if (mode.size() == 0) return;
+  const Interface& copies = b.system.decomposition().interface;
+  const Vector g = sum_of_others(copies, mode), free = b.preconditioner.apply(g), y = free - b.system.apply(g);
+  const Vector p = b.preconditioner.solve(y);
+  const double energy = g.dot(y), change = sum_of_others(copies, p).dot(y) / energy;  // quotient - 1
+  const double rounding = static_cast<double>(g.size()) * 2.3e-16 + lost_to_rounding(b);
+  const double lost = rounding * g.dot(free) / energy;  // of the energy
+  if (!(energy > 0 && lost < 0.1)) return;
+  const auto others = static_cast<double>(largest_multiplicity(copies) - 1);  // norm of 1 1^T - I
+  const double off = 2 * rounding * others * std::sqrt(p.dot(y) * g.dot(free)) / energy + lost * std::abs(change);
+  end.error = std::max(end.error, std::abs(1 + change - end.lambda) + off);
+  end.slope = -change * b.system.slope(g) / energy;
+  end.slope_error = (1e-12 + 2 * lost) * std::abs(end.slope) + 10 * end.error;
+}
+
 }  // namespace
 
 CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveAxis axis) {
@@ -152,8 +172,12 @@ CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveA
   if (std::isnan(plain.subdominant_min)) return point;
   std::array<CurveEnd, 2> ends{end_of(b, plain.subdominant_max, plain.interval_max, plain),
                                end_of(b, plain.subdominant_min, plain.interval_min, plain)};
-  set_slope(ends[low], b, plain.mode_max, axis);
-  set_slope(ends[high], b, plain.mode_min, axis);
+  for (const auto& [side, mode] : {std::pair(low, &plain.mode_max), std::pair(high, &plain.mode_min)}) {
+    if (b.schwarz())
+      set_slope_of_schwarz(ends[side], b, *mode);
+    else
+      set_slope(ends[side], b, *mode, axis);
+  }
   point.ends = ends;
   return point;
 }

@@ -26,11 +26,12 @@ struct CurveLaw {
   CurveAxis axis = CurveAxis::epsilon;
   double stiffest = 1;    ///< bound of the eigenvalues of M_E^-1 K_E, 1/kg; K_E of the operator that changes
   double relaxation = 1;  ///< omega
+  bool schwarz = false;   ///< of that scheme; `stiffest` then bounds the eigenvalues of W and D
 };
 
 /// The ends at x of a contraction operator with omega = 1 and a converged spectrum. Errors come from the intervals of
 /// its certificate or, without one, from its residual. The slope of each end takes a product with S and P, a bound of
-/// the residual of its vector, and one local solve per subdomain.
+/// the residual of its vector (or, of schwarz, its quotient), and one local solve per subdomain.
 CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveAxis axis);
 
 /// An upper bound of g^T X_eta^-1 g, eta > 0, without a solve with X_eta: X_inf^-1 times `generic_at_most`.
@@ -46,9 +47,10 @@ struct Deviation {
 };
 
 /// Proved deviations of rho = max(1 - omega lambda_low, omega lambda_high - 1) between two points (docs/theory.md,
-/// section 12). Four functions F(u) are concave: they lie above their chords and below their tangents.
+/// sections 12 and 17). Of each end a function F(u) is concave: it lies above its chords and below its tangents.
 ///     along epsilon   lambda_low over  x / (x + L)       1 / lambda_high over  1 / x
 ///     along eta       lambda_low over  1 / x             1 / lambda_high over  x / (x + L)
+///     of schwarz      lambda_low over  x / (x + L)       1 / lambda_high over  x / (x + L)
 /// with L = law.stiffest. Every chord and tangent gives a bound of rho that is a Moebius function of x. So the
 /// deviations are exact, not sampled: they occur at the ends, at crossings of bounds and at stationary points.
 Deviation deviation(const CurveLaw& law, const CurvePoint& from, const CurvePoint& to);

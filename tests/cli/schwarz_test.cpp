@@ -72,7 +72,7 @@ TEST_CASE_FIXTURE(Session, "schwarz: what has no meaning with it is refused by n
   refused(sweep + "1 --eta 0.3", "--eta: expected none with --scheme schwarz, which has no Stage 2, met 0.3");
   refused(sweep + "-1", "epsilon");
   refused(sweep + "1 --solver arpack", "--solver: expected auto, dense or shift-invert with --scheme schwarz");
-  refused(sweep + "1e-3:1e3 --curve 1e-3", "--curve: expected --scheme nscdd");
+  refused(sweep + "1 --eta 1e-3:1e3 --curve 1e-3", "--eta: expected none with --scheme schwarz");
   refused("modes disks8 --scheme schwarz --epsilon 1 --eta 2 --output a", "--eta: expected none");
   refused("report disks8 --scheme schwarz --eta 2 -o page.html", "--eta: expected none");
   refused("sweep disks8 --scheme additive --epsilon 1 --csv -", "schwarz");

@@ -117,6 +117,8 @@ def same_tables(_folder):
                                            "shift-invert", "--csv", "-"],
         "a proved curve over eta": ["sweep", *BED, "--epsilon", "1e-2", "--eta", "1e-3:1e2", "--curve", "1e-1",
                                     "--solver", "shift-invert", "--csv", "-"],
+        "a proved curve of schwarz": ["sweep", *BED, "--scheme", "schwarz", "--relaxation", "0.4", "--epsilon", "0.1:1",
+                                      "--curve", "1e-1", "--csv", "-"],
         "by SLEPc": ["sweep", *BED, "--epsilon", "1e-3,1", "--eta", "inf,0.3", "--solver", "slepc", "--csv", "-"],
         "optimum": ["optimum", *BED, "--epsilon", "1e-3", "--contacts", "all", "--csv", "-"],
     }

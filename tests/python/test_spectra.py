@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Spectra from outside: what the library finds against dense spectra of NumPy and sparse ones of SciPy, which see only
 M, H and A, or the operators."""
+import contextlib
 import inspect
 import warnings
 
@@ -256,13 +257,64 @@ def test_the_scheme_schwarz_is_block_jacobi_on_all_contacts():
         nscdd.contraction(parts, epsilon, 0.3, scheme="schwarz")
 
 
+@pytest.mark.parametrize("relaxation", [1, 0.45])
+@pytest.mark.parametrize("solver, tolerance", [("dense", 1e-3), ("shift-invert", 1e-2)])
+def test_curves_of_schwarz_hold_between_their_points(relaxation, solver, tolerance):
+    """Both ends of the pencil (W + epsilon, D + epsilon), dense, against straight lines over log epsilon."""
+    parts = nscdd.decompose(bed(60, 5), (3, 2))
+    h, mass = parts.H.toarray(), parts.M.diagonal()
+    w = h.T @ (h / mass[:, None])
+    owner = np.empty(parts.contacts, int)
+    for e, one in enumerate(parts.subdomains):
+        owner[one.contacts] = e
+    d = w * (owner[:, None] == owner)
+    with pytest.warns(UserWarning, match="share a body") if relaxation == 1 else contextlib.nullcontext():
+        curve = nscdd.curve(parts, (1e-4, 1e2), scheme="schwarz", relaxation=relaxation, tolerance=tolerance,
+                            solver=solver)
+    assert curve.proved and len(curve) > 10 and set(curve["scheme"]) == {"schwarz"}
+    at, low, high = np.log(curve["epsilon"]), curve["curve_low"], curve["curve_high"]
+    assert np.all(high - low <= tolerance * np.maximum(1, curve["subdominant_radius"]) * (1 + 1e-9))
+    between = np.linspace(at[0], at[-1], 301)
+    for x in between:
+        unit = np.exp(x) * np.eye(len(w))
+        ends = scipy.linalg.eigh(w + unit, d + unit, eigvals_only=True)[[0, -1]]
+        radius = max(1 - relaxation * ends[0], relaxation * ends[1] - 1)
+        assert np.interp(x, at, low) - 1e-9 <= radius <= np.interp(x, at, high) + 1e-9
+    if relaxation == 1:  # the radius does not rise, and epsilon times the radius does not fall
+        radius = curve["subdominant_radius"]
+        assert np.all(np.diff(radius) <= 1e-10) and np.all(np.diff(curve["epsilon"] * radius) >= -1e-10)
+    with pytest.raises(nscdd.Error, match="eta: expected none with scheme schwarz"):
+        nscdd.curve(parts, 1, (0.1, 10), scheme="schwarz")
+
+
+def test_a_curve_of_schwarz_knows_how_stiff_contacts_of_several_subdomains_are(tmp_path):
+    """Four contacts with one normal on one body, each in a subdomain: W = 1 1^T, D = 1, and lambda_high = (4 + e) / (1 + e),
+    which is concave over e / (e + L) from L = 4 on, as its inverse is not over e / (e + 1)."""
+    h = np.zeros((3, 8))
+    h[0, ::2] = 1
+    h[1, 1::2] = 1
+    problem = nscdd.ContactProblem.of_bodies(np.eye(3), h, np.zeros(3), np.ones(8), np.zeros(4))
+    nscdd.write_contact_problem(tmp_path / "star.hdf5", problem)
+    parts = nscdd.read_case(tmp_path / "star.hdf5", [0, 0, 1, 1, 2, 2, 3, 3])  # columns (n, t) of each
+    with pytest.warns(UserWarning, match="up to 4 subdomains"):
+        curve = nscdd.curve(parts, (1e-3, 1e3), scheme="schwarz", tolerance=1e-4)
+    assert curve.proved
+    at = np.log(curve["epsilon"])
+    for x in np.linspace(at[0], at[-1], 1001):
+        radius = 3 / (1 + np.exp(x))
+        assert np.interp(x, at, curve["curve_low"]) <= radius * (1 + 1e-12) <= np.interp(x, at, curve["curve_high"]) * (
+            1 + 2e-12)
+
+
 def test_relaxations_with_which_schwarz_may_not_converge_are_warned_of():
     parts = nscdd.decompose(lattice(6, 5, 1), (2, 2))
     words = "up to 4 subdomains share a body, and schwarz may not converge with a relaxation of 0.5 or more, met 0.6"
     with pytest.warns(UserWarning, match=words):
         nscdd.sweep(parts, [0, 1], relaxation=[0.4, 0.6], scheme="schwarz")
-    with pytest.warns(UserWarning, match=words):
+    with pytest.warns(UserWarning, match=words) as told:
         nscdd.contraction(parts, 1, relaxation=0.6, scheme="schwarz")
+        nscdd.sweep(parts, 1, relaxation=0.6, scheme="schwarz")
+    assert [one.filename for one in told] == [__file__] * 2
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         nscdd.sweep(parts, 0, relaxation=[0.49, "optimal"], scheme="schwarz")

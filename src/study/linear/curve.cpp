@@ -22,6 +22,7 @@ struct Work {
   Selection selection;
   double scale;
   const Model& model;
+  std::optional<Decomposition> whole;  // of the scheme schwarz
   InterfaceFamily stage_two, stage_one;
   SpectralOptions options;
   SpectrumMemory memory = {};
@@ -31,11 +32,13 @@ struct Work {
         selection(select(given, asked.sweep.contacts)),
         scale(flexibility_scale(given)),
         model(given),
-        stage_two(given.parts),
-        stage_one(selection.restricted ? InterfaceFamily(*selection.restricted) : stage_two),
+        whole(asked.sweep.schwarz() ? std::optional(whole_masses(selection.stage_one(given))) : std::nullopt),
+        stage_two(whole ? *whole : given.parts),
+        stage_one(selection.restricted && !whole ? InterfaceFamily(*selection.restricted) : stage_two),
         options(asked.sweep.spectral) {
     // The certificate of a dense spectrum costs nothing and bounds the rounding of its ends.
-    options.certify |= choose_solver(model.parts.interface_size(), options).solver == SpectralSolver::dense;
+    const Index size = (whole ? *whole : given.parts).interface_size();
+    options.certify |= choose_solver(size, options).solver == SpectralSolver::dense;
   }
 
   bool along_epsilon() const { return parameters.axis == CurveAxis::epsilon; }
@@ -53,8 +56,10 @@ class Curve {
   Curve(Work& work, const SweepPoint& start) : work_(work), start_(start) {
     const SweepParameters& sweep = work.parameters.sweep;
     const std::vector<double>& range = work.along_epsilon() ? sweep.epsilon : sweep.eta;
-    const double bound = stiffest(work.along_epsilon() ? work.selection.stage_one(work.model) : work.model.parts);
-    law_ = {work.parameters.axis, bound * (1 + 1e-12), *start.relaxation};
+    const Decomposition& parts = work.along_epsilon() ? work.selection.stage_one(work.model) : work.model.parts;
+    const auto q = static_cast<double>(work.whole ? largest_multiplicity(work.whole->interface) : 1);  // W <= q D
+    const double bound = q * stiffest(work.whole ? *work.whole : parts);
+    law_ = {work.parameters.axis, bound * (1 + 1e-12), *start.relaxation, sweep.schwarz()};
     for (const double x : {range.front(), range.back()}) add(x, count(points_));
   }
 
@@ -105,7 +110,8 @@ class Curve {
 
   void compute(Known& known, Index position) {
     SweepResult& result = known.result;
-    const Contraction b{work_.stage_two.at(result.point.eta), work_.stage_one.at(result.point.epsilon)};
+    const Contraction b{work_.stage_two.at(result.point.eta), work_.stage_one.at(result.point.epsilon), 1,
+                        work_.parameters.sweep.scheme};
     PencilMemory& memory = result.point.epsilon == 0 ? work_.memory.rigid : work_.memory.flexible;
     work_.memory.forget_ends();
     for (const Index k : {position - 1, position})  // the neighbours, between which the ends are interpolated
@@ -240,6 +246,7 @@ CurveParameters curve_parameters(double tolerance, const std::string& epsilon, c
       .sweep = std::move(rest), .axis = along_epsilon ? CurveAxis::epsilon : CurveAxis::eta, .tolerance = tolerance};
   std::tie(curve.sweep.epsilon, curve.sweep.relative_epsilon) = along_epsilon ? *along_epsilon : parse_epsilon(epsilon);
   std::tie(curve.sweep.eta, curve.sweep.relative_eta) = along_eta ? *along_eta : parse_eta(eta);
+  check_sweep(curve.sweep, dashes);
   return curve;
 }
 

@@ -49,7 +49,7 @@ struct CurveReport {
 
 /// Places points until the band of every curve is within the tolerance. `sink` takes the points of a finished curve in
 /// ascending order; curves are in the order of a sweep. Bounds hold for any fixed set of contacts in Stage 1
-/// (docs/theory.md, section 12). Throws Error as choose_contacts.
+/// (docs/theory.md, sections 12 and 17). Throws Error as choose_contacts.
 std::vector<CurveReport> trace_curves(const Model& model, const CurveParameters& parameters,
                                       const Sink<CurveResult>& sink, const Monitor& monitor = {});
 

@@ -3,6 +3,7 @@
 
 #include "linalg/random.hpp"
 #include "linalg/scalar.hpp"
+#include "study/linear/sweep_points.hpp"
 #include "study/tables/study.hpp"
 
 namespace nscdd {
@@ -162,7 +163,7 @@ constinit const Observable observables::observed_rate{
     .columns = [](const StudyTable& table) { return headings(observed_rate_columns(table.sweep)); },
     .run =
         [](const ObservedCase& work) {
-          return observe(build(work.one), work.table.sweep, work.table.seed,
+          return observe(built_for(work.table.sweep, work.one), work.table.sweep, work.table.seed,
                          as_rows(observed_rate_columns(work.table.sweep), work.sink), work.monitor, work.first);
         },
     .rows = [](const StudyTable& table) { return point_count(table.sweep); },

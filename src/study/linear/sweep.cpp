@@ -63,14 +63,7 @@ void set_inexact(SweepResult& result, const Decomposition& stage_one, const Inte
   const TwoStageIteration iteration(stage_one, LinearViscous{point.epsilon}, preconditioner, point.gauss_seidel_sweeps,
                                     *point.relaxation, parameters.scheme);
   const MapRadius radius = inexact_radius(iteration, parameters.spectral);
-  result.radius.value = radius.value;
-  result.radius.unit_multiplicity = radius.unit_multiplicity;
-  result.radius.subdominant = radius.subdominant;
-  result.radius.solver = radius.solver;
-  result.radius.applications = radius.applications;
-  result.radius.residual = radius.residual;
-  result.radius.converged = radius.converged;
-  result.radius.failure = radius.failure;
+  result.radius = radius;
   result.dominant = radius.dominant;
 }
 
@@ -144,9 +137,10 @@ SweepPoint at_scale(SweepPoint point, const SweepParameters& parameters, double 
 double flexibility_scale(const Model& model) { return model.flexibility; }
 
 std::vector<std::string> remarks_on(const Model& model, const SweepParameters& sweep) {
-  if (!sweep.schwarz()) return {};
   const Interface& glued = model.parts.interface;
-  const Index q = glued.processes().maximum(largest_multiplicity(glued.of_copies()));
+  Index q = 1;
+  glued.for_glued_grains([&](Index grain, Index, Index) { q = std::max(q, glued.multiplicity(grain)); });
+  if (!sweep.schwarz() || q < 2) return {};
   const bool rigid = std::ranges::find(sweep.epsilon, 0.0) != sweep.epsilon.end();
   std::vector<std::string> remarks;
   for (const std::optional<double>& relaxation : sweep.relaxation)
@@ -156,6 +150,12 @@ std::vector<std::string> remarks_on(const Model& model, const SweepParameters& s
                       "or more, met {}",
                       model.name, q, 2 / static_cast<double>(q), *relaxation));
   return remarks;
+}
+
+Model built_for(const SweepParameters& sweep, const Case& one) {
+  Model model = build(one);
+  if (one.remark) std::ranges::for_each(remarks_on(model, sweep), one.remark);
+  return model;
 }
 
 Index point_count(const SweepParameters& parameters) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "study/case/case.hpp"
 #include <nscdd/study/sweep.hpp>
 
 namespace nscdd {
@@ -23,7 +24,10 @@ Index sweep(const Model& model, const Selection& selection, const SweepParameter
             const Sink<SweepResult>& sink, const Monitor& monitor = {}, Index first = 0);
 
 /// Remarks on relaxations of the scheme schwarz with which it may not converge. Its eigenvalues at relaxation 1 are
-/// above 1 - q with q copies of a body, where epsilon is 0 also 1 - q. Processes call it together.
+/// above 1 - q with q copies of a body, where epsilon is 0 also 1 - q.
 std::vector<std::string> remarks_on(const Model& model, const SweepParameters& sweep);
+
+/// The model of a case, with these remarks for whoever takes remarks on the case.
+Model built_for(const SweepParameters& sweep, const Case& one);
 
 }  // namespace nscdd

@@ -143,9 +143,8 @@ constinit const Observable observables::spectral_radius{
     .run =
         [](const ObservedCase& work) {
           const SweepParameters& parameters = work.table.sweep;
-          const Model model = build(work.one);
-          if (work.one.remark) std::ranges::for_each(remarks_on(model, parameters), work.one.remark);
-          return sweep(model, parameters, as_rows(sweep_columns(parameters), work.sink), work.monitor, work.first);
+          return sweep(built_for(parameters, work.one), parameters, as_rows(sweep_columns(parameters), work.sink),
+                       work.monitor, work.first);
         },
     .rows = [](const StudyTable& table) { return point_count(table.sweep); },
     .known = known_of_point};
