@@ -19,7 +19,7 @@ struct SimulateOptions {
   RunFiles files;
   std::vector<ParameterOption> parameters{
       {"--algorithm", "WORD", "solver.algorithm", names_where<StepAlgorithm>(), all_names<StepAlgorithm>()},
-      {"--scheme", "WORD", "solver.algorithm", "nscdd, the algorithm generic, or schwarz", {"nscdd", "schwarz"}},
+      {"--scheme", "WORD", "solver.algorithm", "nscdd (the algorithm generic) or schwarz", {"nscdd", "schwarz"}},
       {"--gauss-seidel-sweeps", "N", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration"},
       {"--eta", "NUMBER[W]", "solver.eta",
        "flexibility of the enriched Stage 2: 1/kg, times the mean of W_nn (10W), or optimal"},
@@ -47,7 +47,8 @@ void require_effect(const GivenParameter& given, const CaseSpec& spec) {
 
 // Errors name the option.
 void set(CaseSpec& spec, const ParameterOption& parameter) try {
-  override_case(spec, parameter.key, parameter.value == "nscdd" ? "generic" : *parameter.value);
+  const bool nscdd = parameter.option == "--scheme" && parameter.value == "nscdd";
+  override_case(spec, parameter.key, nscdd ? "generic" : *parameter.value);
 } catch (const Error& error) {
   const std::string text = error.what();
   if (!text.starts_with(parameter.key)) throw;

@@ -201,6 +201,21 @@ def test_a_body_of_planks_and_spheres_goes_on_from_its_folder(tmp_path):
         nscdd.simulate(tmp_path / "out")
     with pytest.raises(nscdd.Error, match="BODIES.DAT:.*expected I1 to I3 of a body with several contactors"):
         nscdd.read_contact_problem(forces)
+    # Nor without a state, if the body is driven in some rotations or has a moment.
+    kept = {name: (tmp_path / "out/DATBOX" / name).read_text() for name in ("DOF.INI", "Vloc_Rloc.INI", "DRV_DOF.DAT")}
+    for name in ("DOF.INI", "Vloc_Rloc.INI"):
+        (tmp_path / "out/DATBOX" / name).unlink()
+    nscdd.simulate(tmp_path / "out", settings={"dynamics.steps": 0})
+    for kind, size in (("vlocy", "0.4"), ("vlocy", "0.0"), ("force", "0.4")):
+        line = f" {kind}      5  {size}000000D+01" + 3 * "  0.0000000D+00" + "  0.1000000D+01  0.0000000D+00\n$$$$$$"
+        (tmp_path / "out/DATBOX/DRV_DOF.DAT").write_text(kept["DRV_DOF.DAT"].replace("$$$$$$", line, 1))
+        with pytest.raises(nscdd.Error, match="expected I1 to I3 of a body with several contactors"):
+            nscdd.simulate(tmp_path / "out", settings={"dynamics.steps": 0})
+    for name, content in kept.items():
+        (tmp_path / "out/DATBOX" / name).write_text(content)
+    (tmp_path / "out/DATBOX/BODIES.DAT").write_text(text.replace("PLANx      5", "ABCDx      5"))
+    with pytest.raises(nscdd.Error, match="BODIES.DAT:.*expected contactors SPHER"):
+        nscdd.read_contact_problem(forces)
     (tmp_path / "out/DATBOX/BODIES.DAT").write_text(text)
     within = re.sub(rf"(?m)^( RBDY3 +{number}  .*CLB_B  RBDY3 +)\d+  PLANx      1(  stick)",
                     rf"\g<1>{number}  PLANx      2\2", forces.read_text(), count=1)

@@ -125,6 +125,22 @@ velocity = [0, 0, 0.5]
         nscdd.Packing([0], [0], [1], clump=[0.5])
 
 
+def test_the_scheme_names_the_algorithm_of_a_run(tmp_path):
+    def run(*options, code=0):
+        done = subprocess.run([os.environ["NSCDD_PROGRAM"], "simulate", "shear-1k", "--subdomains", "2x2", "--steps", "1",
+                               "--iterations", "2", "--force", "-o", tmp_path / "run.h5", *options],
+                              capture_output=True, text=True)
+        assert done.returncode == code, done.stderr
+        if code == 2:
+            return done.stderr
+        with h5py.File(tmp_path / "run.h5") as file:
+            return file["case"][()]
+
+    assert run("--scheme", "nscdd") == run("--algorithm", "generic") != run("--scheme", "schwarz")
+    assert "expected" in run("--scheme", "schwarz", "--algorithm", "nlgs", code=2)
+    assert 'expected one of "nscdd", "schwarz"' in run("--scheme", "additive", code=2)
+
+
 TOP = """[packing]
 file = "top.csv"
 [partition]
@@ -167,11 +183,13 @@ def test_torques_along_fixed_axes_and_along_those_of_a_body(tmp_path, turns):
     end = solve_ivp(slope, (0, 1), [*start.as_quat(), *momentum], rtol=1e-10, atol=1e-12).y[:, -1]
     axes = Rotation.from_quat(end[:4])
     expected = axes.apply(axes.inv().apply(end[4:]) / inertia)
-    last = nscdd.simulate(tmp_path / "top.toml").last
+    run = nscdd.simulate(tmp_path / "top.toml")
+    last = run.last
     np.testing.assert_allclose(last.body_velocities[0][3:], expected, atol=0.01)
     turned = (axes * start.inv()).as_quat()
     met = np.roll(last.body_poses[0][3:], -1)
     np.testing.assert_allclose(met * np.sign(met @ turned), turned, atol=0.005)
+    assert np.abs(run.steps["numerical"]).sum() < 0.01 * np.abs(run.steps["boundary_work"]).sum()
 
 
 def test_clumps_begin_with_the_mean_of_the_loads(tmp_path):

@@ -194,8 +194,8 @@ CaseSpec case_of_datbox(const std::string& path, bool moving);
 /// Whether a body is a grain of the packing of a case that moves: free, without forces, one full disk or sphere.
 bool is_free_grain(const DatboxBody& body, bool space);
 
-/// Throws Error if the order of its principal axes matters and is in no file: of several contactors in space without
-/// I1 to I3.
+/// Throws Error if the order of its principal axes matters and is in no file. That may be so of a body of several
+/// contactors in space without I1 to I3.
 void require_known_axes(const DatboxBody& body);
 
 /// All other bodies, with a part for each further shape. `coloured`: they get the colour of their walls, which is one,

@@ -234,8 +234,8 @@ void require_known_axes(const DatboxBody& body) {
   if (body.own_axes && (body.read_axes || !body.spin.isZero(0) || driven % 3 > 0 || std::ranges::any_of(spins, turns) ||
                         std::ranges::any_of(std::span(body.forces).last(3), turns)))
     refuse(body.place,
-           "expected I1 to I3 of a body with several contactors that turns or has axes of its own, met 0: LMGC90 takes "
-           "its principal axes, which are in no file");
+           "expected I1 to I3 of a body with several contactors that turns, has a moment or axes of its own, or is "
+           "driven in one or two rotations, met 0: LMGC90 takes its principal axes, which are in no file");
 }
 
 std::vector<BoundarySpec> boundaries_of_datbox(const Datbox& datbox, bool coloured) {

@@ -96,8 +96,7 @@ std::string datbox_named(DatboxNumbers values) {
 std::string DatboxWriter::without_free(const Body& body) const {
   const FreeBody* free = free_body(body);
   if (!space_ || free == nullptr) return {};
-  if (turns(free->load))
-    return "expected no torque on a body in space, which LMGC90 takes along axes that turn with it";
+  if (turns(free->load)) return "expected no torque on a body in space: torques are not written";
   if (body.wall() >= 0 && !free->free(BodyDirection::spin)) return {};
   constexpr double tolerance = 1e-5;  // of numbers with seven digits, in the fifth power
   const Node node = node_of(body, first_.state);
