@@ -202,8 +202,8 @@ Action declare_simulate(Command& command) {
   auto options = std::make_shared<SimulateOptions>();
   command.required(
       "CASE", options->name,
-      "case file (.toml) with [dynamics], a known case, a packing file, whose grains and clumps fall freely, a folder "
-      "DATBOX of LMGC90, or a record lmgc90.h5:ID_3");
+      "case file (.toml) with [dynamics], known case, packing file (its grains and clumps fall), DATBOX or record "
+      "lmgc90.h5:ID_3 of LMGC90");
   command.add("--subdomains PARTITION", options->subdomains,
               "partition: NXxNY[xNZ] for a regular grid, metis:N for METIS");
   for (ParameterOption& one : options->parameters)
