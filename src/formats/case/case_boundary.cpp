@@ -150,7 +150,7 @@ std::optional<FreeBody> read_body(StrictTable& section, BoundaryNumbers& numbers
   for (const char* key : {"axes", "torque_turns"})
     if (section.has(key)) {
       numbers.take(section.node(key), key, 3);
-      if (!body.free(BodyDirection::spin)) section.fail(key, "free rotations beside it", "none");
+      if (!body.free(BodyDirection::spin)) section.fail(key, "a body with free rotations", "none");
     }
   section.read("torque_turns", body.torque_turns);
   if (section.has("axes")) {

@@ -137,10 +137,11 @@ SweepPoint at_scale(SweepPoint point, const SweepParameters& parameters, double 
 double flexibility_scale(const Model& model) { return model.flexibility; }
 
 std::vector<std::string> remarks_on(const Model& model, const SweepParameters& sweep) {
+  if (!sweep.schwarz()) return {};
   const Interface& glued = model.parts.interface;
   Index q = 1;
   glued.for_glued_grains([&](Index grain, Index, Index) { q = std::max(q, glued.multiplicity(grain)); });
-  if (!sweep.schwarz() || q < 2) return {};
+  if (q < 2) return {};
   const bool rigid = std::ranges::find(sweep.epsilon, 0.0) != sweep.epsilon.end();
   std::vector<std::string> remarks;
   for (const std::optional<double>& relaxation : sweep.relaxation)
