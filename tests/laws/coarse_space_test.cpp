@@ -104,9 +104,9 @@ TEST_CASE("the primal interface is the undivided network condensed onto shared g
     whole.diagonal() += problem.inertia;
     const Matrix inverse = Dense(whole).inverse();
     std::vector<Index> shared;
-    for (Index g = 0; g < problem.grains(); ++g)
-      if (model.parts.interface.multiplicity(g) > 1)
-        for (Index k = 0; k < problem.dofs_per_grain; ++k) shared.push_back(problem.dofs_per_grain * g + k);
+    for (Index i = 0; i < problem.grains(); ++i)
+      if (model.parts.interface.multiplicity(i) > 1)
+        for (Index k = 0; k < problem.dofs_per_grain; ++k) shared.push_back(problem.dofs_per_grain * i + k);
     REQUIRE(count(shared) == interface.size());
     const Matrix product = Matrix(interface.sparse()) * inverse(shared, shared);
     CHECK((product - Matrix::Identity(product.rows(), product.cols())).norm() < 1e-8);
