@@ -25,7 +25,7 @@ ContactProblem checked(Problem problem) {
   return ContactProblem(std::move(file));
 }
 
-// Matrices tell: three columns per contact are of a problem in space.
+// Three columns per contact mean space.
 Index dimension_of(Index columns, Index contacts) { return contacts > 0 && columns == 3 * contacts ? 3 : 2; }
 
 ContactProblem local_problem(const py::object& w, const py::object& q, const py::object& friction) {
@@ -42,8 +42,7 @@ ContactProblem global_problem(const py::object& mass, const py::object& h, const
   return checked(std::move(problem));
 }
 
-// Files of HDF5 are read and written with the interpreter lock: its library takes one call at a time, and h5py is
-// another of its users.
+// HDF5 takes one call at a time and h5py uses it, too: the interpreter lock is held.
 void write(const ContactProblem& problem, const std::string& path, const FrictionSolution* solution,
            const std::vector<std::pair<std::string, std::string>>& info, bool force) {
   FclibFile file = *problem.file();

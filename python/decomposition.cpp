@@ -39,7 +39,7 @@ Partition partition_of(const Array<Index>& subdomain_of_contact, Index contacts)
   return partition;
 }
 
-// The model of a case cut as `subdomains` says: by a partitioner, or as every contact has it.
+// The model of a case cut as `subdomains` states: by a partitioner, or by a number per contact.
 SharedModel built(Case one, const std::optional<Subdomains>& subdomains, const py::object& progress) {
   const auto* given = subdomains ? std::get_if<Array<Index>>(&*subdomains) : nullptr;
   if (subdomains)
@@ -49,7 +49,7 @@ SharedModel built(Case one, const std::optional<Subdomains>& subdomains, const p
   const auto built_model = work.run(0, [&] {
     auto model = std::make_shared<Model>(build(one, work.monitor()));
     if (given == nullptr) return model;
-    // The array is that of Python: it stays as it is as long as the call.
+    // Python owns the array, which stays unchanged during the call.
     model->partition = partition_of(*given, model->problem.contacts());
     model->parts = decompose(model->problem, model->partition);
     return model;
@@ -137,7 +137,7 @@ void bind_decomposition(py::module_& module) {
   py::class_<Model, SharedModel>(
       module, "Decomposition",
       "A packing cut into subdomains: its contacts are distributed among them, and sum_E A_E V_E "
-      "= 0 glues the copies of shared grains. Its matrices look at the memory of this object and "
+      "= 0 glues the copies of shared grains. Its matrices are views of this object's memory and "
       "cannot be written to.")
       .def_readonly("name", &Model::name, "the column `case` of tables")
       .def_property_readonly(
@@ -162,12 +162,12 @@ void bind_decomposition(py::module_& module) {
           "M of the undivided packing, kg, d n x d n, diagonal")
       .def_property_readonly(
           "H", [](const SharedModel& m) { return sparse_view(m, m->problem.h); },
-          "H of the undivided packing, d n x c: v = H^T V, and column of contact (a, b) is -n on a "
+          "H of the undivided packing, d n x c: v = H^T V, and the column of contact (a, b) is -n on a "
           "and +n on b")
       .def_property_readonly(
           "A", &gluing,
           "[A_1 A_2 ...]: A V = 0 glues the copies, V the velocities of all subdomains one after the "
-          "other. This one is put together anew at each use")
+          "other. It is assembled at each use")
       .def_property_readonly(
           "arriving_velocity", [](const SharedModel& m) { return view(m, m->problem.arriving_velocity); },
           "V^-, m/s, d n entries")

@@ -8,8 +8,8 @@ namespace nscdd::python {
 bool LongWork::is_time() {
   using namespace std::chrono;
   const std::int64_t now = duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count();
-  if (now - looked_ < 50) return false;
-  looked_ = now;
+  if (now - last_check_ < 50) return false;
+  last_check_ = now;
   return true;
 }
 

@@ -28,7 +28,7 @@ class LongWork {
   /// For work that takes a Monitor. This object must outlive the work.
   Monitor monitor();
 
-  /// For work without one: whatever is factorised or solved looks first whether the work is to end.
+  /// For work without one: every factorisation and solve first checks whether to stop.
   InertiaMethod watched(InertiaMethod method);
   /// Both for spectra: the factorisations, and the checkpoints between products.
   SpectralOptions watched(SpectralOptions options);
@@ -38,7 +38,7 @@ class LongWork {
     return !failed_ && (!is_time() || call([] {}));
   }
 
-  /// Calls back to Python whatever the time. False where that raised, or something did before.
+  /// Calls back to Python at once. False where that raised, or something did before.
   template <class Call>
   bool call(Call&& back) {
     if (failed_) return false;
@@ -80,8 +80,8 @@ class LongWork {
 
   py::object progress_;
   std::atomic<bool> failed_ = false;
-  std::exception_ptr failure_;           // written with the interpreter lock, read after the work
-  std::atomic<std::int64_t> looked_{0};  // at, in milliseconds
+  std::exception_ptr failure_;               // written with the interpreter lock, read after the work
+  std::atomic<std::int64_t> last_check_{0};  // when, in milliseconds
 };
 
 /// Whether what a callback returned asks to stop: False, of Python or of NumPy.

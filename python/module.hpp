@@ -7,8 +7,8 @@
 
 #include <pybind11/pybind11.h>
 
-/// The module nscdd._core, one function here for each source of it. What users see is in python/nscdd/, where arguments
-/// are brought into the form that is taken here.
+/// The module nscdd._core, one function here for each source of it. Users call python/nscdd/, which converts their
+/// arguments.
 namespace nscdd::python {
 
 void bind_packing(pybind11::module_& module);
@@ -19,8 +19,8 @@ void bind_tables(pybind11::module_& module);
 void bind_friction(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);
 
-/// Warns (UserWarning) in the name of who called the Python function. Throws error_already_set where warnings are
-/// errors. `caller`: as `stacklevel` of warnings.warn.
+/// Warns (UserWarning) with the caller's line. Throws error_already_set where warnings are errors. `caller`: as
+/// `stacklevel` of warnings.warn.
 void warn_of(const std::vector<std::string>& remarks, Py_ssize_t caller = 2);
 
 /// How spectra are computed, from keyword arguments. Throws Error naming the argument.

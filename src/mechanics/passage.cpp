@@ -52,8 +52,8 @@ class Pair {
     const Configuration& where = path_.places[place];
     return nearest_point(wall(where), centre(where)).height - radius_;
   }
-  // The overlap of a grain whose centre goes through the middle of a plank on its way, or the largest with a cylinder
-  // that has ends, m; else -infinity. `from`, `to`: of place_at_wall.
+  // Overlap, m, of a grain whose centre crosses the middle of a plank, or the largest with a cylinder with ends; else
+  // -infinity. `from`, `to`: of place_at_wall.
   double overlap_inside(const Place& from, const Place& to) const {
     const Configuration& where = path_.places.back();
     Wall plank = wall(where);

@@ -7,7 +7,7 @@
 
 namespace nscdd::testing {
 
-/// Contact after contact in an order, on the stored W, then the momentum of a sweep: what it is added to, times it.
+/// Sweeps in the given order on the stored W; after each, r gains `momentum` times its change.
 template <int D>
 Vector literal_sweeps(const LocalFrictionProblem& problem, const std::vector<Index>& order, Vector r, Index sweeps,
                       double omega, double momentum) {

@@ -129,7 +129,7 @@ TEST_CASE("a plane problem in space has the solution of the plane by every solve
   }
 }
 
-TEST_CASE("Newton's steps turn with what slides: few of them end a problem in space") {
+TEST_CASE("few of Newton's steps, which turn sliding directions, solve a problem in space") {
   Index factorisations = 0;
   for (std::uint64_t seed = 1; seed <= (sanitized ? 1 : 10); ++seed) {
     const LocalFrictionProblem problem = reduce(random_spheres_problem(seed, 60, 130));
@@ -189,7 +189,7 @@ TEST_CASE("linear systems of contacts in space: whole, with bodies as unknowns, 
   }
 }
 
-TEST_CASE("H of spheres is what their motion asks for: velocities at contacts, and none of a rigid motion") {
+TEST_CASE("H^T of spheres gives velocities at contacts, and none for a rigid motion") {
   RandomStream random(5);
   const auto vector = [&] { return Eigen::Vector3d(random.normal_vector(3)); };
   std::vector<Eigen::Vector3d> normals{{0, 0, 1}, {0, 0, -1}, {1, 0, -0.0}, {0, -1, 0}};
@@ -218,7 +218,7 @@ TEST_CASE("H of spheres is what their motion asks for: velocities at contacts, a
   }
 }
 
-TEST_CASE("on blocks that Stage 2 sees whole, in any tangential direction, one iteration does in space") {
+TEST_CASE("in space one iteration solves blocks that Stage 2 sees in every tangential direction") {
   RandomStream random(3);
   const Index bodies = 12, contacts = 30;
   std::vector<ContactRelation<3>> all(at(contacts));

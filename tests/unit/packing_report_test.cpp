@@ -83,7 +83,7 @@ TEST_CASE("packing report: little room keeps fewer modes and all radii") {
   CHECK(report->grids.front().best.size() == 3);
 }
 
-TEST_CASE("packing report: a monitor that says stop gets nothing, wherever it says so") {
+TEST_CASE("packing report: a monitor that stops at any unit gets no report") {
   const Model model = build(every_problem().front());
   PackingReportParameters parameters;
   parameters.sweep.epsilon = {0, 1};

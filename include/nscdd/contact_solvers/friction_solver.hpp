@@ -136,7 +136,7 @@ using FrictionObserver = std::function<bool(const FrictionSolution&)>;
 
 /// Solves a contact problem by one of the algorithms (see docs/algorithms.md). The problem must pass `check`.
 /// `guess`: impulses to start from, D c entries, or empty for zero. If friction is large, a solution need not exist nor
-/// be unique, and no algorithm need converge: the status tells. Throws Error for bad guesses and options.
+/// be unique, and no algorithm need converge: see the status. Throws Error for bad guesses and options.
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options = {},
                                 const Vector& guess = {}, const FrictionObserver& observer = {});
 

@@ -20,7 +20,7 @@ Decomposition whole_masses(const Decomposition& parts);
 /// The resultants of the other copies of each grain: (1 1^T - I) p per grain. `interface`: of copies; p: its size.
 Vector sum_of_others(const Interface& interface, const Vector& p);
 
-/// Subdomains that the most shared grain is in; 1 without a shared grain.
+/// Largest number of subdomains that share a grain; 1 if none is shared.
 Index largest_multiplicity(const Interface& of_copies);
 
 }  // namespace nscdd

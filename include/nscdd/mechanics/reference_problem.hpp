@@ -32,7 +32,7 @@ void require_fit(const Loads& loads, Index dimension);
 struct PrescribedVelocity {
   Index grain = 0;
   Components<double> velocity = {};
-  std::array<double, 3> spin{};  ///< rad/s, about z alone in the plane; of cases that move, the linear study has none
+  std::array<double, 3> spin{};  ///< rad/s, in the plane only about z; for cases that move, the linear study has none
 };
 
 /// The dynamics of one step in velocities V and contact impulses r ([ADI12] eqs. (1), (3)):
