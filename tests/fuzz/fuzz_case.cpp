@@ -4,12 +4,6 @@
 #include "require.hpp"
 #include "study/case/case.hpp"
 
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <string_view>
-
 namespace {
 
 using namespace nscdd;

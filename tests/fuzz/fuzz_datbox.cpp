@@ -3,11 +3,6 @@
 #include "formats/lmgc90/datbox.hpp"
 #include "require.hpp"
 
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <string_view>
-
 namespace {
 
 using namespace nscdd;

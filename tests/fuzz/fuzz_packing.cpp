@@ -4,16 +4,7 @@
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/packing/packing.hpp>
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <optional>
 #include <set>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 namespace {
 

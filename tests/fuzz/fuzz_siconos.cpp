@@ -3,9 +3,6 @@
 #include "formats/contact_problem/siconos_dat.hpp"
 #include "require.hpp"
 
-#include <cstddef>
-#include <cstdint>
-
 namespace {
 
 using namespace nscdd;

@@ -5,13 +5,6 @@
 #include "study/linear/values.hpp"
 #include <nscdd/core/fields.hpp>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <string_view>
-
 namespace {
 
 using namespace nscdd;
