@@ -152,13 +152,6 @@ void parse_value(std::string_view text, bool& value, std::string_view key) {
   value = text == "true";
 }
 
-void parse_value(std::string_view text, std::array<Index, 2>& value, std::string_view key) {
-  const std::string_view body = without_brackets(text);
-  const auto comma = body.find(',');
-  if (comma == std::string_view::npos) fail("{}: expected two numbers 'a,b', met '{}'", key, text);
-  value = {parse_integer(body.substr(0, comma), key), parse_integer(body.substr(comma + 1), key)};
-}
-
 std::vector<std::string_view> components_of(std::string_view text, std::string_view key) {
   const std::vector<std::string_view> parts = split(without_brackets(text), ',');
   if (parts.size() < 2 || parts.size() > 3)

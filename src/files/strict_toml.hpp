@@ -183,14 +183,6 @@ class StrictTable {
     }
   }
   template <class Number>
-  void get(const toml::node& found, std::string_view key, std::array<Number, 2>& value) const {
-    const char* expected = std::is_same_v<Number, double> ? "two numbers [a, b]" : "two integers [a, b]";
-    const toml::array* array = found.as_array();
-    if (array == nullptr) fail(key, expected, describe(found));
-    if (array->size() != 2) fail(key, expected, fmt::format("an array of {}", array->size()));
-    for (std::size_t i = 0; i < 2; ++i) get((*array)[i], key, value[i]);
-  }
-  template <class Number>
   void get(const toml::node& found, std::string_view key, Components<Number>& value) const {
     const char* expected = std::is_same_v<Number, double> ? "two numbers [a, b], or three in space"
                                                           : "two integers [a, b], or three in space";

@@ -140,7 +140,9 @@ void GranularTwoStage<D>::switch_models(const GranularSystem& system, const Gran
   if (!system.free_bodies.empty() && solver_.model == SwitchedModel::homogenised)
     throw Error("solver.switch: expected none or linear with bodies that move along free directions, met homogenised");
   for (Index e = 0; e < count(parts_.subdomains); ++e) {
-    SwitchRules rules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale), solver_.switch_cells};
+    SwitchRules rules{solver_.switch_after,
+                      solver_.switch_flexibility.at_scale(scale),
+                      {solver_.switch_cells[0], solver_.switch_cells[1]}};
     if (solver_.model == SwitchedModel::homogenised)
       for (const Index i : parts_.subdomains[at(e)].bodies) {
         PlacedBody& body = rules.bodies.emplace_back();

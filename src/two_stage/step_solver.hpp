@@ -133,7 +133,7 @@ struct StepSolver {
   Choice<SwitchedModel> model = SwitchedModel::none;  ///< key `switch`
   Index switch_after = 100;                           ///< k
   Flexibility switch_flexibility{1e-6, true};         ///< alpha, 1/kg
-  std::array<Index, 2> switch_cells{2, 2};            ///< of a homogenised subdomain
+  Components<Index> switch_cells{2, 2};               ///< of a homogenised subdomain
   Choice<VerdictSteps> verdict = VerdictSteps::failed;
   Choice<IfImpossible> impossible = IfImpossible::stop;
 

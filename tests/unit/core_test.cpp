@@ -15,7 +15,7 @@ namespace {
 struct Described {
   double length = 1.5;
   Index number = 3;
-  std::array<Index, 2> grid{1, 2};
+  Components<Index> grid{1, 2};
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("length", self.length, Field{.description = "a length", .unit = "m", .above = 0});
@@ -36,9 +36,9 @@ TEST_CASE("fields: listed, overridden, bounds kept") {
   CHECK(override_field(example, "length", "2e-3", "x.length"));
   CHECK(example.length == 2e-3);
   CHECK(override_field(example, "grid", "[4, 5]", "x.grid"));
-  CHECK(example.grid == std::array<Index, 2>{4, 5});
+  CHECK(example.grid == Components<Index>{4, 5});
   CHECK(override_field(example, "grid", "6,7", "x.grid"));
-  CHECK(example.grid == std::array<Index, 2>{6, 7});
+  CHECK(example.grid == Components<Index>{6, 7});
   CHECK_FALSE(override_field(example, "width", "1", "x.width"));
   CHECK_THROWS_WITH_AS(override_field(example, "length", "0", "x.length"),
                        "x.length: expected a finite number > 0, met 0", Error);

@@ -8,8 +8,8 @@
 /// A parameter struct P with defaults in place has
 ///     template <class Self, class Visitor> static void fields(Self& self, Visitor&& visit);
 /// which calls visit(key, self.member, Field{...}) once per parameter. Members are double, Index, bool,
-/// std::string, Choice<Enum>, std::array<Index, 2>, Components<double> and Components<Index>, or a type with its own
-/// parse_value, field_text and check_bounds, which is a text in TOML.
+/// std::string, Choice<Enum>, Components<double> and Components<Index>, or a type with its own parse_value, field_text
+/// and check_bounds, which is a text in TOML.
 namespace nscdd {
 
 struct Field {
@@ -38,7 +38,6 @@ inline void parse_value(std::string_view text, double& value, std::string_view k
 inline void parse_value(std::string_view text, Index& value, std::string_view key) { value = parse_integer(text, key); }
 inline void parse_value(std::string_view text, std::string& value, std::string_view) { value = text; }
 void parse_value(std::string_view text, bool& value, std::string_view key);
-void parse_value(std::string_view text, std::array<Index, 2>& value, std::string_view key);
 
 /// The two or three parts of "a,b", "a,b,c" or the like in brackets.
 std::vector<std::string_view> components_of(std::string_view text, std::string_view key);
@@ -65,7 +64,6 @@ std::string field_text(const Components<Number>& value) {
   for (const Number component : value) text += (text.empty() ? "[" : ", ") + field_text(component);
   return text + "]";
 }
-inline std::string field_text(const std::array<Index, 2>& value) { return field_text(Components<Index>(value)); }
 template <Named Enum>
 std::string field_text(Choice<Enum> value) {
   return field_text(std::string(to_string(value)));
@@ -76,7 +74,6 @@ constexpr std::string_view field_type() {
   if (std::is_same_v<Value, double>) return "number";
   if (std::is_same_v<Value, Index>) return "integer";
   if (std::is_same_v<Value, bool>) return "boolean";
-  if (std::is_same_v<Value, std::array<Index, 2>>) return "pair of integers";
   if (std::is_same_v<Value, Components<double>>) return "two or three numbers";
   if (std::is_same_v<Value, Components<Index>>) return "two or three integers";
   return "text";
@@ -103,9 +100,6 @@ inline void check_bounds(Index value, const Field& field, std::string_view key) 
 template <class Number>
 void check_bounds(const Components<Number>& value, const Field& field, std::string_view key) {
   for (const Number component : value) check_bounds(component, field, key);
-}
-inline void check_bounds(const std::array<Index, 2>& value, const Field& field, std::string_view key) {
-  check_bounds(Components<Index>(value), field, key);
 }
 inline void check_bounds(bool, const Field&, std::string_view) {}
 inline void check_bounds(const std::string&, const Field&, std::string_view) {}
