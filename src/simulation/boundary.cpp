@@ -175,9 +175,16 @@ std::vector<Index> grains_of(const BoundarySpec& spec, Index boundary, Index gra
 
 void add_boundary(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
                   Index number, Index grains) {
-  check(spec);
-  require_dimension(spec, system.dimension);
-  if (!spec.part) system.boundaries.push_back({spec.name, spec.motion, spec.orientation, spec.body, -1, spec.source});
+  try {
+    check(spec);
+    require_dimension(spec, system.dimension);
+    if (!spec.part) {
+      system.boundaries.push_back({spec.name, spec.motion, spec.orientation, spec.body, -1, spec.source});
+      check(system.boundaries.back(), system.dimension);
+    }
+  } catch (const Error& error) {
+    throw Error(fmt::format("boundary[{}]", number), error.what());
+  }
   const auto own =
       spec.part ? std::ranges::find(system.boundaries, spec.name, &Boundary::name) : std::prev(system.boundaries.end());
   if (own == system.boundaries.end())

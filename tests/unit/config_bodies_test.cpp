@@ -215,9 +215,12 @@ TEST_CASE("bodies of a case: what does not fit the packing or the directions is 
     CAPTURE(to);
     check_error([&] { simulation_of(resolve(parse_bodies(replaced(text, from, to)))); }, names);
   };
-  refused_in(bodies_in_plane, "\"spin\", \"y\"]", "\"spin\", \"y\", \"z\"]", {"'clump'", "in the plane", "met z"});
-  refused_in(bodies_in_plane, "velocity = [0.5, 0]", "velocity = [0.5, 1]", {"'top'", "free or driven", "y as both"});
-  refused_in(bodies_in_plane, "[0.5, 0, -20, 0]]", "[0.5, 1, -20, 0]]", {"'top'", "free directions", "along x"});
+  refused_in(bodies_in_plane, "\"spin\", \"y\"]", "\"spin\", \"y\", \"z\"]",
+             {"c.toml:", ": boundary[0]: boundary 'clump'", "in the plane", "met z"});
+  refused_in(bodies_in_plane, "velocity = [0.5, 0]", "velocity = [0.5, 1]",
+             {"c.toml:", "boundary[1]: boundary 'top'", "free or driven", "y as both"});
+  refused_in(bodies_in_plane, "[0.5, 0, -20, 0]]", "[0.5, 1, -20, 0]]",
+             {"c.toml:", "boundary[1]:", "free directions", "along x"});
   refused_in(bodies_in_plane, "first = 0\nlast = 1\n", "first = 1\nlast = 0\n",
              {"c.toml:", "boundary[0].first", "first <= last", "met 1 and 0", "'clump'"});  // no contactor
   refused_in(bodies_in_plane, "first = 0\nlast = 1\n", "grains = [0, 9]\n",
@@ -226,7 +229,7 @@ TEST_CASE("bodies of a case: what does not fit the packing or the directions is 
              {"boundary[0].grains", "grain 8 twice"});
   refused_in(case_text("hexagonal\ncolumns = 3\nrows = 3", "1, 1", "[dynamics]\nsteps = 3\n"), "[dynamics]",
              "[contacts]\nperiod_x = 1.9\n[dynamics]", {"c.toml:", "contacts.period_x", "two diameters", "met 1.9"});
-  refused_in(bodies_in_plane, "inertia = 0.25\n", "", {"'clump'", "moments of inertia > 0"});
+  refused_in(bodies_in_plane, "inertia = 0.25\n", "", {"c.toml:", "boundary[0]:", "moments of inertia > 0"});
   refused_in(bodies_in_plane, "first = 4\nlast = -1", "first = 4\nlast = 9",
              {"colour[1].first", "0..8", "met 4 and 9"});
   refused_in(bodies_in_plane, "[\"blue\", \"red\"]", "[\"blue\", \"green\"]", {"pair[1].colours", "met \"green\""});

@@ -333,7 +333,7 @@ TEST_CASE("moving case in space: boundaries are read, written and read again; mi
 TEST_CASE("moving case in space: boundaries and gravity of the other dimension are refused by name") {
   const std::string space = case_text("fcc", "1, 1, 1", "[masses]\ndensity = 1\n[dynamics]\nsteps = 1\n");
   refused_when_built(space + "gravity = [0, -9.81]\n", {"dynamics.gravity:", "space"});
-  refused_when_built(space + line_text("f", "[0, 0]", "[1, 0]"), {"boundary 'f':", "normal"});
+  refused_when_built(space + line_text("f", "[0, 0]", "[1, 0]"), {"boundary[0]: boundary 'f':", "normal"});
   refused_when_built(space + "[[boundary]]\nname = \"f\"\nshape = \"disks\"\nfrom = [0, 0]\nto = [1, 0]\nradius = 1\n",
                      {"boundary 'f':", "met disks"});
   refused_when_built(space + "[[boundary]]\nname = \"f\"\nshape = \"grains\"\nfirst = 0\nlast = 0\nspin = 1\n",
@@ -342,6 +342,8 @@ TEST_CASE("moving case in space: boundaries and gravity of the other dimension a
                      {"solver.switch:", "linear"});
   const std::string plane = replaced(replaced(space, "fcc", "hexagonal"), "[1, 1, 1]", "[1, 1]");
   refused_when_built(plane + "gravity = [0, 0, -9.81]\n", {"dynamics.gravity:", "plane"});
+  refused_when_built(plane + "[solver]\nalgorithm = \"generic\"\nswitch = \"homogenised\"\nswitch_cells = [2, 2, 2]\n",
+                     {"solver.switch_cells:", "two integers for a packing in the plane", "met [2, 2, 2]"});
   refused_when_built(
       plane + "[[boundary]]\nname = \"d\"\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 1, 0]\nradius = 9\n",
       {"boundary 'd':", "two components"});
