@@ -204,6 +204,8 @@ int run_solve(const SolveOptions& options, const Context& context) {
   const bool impossible = verdict && proves_impossible(*verdict, converged, solution.state.driven_residual);
   print_problem(file, local);
   print_solution(solution, impossible, solver.tolerance, duration);
+  if (const double size = guess.norm(); size > 0)
+    fmt::print("distance from guess  {:.3e} (|r - r_guess| / |r_guess|)\n", (solution.impulses - guess).norm() / size);
   print_trouble(local, solution);
   if (verdict)
     print_verdict(*verdict);

@@ -60,13 +60,16 @@ TEST_CASE_FIXTURE(Session, "solve: not converged is exit code 1, and a guess to 
   const FclibFile some = fclib_from_hdf5(read("some.hdf5"), "some.hdf5");
   CHECK_FALSE(some.solution);
   CHECK(some.guesses.size() == 1);
-  const std::string rest = answer(
-      "solve some.hdf5 --guess 1 --tolerance 1e-8 -o done.hdf5 --order reverse "
-      "--relaxation 0.9");
+  const std::string rest =
+      answer("solve some.hdf5 --guess 1 --tolerance 1e-8 -o done.hdf5 --order reverse --relaxation 0.9");
   CHECK(value(rest, "status") == "converged");
+  const Vector r = fclib_from_hdf5(read("done.hdf5"), "").solution->r, before = some.guesses[0].r;
+  CHECK(std::stod(value(rest, "distance from guess")) ==
+        doctest::Approx((r - before).norm() / before.norm()).epsilon(1e-3));
   for (const std::string& order : all_names<SweepOrder>())
     CHECK(value(answer("solve p.hdf5 --solver nlgs --threads 2 --order " + order), "status") == "converged");
-  CHECK(value(answer("solve some.hdf5 --guess 1 --tolerance 1"), "sweeps") == "0");
+  const std::string none = answer("solve some.hdf5 --guess 1 --tolerance 1");
+  CHECK((value(none, "sweeps") == "0" && value(none, "distance from guess") == "0.000e+00"));
   const std::string curve = answer("solve p.hdf5 --solver continuation --tolerance 1e-10 --convergence p.csv");
   CHECK(value(curve, "status") == "converged");
   CHECK(value(curve, "sweeps") == "0");
