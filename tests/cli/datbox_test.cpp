@@ -229,7 +229,7 @@ TEST_CASE_FIXTURE(Session, "export --lmgc90: the folder reads back to the case t
 
 TEST_CASE_FIXTURE(Session, "export --lmgc90: no DATBOX is written of what would be another case, with a note") {
   check_no_datbox(*this, replaced(box_case(), "friction = 0.3", "law = \"cohesive\"\ncohesion = 1.0\nfriction = 0.3"),
-                  "interaction.law: expected coulomb or frictionless, met cohesive");
+                  "interaction.law: expected cohesive with the condition on the gap and a cohesion_range");
   check_no_datbox(
       *this,
       replaced(replaced(box_case(), "[[0, 0, 0, 0], [0.02, -0.05, 0, 0]]", "[[0, 0, 0, 0], [0.02, -0.05, 0, 0.1]]"),
@@ -381,7 +381,7 @@ TEST_CASE_FIXTURE(Session, "export --lmgc90: what of spheres LMGC90 would comput
       *this, replaced(spheres, "spin = [0, 0.1, 0]", "motion = [[0, 0, 0, 0, 0, 0.1, 0], [1, 0, 0, 0, 0, 0, 0.1]]"),
       "boundary 'left': expected a wall that turns about one axis");
   check_no_datbox(*this, replaced(spheres, "friction = 0.3", "law = \"cohesive\"\ncohesion = 1.0\nfriction = 0.3"),
-                  "interaction.law: expected coulomb or frictionless, met cohesive");
+                  "interaction.law: expected cohesive with the condition on the gap and a cohesion_range");
 }
 
 TEST_CASE_FIXTURE(Session, "DATBOX: what is not modelled is refused with its file and line") {

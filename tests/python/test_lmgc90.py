@@ -122,6 +122,29 @@ def by_bodies(step):
     return {(a, b): impulse for a, b, impulse in zip(step.contact_a, step.contact_b, step.impulse)}
 
 
+WET = 'law = "cohesive"\ncohesion = 3\ncohesion_range = 0.02\nfriction = '
+
+
+@pytest.mark.parametrize("case, packing", [(PLANE, DISKS), (SPACE, SPHERES)], ids=["plane", "space"])
+@pytest.mark.parametrize("cohesion_range", [0.02, 0.03])
+def test_a_folder_has_the_cohesion_of_its_run(tmp_path, case, packing, cohesion_range):
+    (tmp_path / ("disks.csv" if case is PLANE else "spheres.csv")).write_text(packing)
+    text = case.replace("friction = ", WET.replace("0.02", str(cohesion_range)), 1)
+    (tmp_path / "case.toml").write_text(text.replace("velocity = [0.1", "velocity = [-0.1"))  # drawn out
+    call("simulate", tmp_path / "case.toml", "-o", tmp_path / "run.h5")
+    call("export", tmp_path / "run.h5", "--lmgc90", tmp_path / "out", "--steps", 20)
+    law = (tmp_path / "out/DATBOX/TACT_BEHAV.DAT").read_text()
+    assert "IQS_WET_DS_CLB" in law and "cohn= 0.3000000D+01  coht= 0.0000000D+00\n" in law
+    tight = [f"solver.{key}" for key in ("algorithm=nlgs", "criterion=natural_map", "tolerance=1e-10")]
+    call("simulate", tmp_path / "out", "-o", tmp_path / "back.h5", "--steps", 20, "--set=dynamics.step=0.002",
+         "--set=dynamics.boundary_instant=middle", *[f"--set={setting}" for setting in tight])
+    with h5py.File(tmp_path / "run.h5") as run, h5py.File(tmp_path / "back.h5") as back:
+        for name in ("x", "y"):
+            expected, met = run["steps"][name][-1], back["steps"][name][-1]
+            np.testing.assert_allclose(np.sort(met), np.sort(expected), atol=1e-5)
+        assert any(step < 0 for step in run["last/contacts/impulse_n"][:])
+
+
 @pytest.mark.parametrize("case, packing", [(PLANE, ("disks.csv", DISKS)), (SPACE, ("spheres.csv", SPHERES))],
                          ids=["plane", "space"])
 def test_a_folder_starts_with_the_forces_of_its_last_step(tmp_path, case, packing):

@@ -40,6 +40,11 @@ std::string law_text(const char* name, const Dynamics& dynamics, bool at_boundar
   const bool two = at_rest != friction;
   const std::string frictions =
       two ? datbox_named({{"dfrc=", friction}, {"sfrc=", at_rest}}) : datbox_named({{"fric=", friction}});
+  if (to_string(interaction.law) == Cohesive::name)
+    return fmt::format("$behav  lawty\n {}  {:30}{}\n{:38}{}\n{:38}{}\n\n", name, "IQS_WET_DS_CLB",
+                       datbox_named({{"cohn=", interaction.cohesion}, {"coht=", 0}}), "",
+                       datbox_named({{"Weth=", interaction.cohesion_range}}), "",
+                       datbox_named({{"dfrc=", friction}, {"sfrc=", at_rest}}));
   const bool removes_overlaps = dynamics.time.penetration_correction == 1 && dynamics.time.maximum_push_speed >= 1e9;
   if (interaction.on_velocity())
     return fmt::format(
@@ -52,8 +57,11 @@ std::string law_text(const char* name, const Dynamics& dynamics, bool at_boundar
 
 // Why LMGC90 has no such law; empty if it has one.
 std::string without_law(const Interaction& interaction) {
-  if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
-    return fmt::format("interaction.law: expected coulomb or frictionless, met {}", law);
+  const auto law = to_string(interaction.law);
+  if (law == Cohesive::name && (interaction.on_velocity() || interaction.cohesion_range < 0))
+    return "interaction.law: expected cohesive with the condition on the gap and a cohesion_range, as IQS_WET_DS_CLB";
+  if (law != Coulomb::name && law != Frictionless::name && law != Cohesive::name)
+    return fmt::format("interaction.law: expected coulomb, frictionless or cohesive, met {}", law);
   if (!interaction.on_velocity() && interaction.tangential_restitution != 0)
     return "interaction.tangential_restitution: expected 0 with the condition on the gap, as IQS_CLB has it";
   return {};
