@@ -2,49 +2,35 @@
 // nscdd coarse: numbers of an independent program (SciPy), refusals, and tables that go on.
 #include "session.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
+#include <map>
 
 using namespace nscdd::testing;
 
-namespace {
-
-// Fewest GenEO vectors for kappa <= 30 and 100, by scaling and epsilon, of networks in 4 x 4 subdomains.
-struct Reference {
-  std::string line, scaling;
-  double epsilon, modes_30, modes_100, any_30, any_100, safe;  // safe: below the threshold
-};
-
-}  // namespace
-
 TEST_CASE_FIXTURE(Session, "coarse: vectors of GenEO, ranks and bounds are those of an independent program") {
-  const std::string deposit = "coarse deposit --set packing.grains=2000 --set packing.seed=3",
-                    lattice = "coarse hexagonal --set packing.columns=50 --set packing.rows=40",
-                    vacant =
-                        "coarse hexagonal --set packing.columns=50 --set packing.rows=50 "
-                        "--set packing.vacancies=0.2 --set packing.seed=1";
-  const std::vector<Reference> references{{deposit, "multiplicity", 1e-6, 391, 381, 135, 115, 442},
-                                          {deposit, "multiplicity", 1e-3, 169, 117, 117, 79, 314},
-                                          {deposit, "deluxe", 1e-6, 199, 176, 165, 153, 230},
-                                          {deposit, "deluxe", 1e-3, 27, 9, 23, 8, 85},
-                                          {lattice, "multiplicity", 1e-6, 118, 116, 117, 116, 177},
-                                          {lattice, "deluxe", 1e-4, 37, 26, 35, 21, 50},
-                                          {vacant, "deluxe", 1e-6, 56, 56, 55, 54, 65},
-                                          {vacant, "deluxe", 1e-3, 11, 6, 11, 6, 42}};
-  for (const Reference& one : references) {
-    INFO("line = ", one.line, ", epsilon = ", one.epsilon);
-    const CsvTable table = read_table(answer(one.line + " --subdomains 4x4 --coarse-space geneo --scaling " +
-                                             one.scaling + fmt::format(" --epsilon {}W --csv -", one.epsilon)));
-    REQUIRE(table.rows.size() == 1);
-    CHECK((table.number(0, "modes_30") == one.modes_30 && table.number(0, "modes_100") == one.modes_100));
-    CHECK(table.number(0, "kappa") <= table.number(0, "bound"));
-    CHECK(table.text(0, "certified") == "true");
-    CHECK((table.number(0, "any_30") == one.any_30 && table.number(0, "any_100") == one.any_100));
-    CHECK(table.number(0, "modes") == one.safe);  // of 491 dependent ones all 442 of the interface
-    CHECK(table.number(0, "rank_x0") + table.number(0, "self_stresses") == table.number(0, "interface_dofs"));
-    CHECK(table.number(0, "rank_x0") == (one.line == deposit ? 454 : one.line == lattice ? 118 : 230));
-    if (one.scaling == "deluxe") CHECK(std::abs(table.number(0, "predicted") - table.number(0, "iterations")) <= 2);
+  const std::map<std::string, std::string> networks{
+      {"deposit", "deposit --set packing.grains=2000 --set packing.seed=3"},
+      {"lattice", "hexagonal --set packing.columns=50 --set packing.rows=40"},
+      {"vacant",
+       "hexagonal --set packing.columns=50 --set packing.rows=50 --set packing.vacancies=0.2 --set packing.seed=1"}};
+  const CsvTable references = read_table(read_file(source_folder() / "tests/oracle/coarse_modes.csv"));
+  REQUIRE(references.rows.size() == 24);
+  for (std::size_t k = 0; k < references.rows.size(); k += 4) {
+    const std::string network = references.text(k, "network"), scaling = references.text(k, "scaling");
+    const CsvTable found =
+        table("coarse " + networks.at(network) + " --subdomains 4x4 --coarse-space geneo --scaling " + scaling +
+              " --epsilon 1e-6W,1e-4W,1e-3W,1e-2W");
+    for (std::size_t row = 0; row < 4; ++row) {
+      INFO(network, " ", scaling, " ", row);
+      CHECK(found.number(row, "epsilon_relative") == doctest::Approx(references.number(k + row, "epsilon_over_w")));
+      for (const char* column : {"rank_x0", "modes_30", "modes_100", "any_30", "any_100"})
+        CHECK(found.number(row, column) == references.number(k + row, column));
+      const double primal = found.number(row, "primal_dofs");  // below the threshold may be more vectors, dependent
+      CHECK(found.number(row, "modes") == std::min(references.number(k + row, "safe"), primal));
+      CHECK(found.number(row, "rank_x0") + found.number(row, "self_stresses") == found.number(row, "interface_dofs"));
+      CHECK((found.number(row, "kappa") <= found.number(row, "bound") && found.text(row, "certified") == "true"));
+      CHECK(std::abs(found.number(row, "predicted") - found.number(row, "iterations")) <= 2);
+    }
   }
 }
 
@@ -82,7 +68,24 @@ TEST_CASE_FIXTURE(Session, "coarse: X and X_eta are those of the sweep, and coun
     CHECK(std::abs(1 - at(table, row, "eigenvalue_high") - at(sweep, of_sweep, "eigenvalue_min")) < 1e-9);
   }
   CHECK(contains(answer("coarse disks4 --counts"), "rank of X_0         4"));
+  // Factors of few disks are dense: those of 5, 5 and 8.
+  const CsvTable counts = this->table("coarse disks8 --counts --epsilon 1");
+  CHECK((counts.number(0, "local_entries") == 2 * 55 && counts.number(0, "undivided_entries") == 136));
+  CHECK(counts.number(0, "local_flops") == doctest::Approx(2 * 1000. / 3));
+  CHECK(counts.number(0, "undivided_flops") == doctest::Approx(4096. / 3));
   ended(2, line + "--csv whole.csv", {"whole.csv", "--force"});
+}
+
+TEST_CASE_FIXTURE(Session, "coarse: a threshold is that of a wanted condition number, and its vectors are coupled") {
+  const std::string line = "coarse hexagonal --subdomains 3x3 --epsilon 1e-3W --scaling deluxe --coarse-space geneo ";
+  const CsvTable wanted = table(line + "--kappa 10");
+  const std::string threshold = wanted.text(0, "threshold");
+  CHECK(table(line + "--threshold " + threshold).rows == wanted.rows);
+  CHECK((wanted.number(0, "bound") == doctest::Approx(10) && wanted.number(0, "kappa") < 10));
+  const double modes = wanted.number(0, "modes");
+  CHECK((modes > 2 && wanted.number(0, "coarse_entries") == modes * (modes + 1) / 2));
+  const CsvTable fewer = table(line + "--threshold 0.3");
+  CHECK((fewer.number(0, "modes") < modes && fewer.number(0, "bound") > 10));
 }
 
 TEST_CASE_FIXTURE(Session, "coarse: active contacts, and subdomains in pieces") {
@@ -96,6 +99,10 @@ TEST_CASE_FIXTURE(Session, "coarse: active contacts, and subdomains in pieces") 
   file("pieces.csv", "x,y,radius,mass\n0,0,0.5,1\n1,0,0.5,1\n2,0,0.5,1\n0,5,0.5,1\n1,5,0.5,1\n2,5,0.5,1\n");
   const CsvTable pieces = read_table(answer("coarse pieces.csv --subdomains 2x1 --coarse-space rigid,geneo --csv -"));
   for (std::size_t row = 0; row < pieces.rows.size(); ++row) CHECK(pieces.text(row, "converged") == "true");
+  // W = [2 -1; -1 2] of each piece, D = 2: 1 +- 1/3 at epsilon = 1.
+  const CsvTable halves =
+      table("sweep pieces.csv --subdomains 2x1 --scheme schwarz --relaxation 0.9 --epsilon 1 --eigenvalues 2");
+  CHECK((halves.number(0, "spectral_radius") == doctest::Approx(0.4) && halves.number(0, "low_multiplicity") == 2));
 }
 
 TEST_CASE_FIXTURE(MovingSession, "coarse: frozen contacts of a step with friction") {

@@ -121,6 +121,7 @@ def same_tables(_folder):
                                       "--curve", "1e-1", "--csv", "-"],
         "by SLEPc": ["sweep", *BED, "--epsilon", "1e-3,1", "--eta", "inf,0.3", "--solver", "slepc", "--csv", "-"],
         "optimum": ["optimum", *BED, "--epsilon", "1e-3", "--contacts", "all", "--csv", "-"],
+        "optimum of schwarz": ["optimum", *BED, "--scheme", "schwarz", "--epsilon", "1e-3", "--csv", "-"],
     }
     for name, arguments in work.items():
         code, expected, err = run(0, *["shift-invert" if word == "slepc" else word for word in arguments])

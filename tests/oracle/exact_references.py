@@ -55,6 +55,7 @@ from dataclasses import dataclass
 from decimal import Context, Decimal, InvalidOperation
 from fractions import Fraction
 from functools import reduce
+from pathlib import Path
 
 GRAIN_COUNTS = {"disks4": 4, "disks8": 8, "disks12": 12}
 PRINTED_DIGITS = 30
@@ -945,6 +946,10 @@ def self_test():
     for case, contacts, ranks in (("tetrahedra", 9, [6, 3]), ("octahedron", 12, [8, 4]),
                                   ("cube", 12, [5, 3, 3, 1]), ("fcc13", 36, [20, 16])):
         results += sphere_checks(case, packings[case], contacts, ranks)
+    kept = (Path(__file__).parent / "exact_schwarz.csv").read_text(encoding="utf-8")
+    made = io.StringIO()
+    write_table(schwarz_table(), made)
+    results.append(("exact_schwarz.csv is what this program writes", made.getvalue() == kept))
     for name, holds in results:
         print(f"{'ok    ' if holds else 'FAILED'}  {name}")
     failures = sum(not holds for _, holds in results)

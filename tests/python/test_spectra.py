@@ -257,6 +257,32 @@ def test_the_scheme_schwarz_is_block_jacobi_on_all_contacts():
         nscdd.contraction(parts, epsilon, 0.3, scheme="schwarz")
 
 
+@pytest.mark.parametrize("contacts", ["active", "unilateral"])
+def test_the_scheme_schwarz_on_chosen_contacts(contacts):
+    parts = nscdd.decompose(lattice(6, 5, 1), (2, 2), prescribed={0: (1, 0.5), -1: (-1, 0.25)})
+    kept = nscdd.chosen_contacts(parts, contacts)
+    assert 0 < np.count_nonzero(kept) < parts.contacts
+    h, mass = parts.H.toarray()[:, kept], parts.M.diagonal()
+    w = h.T @ (h / mass[:, None])
+    owner = np.empty(parts.contacts, int)
+    for e, one in enumerate(parts.subdomains):
+        owner[one.contacts] = e
+    owner = owner[kept]
+    epsilon = 0.2
+    unit = epsilon * np.eye(len(w))
+    values = scipy.linalg.eigh(w + unit, w * (owner[:, None] == owner) + unit, eigvals_only=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of relaxations
+        b = nscdd.contraction(parts, epsilon, scheme="schwarz", contacts=contacts)
+        swept = nscdd.sweep(parts, epsilon, scheme="schwarz", contacts=contacts)
+        curve = nscdd.curve(parts, (epsilon, 1), scheme="schwarz", contacts=contacts)
+    found = nscdd.spectral_radius(b, certify=True)
+    close([found.eigenvalue_min, found.eigenvalue_max], 1 - values[[-1, 0]])
+    close([swept["spectral_radius"][0], curve["spectral_radius"][0]], [found.value] * 2)
+    best = nscdd.optimum(parts, epsilon, scheme="schwarz", **({} if contacts == "active" else {"contacts": contacts}))
+    close(best["best_relaxation"], 2 / (values[0] + values[-1]))
+
+
 @pytest.mark.parametrize("relaxation", [1, 0.45])
 @pytest.mark.parametrize("solver, tolerance", [("dense", 1e-3), ("shift-invert", 1e-2)])
 def test_curves_of_schwarz_hold_between_their_points(relaxation, solver, tolerance):
