@@ -120,6 +120,18 @@ def test_number_that_begins_before_its_columns_is_refused(tmp_path):
     first_body(tmp_path, 1)
 
 
+def test_what_rigid_bodies_do_not_need_is_read_over(tmp_path):
+    """Tabs behind numbers, text behind the end of a body and of the file, D exponents and E, thermal data of a material."""
+    end = "$$$$$$\n"
+    bodies = BODIES.replace("0.5000000D+00\n", "0.5000000E+00\t\t! radius\n").replace(end, "$$$$$$ of a body\n", 1)
+    thermal = BULK.replace("RIGID       ", "THERMO_RIGID") + 29 * " " + "anis:  isotropic\n" + 29 * " " + "spco:  field\n"
+    on_a_plank(tmp_path, BODIES=bodies, DRV_DOF=DRIVEN + "\t this is no body\n")
+    assert first_body(tmp_path) == pytest.approx([0, -0.4, 0], abs=1e-6)
+    on_a_plank(tmp_path, BULK_BEHAV=thermal)
+    assert "BULK_BEHAV.DAT: of THERMO_RIGID 'plexx' only the density is used" in run(
+        tmp_path, "simulate", "DATBOX", "--set", "dynamics.step=0.005", "--steps", "2", "-o", "t.h5")[1]
+
+
 def test_what_bodies_see_each_other(tmp_path):
     turned = SEE.replace("BLEUx", "OTHER").replace("VERTx", "BLEUx").replace("OTHER", "VERTx")
     on_a_plank(tmp_path, TACT_BEHAV=LAW + turned)

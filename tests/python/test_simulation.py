@@ -382,6 +382,125 @@ initial_spin = 4
     np.testing.assert_allclose(run.packing.mass, [1.5, 1.5], rtol=1e-14)
 
 
+@pytest.mark.parametrize("radius", [0.5, 0.35])
+def test_the_ends_of_two_planks_hold_a_disk_or_let_it_through(tmp_path, radius):
+    """A hopper: round ends of radius 0.1 at x = -0.4 and 0.4. Both carry m g / (2 cos beta), or the opening is wider."""
+    height = np.sqrt(0.6**2 - 0.4**2)
+    text = FALL.replace("radius = 0.5", f"radius = {radius}").replace('"coulomb"', '"frictionless"')
+    for name, ends in (("left", (-3, -0.4)), ("right", (0.4, 3))):
+        text += f"""[[boundary]]
+name = "{name}"
+shape = "plank"
+from = [{ends[0]}, {-height!r}]
+to = [{ends[1]}, {-height!r}]
+radius = 0.1
+"""
+    (tmp_path / "hopper.toml").write_text(text)
+    run = nscdd.simulate(tmp_path / "hopper.toml", settings={"dynamics.steps": 20})
+    if radius < 0.4:  # it hangs between the ends, and the upper half has passed
+        assert len(run.last.impulse_n) == 0 and run.last.y[0] == pytest.approx(-5 * 0.2**2, abs=1e-12)
+    else:
+        np.testing.assert_allclose(run.last.impulse_n, 2 * [0.1 / (2 * height / 0.6)], rtol=1e-6)
+        assert abs(run.last.y[0]) < 1e-7
+
+
+def clumps_that_meet(seed, friction):
+    """Two bodies of three spheres each, with any masses and moments of inertia, that fly towards each other and turn."""
+    random = np.random.default_rng(seed)
+    text = f"""[packing]
+file = "c.csv"
+[masses]
+density = 1
+[partition]
+grid = [1, 1]
+[interaction]
+friction = {friction}
+[dynamics]
+step = 2e-4
+steps = 400
+gravity = [0, 0, 0]
+[solver]
+tolerance = 1e-12
+"""
+    spheres, bodies = [], []
+    for k, side in enumerate((-1, 1)):
+        shape = random.uniform(-0.3, 0.3, (3, 3))
+        centre = np.array([0.72 * side, 0, 0])
+        spheres += [(*(centre + one), random.uniform(0.3, 0.4)) for one in shape]
+        axes = Rotation.random(random_state=int(random.integers(1000)))
+        body = {"centre": centre, "mass": random.uniform(1, 4), "inertia": random.uniform(0.5, 1, 3), "axes": axes,
+                "velocity": np.array([-6.0 * side, *random.uniform(-1, 1, 2)]), "spin": random.uniform(-3, 3, 3)}
+        bodies.append(body)
+        w = np.roll(axes.as_quat(), 1)
+        text += f"""[[boundary]]
+name = "{k}"
+shape = "grains"
+first = {3 * k}
+last = {3 * k + 2}
+free = ["x", "y", "z", "spin_x", "spin_y", "spin"]
+centre = {centre.tolist()}
+mass = {body["mass"]}
+inertia = {body["inertia"].tolist()}
+axes = {w.tolist()}
+initial_velocity = {body["velocity"].tolist()}
+initial_spin = {body["spin"].tolist()}
+"""
+    return text, "x,y,z,radius\n" + "".join(",".join(map(repr, map(float, one))) + "\n" for one in spheres), bodies
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("friction", [0, 0.4])
+def test_bodies_that_meet_in_space_keep_their_momenta(tmp_path, seed, friction):
+    """Momentum and moment of momentum of two bodies of any shape, before and after they meet; energy falls. Tangential
+    impulses act on both surfaces, up to the gap that closes within a step apart: 12 m/s x 2e-4 s."""
+    text, packing, bodies = clumps_that_meet(seed, friction)
+    (tmp_path / "c.toml").write_text(text)
+    (tmp_path / "c.csv").write_text(packing)
+
+    def sums(poses, velocities):
+        momentum, moment, energy = np.zeros(3), np.zeros(3), 0
+        for body, pose, v in zip(bodies, poses, velocities):
+            frame = (Rotation.from_quat(np.roll(pose[3:], -1)) * body["axes"]).as_matrix()
+            spin = frame @ np.diag(body["inertia"]) @ frame.T @ v[3:]
+            momentum += body["mass"] * v[:3]
+            moment += np.cross(pose[:3], body["mass"] * v[:3]) + spin
+            energy += (body["mass"] * v[:3] @ v[:3] + v[3:] @ spin) / 2
+        return momentum, moment, energy
+
+    steps = []
+    run = nscdd.simulate(tmp_path / "c.toml", callback=steps.append)
+    assert sum(np.abs(step.impulse).max(initial=0) > 0.1 for step in steps) > 0
+    before, after = (sums(step.body_poses, step.body_velocities) for step in (steps[0], run.last))
+    scale = sum(body["mass"] * 6 for body in bodies)
+    np.testing.assert_allclose(after[0], before[0], atol=1e-10 * scale)
+    np.testing.assert_allclose(after[1], before[1], atol=(friction * 12 * 2e-4 + 1e-10) * scale)
+    assert after[2] < before[2] * (1 - 1e-3)  # inelastic
+
+
+def test_bodies_have_the_same_bits_in_any_number_of_threads(tmp_path):
+    text = FALL.replace('generator = "strip"\ngrains = 1\nradius = 0.5', 'generator = "deposit"\ngrains = 300')
+    for before, after in ("[1, 1]", "[2, 2]"), ("[-5.0, -2.0]", "[-5.0, 0]"), ("[5.0, -2.0]", "[5.0, 0]"):
+        text = text.replace(before, after)
+    for first in (10, 120, 200):
+        text += f"""[[boundary]]
+name = "{first}"
+shape = "grains"
+first = {first}
+last = {first + 2}
+free = ["x", "y", "spin"]
+centre = [{first / 100}, 2]
+mass = 3
+inertia = 2
+"""
+    (tmp_path / "t.toml").write_text(text)
+    for algorithm in ("generic", "enriched", "schwarz"):
+        settings = {"dynamics.steps": 3, "solver.algorithm": algorithm, "solver.maximum_iterations": 50}
+        one, two = (nscdd.simulate(tmp_path / "t.toml", settings=settings, threads=n).last for n in (1, 2))
+        for name in ("x", "y", "spin", "body_velocities", "impulse_n", "impulse_t"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
+        assert len(one.impulse_n) > 300
+
+
 def test_grains_of_a_body_that_is_driven_along_some_direction_are_not_in_the_packing(tmp_path):
     (tmp_path / "p.toml").write_text(FALL.replace("grains = 1", "grains = 3") + """[[boundary]]
 name = "piston"
