@@ -5,6 +5,7 @@
 usage: benchmarks/granular_speed.py [--program build/release/nscdd] [--grains 1000,10000,100000] [--siconos PROGRAM]
        benchmarks/granular_speed.py --space [--program build/release/nscdd] [--grains 1000,10000,100000]
                                             [--siconos PROGRAM]
+       benchmarks/granular_speed.py --against PROGRAM [--program build/release/nscdd] [--grains 100000] [--turns 5]
 
 Four tables, with --space the first two of spheres:
   sweeps     ns per contact and sweep on one core, and the whole step of 100 sweeps (detection and set-up included)
@@ -17,6 +18,10 @@ Four tables, with --space the first two of spheres:
              With --space: ns per contact and sweep of nscdd simulate and of Siconos' fc3d_nsgs (Newton's steps for
              one contact) on lattices of up to 10 000 spheres, in the natural order; peers/siconos_fc3d.c. After as many
              sweeps both must have the same impulses. W is formed for Siconos alone.
+
+With --against another build of nscdd does the same work, in turns: sweeps on one thread (natural order of disks,
+interleaved order of disks and of fcc spheres) and Algorithm 1 on two. Ratios are those of each turn, of solving alone;
+the impulses of both must agree to 1e-10.
 
 Deposits come from the program's own generator (drop and roll; 100 000 grains have some 200 000 contacts), with friction
 0.3; in space there are fcc lattices, too, as many layers as columns and rows, with six contacts per sphere. Times are
@@ -253,6 +258,29 @@ def algorithm(program, folder, grains, case_of=plane_case, iterations=200, turns
     print(f"{'':>8} ratio {min(times[1]) / min(times[2]):.2f}", flush=True)
 
 
+def against(programs, folder, sizes, turns):
+    """The time of the first program over that of the second, turn by turn."""
+    print("against: time of each turn over that of the other build")
+    print(f"{'grains':>8} {'work':>22} {'least':>7} {'median':>7} {'most':>7} {'ns/contact/sweep':>17} {'other':>7}")
+    for grains in sizes:
+        for work, case_of, name, iterations, threads, order in (
+                ("sweeps, natural", plane_case, "nlgs", 100, 1, "natural"),
+                ("sweeps, interleaved", plane_case, "nlgs", 100, 1, "interleaved"),
+                ("sweeps of spheres", lattice_case, "nlgs", 60, 1, "interleaved"),
+                ("algorithm 1", plane_case, "generic", 100, 2, "interleaved")):
+            times = []
+            for _ in range(turns):
+                runs = [simulate(program, folder, case_of, grains, name, iterations, threads, order, 3)
+                        for program in programs]
+                if np.abs(runs[0]["impulses"] / runs[1]["impulses"] - 1).max() > 1e-10:
+                    raise SystemExit(f"against: expected equal impulses, met {[run['impulses'] for run in runs]}")
+                times.append([(1e9 * run["solve_seconds"] / run["contacts"] / run["sweeps"]).min() for run in runs])
+            ratios = [own / other for own, other in times]
+            own, other = map(statistics.median, zip(*times))
+            print(f"{grains:>8} {work:>22} {min(ratios):>7.3f} {statistics.median(ratios):>7.3f} {max(ratios):>7.3f} "
+                  f"{own:>17.2f} {other:>7.2f}", flush=True)
+
+
 def memory(program, folder, sizes):
     print("memory: peak resident set of nscdd simulate, 3 steps, trajectory included")
     readings = []
@@ -363,9 +391,13 @@ def main():
     parser.add_argument("--space", action="store_true", help="spheres instead of disks")
     parser.add_argument("--siconos", metavar="PROGRAM",
                         help="compiled benchmarks/peers/siconos_fc2d.c, with --space siconos_fc3d.c")
+    parser.add_argument("--against", metavar="PROGRAM", help="another build of nscdd, before a change")
+    parser.add_argument("--turns", type=int, default=5, help="of --against")
     options = parser.parse_args()
     sizes = [int(n) for n in options.grains.split(",")]
     with tempfile.TemporaryDirectory() as folder:
+        if options.against:
+            return against((options.program, options.against), folder, sizes, options.turns)
         if options.space:
             for name, case_of in (("fcc lattice", lattice_case), ("sphere_deposit", deposit_case)):
                 print(name)
