@@ -44,12 +44,18 @@ def test_velocities_are_those_of_stage_one():
     np.testing.assert_allclose(parts.A @ np.concatenate([v.ravel() for v in found.velocities]), found.jumps, atol=1e-12)
 
 
-def test_tables_are_those_of_the_program(tmp_path):
+@pytest.mark.parametrize("options", [{"eta": 1.0}, {"eta": 1.0, "contacts": "active"}, {"scheme": "schwarz"},
+                                     {"scheme": "schwarz", "contacts": "active"}], ids=str)
+@pytest.mark.filterwarnings("ignore:.*share a body")
+def test_tables_are_those_of_the_program(tmp_path, options):
     packing = lattice(7, 6, 3, missing=0.1)
-    b = nscdd.contraction(nscdd.decompose(packing, (2, 2)), 0.1, 1.0)
-    found = nscdd.mode(b)
-    program_table(tmp_path, packing, "modes", "--subdomains", "2x2", "--epsilon", "0.1", "--eta", "1", "--output",
-                  str(tmp_path / "slow"), table=False)
+    prescribed = {0: (1, 0.5), -1: (-1, 0.25)}
+    parts = nscdd.decompose(packing, (2, 2), prescribed=prescribed)
+    assert 0 < np.count_nonzero(nscdd.chosen_contacts(parts, "active")) < parts.contacts
+    found = nscdd.mode(nscdd.contraction(parts, 0.1, **options))
+    program_table(tmp_path, packing, "modes", "--subdomains", "2x2", "--epsilon", "0.1", "--output",
+                  str(tmp_path / "slow"), *(f"--prescribed={grain}:{x}:{y}" for grain, (x, y) in prescribed.items()),
+                  *(f"--{key}={value}" for key, value in options.items()), table=False)
     for name, table in (("impulses", found.impulse_table()), ("velocities", found.velocity_table())):
         lines = (tmp_path / f"slow-{name}.csv").read_text().splitlines()
         heading, rows = lines[0].split(","), [line.split(",") for line in lines[1:]]
