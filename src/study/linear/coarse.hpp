@@ -51,7 +51,7 @@ ResultColumns<CoarseResult> coarse_columns(bool relative);
 std::string_view name_of(const auto& word) { return word ? to_string(*word) : "none"; }
 
 /// Every method at every epsilon > 0 of the sweep, from row `first` on. Returns how many did not converge. Throws Error
-/// for an interface of one subdomain, for epsilon = 0, and if ends proved to 1e-6 do not keep a proved bound (an error of
+/// for an interface of one subdomain, for epsilon = 0, and if ends proved to 1e-6 violate a proved bound (an error of
 /// nscdd). Several ranks compute X, X_eta and bddc only, without factors of the undivided packing and of the interface.
 Index coarse_spaces(const Model& model, const SweepParameters& sweep, const CoarseParameters& parameters,
                     const Sink<CoarseResult>& sink, const Monitor& monitor = {}, Index first = 0);
