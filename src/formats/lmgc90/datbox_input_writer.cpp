@@ -60,8 +60,7 @@ std::string without_law(const Interaction& interaction) {
   const auto law = to_string(interaction.law);
   if (law == Cohesive::name && (interaction.on_velocity() || interaction.cohesion_range < 0))
     return "interaction.law: expected cohesive with the condition on the gap and a cohesion_range, as IQS_WET_DS_CLB";
-  if (law != Coulomb::name && law != Frictionless::name && law != Cohesive::name)
-    return fmt::format("interaction.law: expected coulomb, frictionless or cohesive, met {}", law);
+  if (law == LinearViscous::name) return "interaction.law: expected a law that opens, met linear_viscous";
   if (!interaction.on_velocity() && interaction.tangential_restitution != 0)
     return "interaction.tangential_restitution: expected 0 with the condition on the gap, as IQS_CLB has it";
   return {};
@@ -176,7 +175,8 @@ std::string DatboxWriter::without_datbox() const {
 }
 
 std::string DatboxWriter::tact() const {
-  const std::string alert = datbox_number(first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius));
+  const std::string alert = datbox_number(
+      std::max(alert_distance(first_.system, first_.dynamics.time), first_.dynamics.interaction.cohesion_range));
   const char* grain = space_ ? "SPHER" : "DISKx";
   std::string text = "! File TACT_BEHAV\n\n" + law_text(datbox_law_of_grains, first_.dynamics, false) +
                      law_text(datbox_law_of_boundaries, first_.dynamics, true);

@@ -193,10 +193,12 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
   problem.friction.resize(count(contacts));
   file.points.resize(d, count(contacts));
   SparseEntries entries;
-  Vector impulses(d * count(contacts));
+  Vector impulses(d * count(contacts)), pulls = Vector::Zero(impulses.size());
   for (Index c = 0; c < count(contacts); ++c) {
     const DatboxContact& contact = contacts[at(c)];
     const DatboxLaw& law = law_named(datbox, contact.law, contact.place);
+    if (law.bond()) refuse(contact.place, "expected a contact that may open, met the bond {}", law.kind);
+    if (law.wet() && contact.gap <= law.range) pulls[d * c] = h * law.cohesion;
     problem.friction[c] = contact.slid ? law.friction : law.static_friction;
     impulses.segment(d * c, d) = h * contact.force.head(d);
     file.points.col(c) = contact.point.head(d);
@@ -210,10 +212,10 @@ FclibFile contact_problem_of(const Datbox& datbox, const DatboxNetwork& network,
   }
   problem.mass = diagonal_matrix(mass);
   problem.h = entries.matrix(rows, d * count(contacts));
-  problem.f = mass.cwiseProduct(free);
+  problem.f = mass.cwiseProduct(free) - problem.h * pulls;  // impulses are r + pull, which obey Coulomb's law
   check(problem, name);
   const Vector v = free + (problem.h * impulses).cwiseQuotient(mass);
-  file.guesses.push_back({v, problem.h.transpose() * v + problem.w, impulses});
+  file.guesses.push_back({v, problem.h.transpose() * v + problem.w, impulses + pulls});
   file.info.title = fmt::format("contacts of LMGC90 at step {}, time {} s; the next step with h = {} s{}", network.step,
                                 network.time, h, timed || network.h > 0 ? "" : ", the default");
   file.problem = std::move(problem);
