@@ -62,8 +62,7 @@ void print_problem(const FclibFile& file, const LocalFrictionProblem& local) {
 void print_solution(const FrictionSolution& solution, bool impossible, double tolerance, double duration) {
   const FrictionState& state = solution.state;
   fmt::print("status               {}\n", impossible ? "impossible" : to_string(solution.status));
-  fmt::print("sweeps               {}\n", solution.sweeps);
-  fmt::print("factorisations       {}\n", solution.factorisations);
+  fmt::print("sweeps               {}\nfactorisations       {}\n", solution.sweeps, solution.factorisations);
   fmt::print("residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
              state.residual, field_text(tolerance));
   fmt::print("  over what drives   {:.3e} (the same natural map, relative to max(|r^1|, p), before impulses act)\n",
@@ -71,10 +70,8 @@ void print_solution(const FrictionSolution& solution, bool impossible, double to
   fmt::print(
       "residual of Siconos  {:.3e} (natural map, rho = 1, {})\n", state.siconos_residual,
       state.siconos_relative ? "relative to the largest of r, u and q" : "absolute: r, u and q are at most 2.2e-16");
-  fmt::print("open contacts        {}\n", state.open);
-  fmt::print("sticking contacts    {}\n", state.stick);
-  fmt::print("sliding contacts     {}\n", state.slide);
-  fmt::print("seconds              {:.3g}\n", duration);
+  fmt::print("open contacts        {}\nsticking contacts    {}\nsliding contacts     {}\nseconds              {:.3g}\n",
+             state.open, state.stick, state.slide, duration);
 }
 
 // A relative residual may be small because impulses grow without bound, as they do if there is no solution.
@@ -204,8 +201,8 @@ int run_solve(const SolveOptions& options, const Context& context) {
   const bool impossible = verdict && proves_impossible(*verdict, converged, solution.state.driven_residual);
   print_problem(file, local);
   print_solution(solution, impossible, solver.tolerance, duration);
-  if (const double size = guess.norm(); size > 0)
-    fmt::print("distance from guess  {:.3e} (|r - r_guess| / |r_guess|)\n", (solution.impulses - guess).norm() / size);
+  const double distance = guess.size() > 0 ? (solution.impulses - guess).norm() / guess.norm() : infinity;
+  if (std::isfinite(distance)) fmt::print("distance from guess  {:.3e} (|r - r_guess| / |r_guess|)\n", distance);
   print_trouble(local, solution);
   if (verdict)
     print_verdict(*verdict);

@@ -222,11 +222,10 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   if (const auto& gravity = one.spec.dynamics->time.gravity;
       one.spec.places.contains("dynamics.gravity") || gravity != TimeStepping().gravity)
     require_components(gravity, packing.dimension(), "dynamics.gravity");
-  if (const StepSolver& solver = one.spec.dynamics->solver; solver.model == SwitchedModel::homogenised) {
-    if (packing.dimension() == 3)
-      throw Error("solver.switch", "expected none or linear with spheres in space, met homogenised");
-    require_components(solver.switch_cells, 2, "solver.switch_cells");
-  }
+  const bool homogenised = one.spec.dynamics->solver.model == SwitchedModel::homogenised;
+  if (homogenised && packing.dimension() == 3)
+    throw Error("solver.switch", "expected none or linear with spheres in space, met homogenised");
+  if (homogenised) require_components(one.spec.dynamics->solver.switch_cells, 2, "solver.switch_cells");
   GranularScene start = scene(packing, *one.spec.dynamics, one.spec.contacts.period());
   set_moving(one, packing, start);
   const Index grains = packing.size();
