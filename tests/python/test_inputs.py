@@ -121,10 +121,10 @@ def test_number_that_begins_before_its_columns_is_refused(tmp_path):
 
 
 def test_what_rigid_bodies_do_not_need_is_read_over(tmp_path):
-    """Tabs behind numbers, text behind the end of a body and of the file, D exponents and E, thermal data of a material."""
+    """Tabs behind numbers, text behind the end of a body and of the file, exponents D and E, thermal data."""
     end = "$$$$$$\n"
     bodies = BODIES.replace("0.5000000D+00\n", "0.5000000E+00\t\t! radius\n").replace(end, "$$$$$$ of a body\n", 1)
-    thermal = BULK.replace("RIGID       ", "THERMO_RIGID") + 29 * " " + "anis:  isotropic\n" + 29 * " " + "spco:  field\n"
+    thermal = BULK.replace("RIGID       ", "THERMO_RIGID") + f"{'':29}anis:  isotropic\n{'':29}spco:  field\n"
     on_a_plank(tmp_path, BODIES=bodies, DRV_DOF=DRIVEN + "\t this is no body\n")
     assert first_body(tmp_path) == pytest.approx([0, -0.4, 0], abs=1e-6)
     on_a_plank(tmp_path, BULK_BEHAV=thermal)

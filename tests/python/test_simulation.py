@@ -384,7 +384,7 @@ initial_spin = 4
 
 @pytest.mark.parametrize("radius", [0.5, 0.35])
 def test_the_ends_of_two_planks_hold_a_disk_or_let_it_through(tmp_path, radius):
-    """A hopper: round ends of radius 0.1 at x = -0.4 and 0.4. Both carry m g / (2 cos beta), or the opening is wider."""
+    """A hopper with round ends of radius 0.1 at x = -0.4 and 0.4: both carry m g / (2 cos beta), or it is too wide."""
     height = np.sqrt(0.6**2 - 0.4**2)
     text = FALL.replace("radius = 0.5", f"radius = {radius}").replace('"coulomb"', '"frictionless"')
     for name, ends in (("left", (-3, -0.4)), ("right", (0.4, 3))):
@@ -405,7 +405,7 @@ radius = 0.1
 
 
 def clumps_that_meet(seed, friction):
-    """Two bodies of three spheres each, with any masses and moments of inertia, that fly towards each other and turn."""
+    """Two bodies of three spheres each, with any masses and moments of inertia, that turn and fly to each other."""
     random = np.random.default_rng(seed)
     text = f"""[packing]
 file = "c.csv"
